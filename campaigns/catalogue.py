@@ -52,6 +52,26 @@ class ReachEntry(Entry):
         return f"{self.times:g} times {' and '.join(self.of)}"
 
 
+class RateEntry(Entry):
+    """How fast an obstacle turns [rad/s]: within pi over the rate it turns by at most half a turn.
+
+    `times` the product of the magnitudes of the parameters that it is `of`, over those of `per`; on a path of straight
+    `legs`, pi times that product over the length of the shortest one.
+    """
+
+    of: list[str]
+    per: list[str] = []
+    times: float = 1.0
+    legs: list[str] = []
+    """The corners of the path, as the names of parameters before the axis."""
+    used: str = ""
+    """The parameter that states how many legs are used; empty: all."""
+
+    def __str__(self) -> str:
+        top = " times ".join([f"{self.times:g}", *self.of])
+        return f"{top} over {' and '.join(self.per or self.legs)}" if self.per or self.legs else top
+
+
 class ComponentEntry(Entry):
     """A component as a campaign names it. `starts` are the start states of a vehicle."""
 
@@ -92,6 +112,8 @@ class ComponentEntry(Entry):
     """The point of an obstacle to which a criterion measures distances; empty if it measures none."""
     reach: ReachEntry | None = None
     """The largest distance of a point inside an obstacle from its centre; None if the obstacle does not declare it."""
+    rate: RateEntry | None = None
+    """How fast an obstacle turns; None if it does not move, or does not declare it."""
     look: Annotated[ObstacleLook | VehicleLook | None, UNSTATED] = None
     """How an obstacle or a vehicle is drawn; omitted if not declared."""
     text: str

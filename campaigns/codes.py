@@ -25,6 +25,7 @@ class CheckCode(StrEnum):
     MOTION = "motion"
     AVOIDANCE = "avoidance"
     INFLUENCE = "influence"
+    SAMPLING = "sampling"
     DISTANCES = "distances"
     NOISE = "noise"
     EXCLUSIONS = "exclusions"

@@ -21,5 +21,9 @@ REPEATS = 10
 SAMPLE, SAMPLE_CLOSED_LOOP = 59, 300
 """The smallest independent sample that "cleared" rests on: without a violation it bounds P(violation) at 5 %, with a
 confidence of 95 %. Drawn where a campaign states none: so many of a simulator, and these of a closed loop (1 %)."""
+TURN = 0.7853981633974483
+"""pi/4: what turns further within a step can be at the same place at every sample."""
+CONTINUED = 2
+"""Flights are simulated on to this multiple of the horizon, to see whether an encounter lies beyond it."""
 DRAWS = 20
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""

@@ -59,6 +59,8 @@ ABOVE_NOISE = Limit(
 )
 EXCLUDED = Limit(0.1, "fraction of the draws, or of all evaluations, that may be excluded", CONVENTION)
 SAMPLE = Limit(limits.SAMPLE, "random samples, independent of every search", "bounds P(violation) at 5 %, at 95 %")
+TURN = Limit(limits.TURN, "angle by which an obstacle may turn within a step [rad]: pi/4", "aliasing")
+CONTINUED = Limit(limits.CONTINUED, "multiple of the horizon to which flights are simulated on", CONVENTION)
 DRAWS = Limit(limits.DRAWS, "draws for each requested sample, excluded ones included, at most", EFFORT)
 CEILING = Limit(0.05, "bound on P(violation) that a campaign without a target must meet", CONVENTION)
 CONFIDENCE = Limit(limits.CONFIDENCE, "confidence of the bounds", USUAL)
@@ -195,7 +197,9 @@ RULES = (
     Rule(
         CheckCode.CLOSEST_APPROACH,
         "Closest approach",
-        "The closest approach of the nominal case and of every finding is inside the horizon.",
+        "The closest approach of the nominal case and of every finding is inside the horizon, and neither they nor any "
+        f"flight of the independent sample come closer than any evaluation when simulated on to {CONTINUED.value:g} "
+        "times the horizon and extrapolated from there.",
         ("validate",),
         RemedyKind.HORIZON,
         "The closest approach may be at the start or at the end of the horizon.",
@@ -219,6 +223,13 @@ RULES = (
         "Effect of the parameters",
         "The criterion varies over the evaluations, by more than the noise of a simulator.",
         intended="No uncertain parameter need change the criterion.",
+    ),
+    Rule(
+        CheckCode.SAMPLING,
+        "Motion of the obstacles",
+        "No obstacle turns by more than pi/4 within a step, for any values within the bounds, at the rate that its "
+        "component declares.",
+        remedy=RemedyKind.STEP,
     ),
     Rule(
         CheckCode.DISTANCES,

@@ -1,7 +1,7 @@
-"""The versions behind a run: code, compiled loop, packages, machine; and the differences between two of them.
+"""The versions behind a run: code, compiled loop, packages, machine.
 
 They cover everything outside the campaign that can change a number. They are stored when the first stage of a run
-begins; other versions can neither resume nor extend that run.
+begins; other versions can neither resume nor extend that run. `campaigns.identity` compares them.
 """
 
 from __future__ import annotations
@@ -15,9 +15,6 @@ from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE, Documented
 
 SHORT = 12
 """Digits of a digest in a message."""
-
-MOST = 3
-"""Modules named in a message."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +43,9 @@ class CodeParts(Documented):
     """By role and name: "vehicle unicycle"."""
     simulators: dict[str, str] = {}
     """Of other packages, by name."""
+    packages: Annotated[dict[str, str], UNLESS_EMPTY] = {}
+    """The versions of Python and of third-party packages that can change a number; not published by earlier
+    versions."""
 
 
 class Processor(Documented):
@@ -96,28 +96,6 @@ class Versions(Documented):
         return Versions.model_validate({**known, "cpu": cpu if isinstance(cpu, dict) else None})
 
 
-def differences(then: Versions, now: Versions, modules: list[str] | None = None) -> list[str]:
-    """The differences that may change a number, as clauses; fields that either did not store are not compared.
-
-    `modules` are those that differ, if known. The processor is not compared: a run may move between machines, and
-    every replayed evaluation is compared to the bit.
-    """
-    found = []
-    if then.code and now.code and then.code != now.code:
-        found.append(f"the code digest was {short(then.code)}, here it is {short(now.code)}{_named(modules or [])}")
-    if then.loop and now.loop and then.loop != now.loop:
-        found.append(f"the loop digest was {short(then.loop)}, here it is {short(now.loop)}")
-    found += [f"components/{name} has changed" for name in differing(then.components, now.components)]
-    if then.simulator and now.simulator and then.simulator != now.simulator:
-        found.append(f"the simulator digest was {short(then.simulator)}, here it is {short(now.simulator)}")
-    if then.python and now.python and then.python != now.python:
-        found.append(f"Python was {then.python}, here it is {now.python}")
-    for name, version in then.packages.items():
-        if name in now.packages and now.packages[name] != version:
-            found.append(f"{name} was {version}, here it is {now.packages[name]}")
-    return found
-
-
 def other_code(run: str, clauses: list[str]) -> str:
     """The message that refuses to resume a run."""
     return (
@@ -134,10 +112,3 @@ def differing(then: dict[str, str], now: dict[str, str]) -> list[str]:
 def short(digest: str) -> str:
     """The first digits of a digest, enough to distinguish it by eye."""
     return digest[:SHORT]
-
-
-def _named(modules: list[str]) -> str:
-    if not modules:
-        return ""
-    rest = len(modules) - MOST
-    return f" (modules: {', '.join(modules[:MOST])}{f' and {rest} more' if rest > 0 else ''})"

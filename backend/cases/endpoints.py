@@ -56,4 +56,5 @@ def _work(
         wanted = service.asked(reader, run, case)
     answer = service.evaluated(request.app.state.cases, wanted, case.rows)
     drawn = case.view if drew(viewer, answer, None, turn) else None
-    return service.response(wanted, answer, drawn, case.rows)
+    with read(engine) as reader:
+        return service.response(reader, wanted, answer, drawn, case.rows)

@@ -34,8 +34,6 @@ class CaseAnswer(FlightAnswer):
     """Time of this evaluation [s], in a process that had been started before."""
     untraced: str
     """Why there is no trace, although the simulator declares one; empty otherwise."""
-    changed: bool | None
-    """Whether the files of the simulator have changed since the run; null if that is not known."""
 
 
 class CaseInstalled(Schema):

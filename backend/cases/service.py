@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 
 from backend.cases.schemas import CaseAnswer, CaseInstalled, CaseRequest
-from backend.db.continuation import versions
 from backend.db.tables import Run
 from backend.flights import case as flights
 from backend.flights.case import Case
@@ -38,8 +37,6 @@ class Evaluable:
     case: Case
     simulator: str
     """The version of the simulator that the run needs; empty if it was not recorded."""
-    digest: str | None
-    """That of the simulator's files when the run evaluated it; None if it was not recorded."""
 
 
 def process() -> Live:
@@ -50,7 +47,7 @@ def asked(reader: sa.Connection, run: str, request: CaseRequest) -> Evaluable:
     """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
     found = _simulated(reader, number(run))
     wanted = flights.case(reader, number(run), found, request.like, request.parameters)
-    return Evaluable(wanted, _needs(reader, wanted.run_id), versions(reader, wanted.run_id).simulator)
+    return Evaluable(wanted, _needs(reader, wanted.run_id))
 
 
 def _simulated(reader: sa.Connection, run_id: int) -> Campaign:
@@ -99,12 +96,6 @@ def evaluated(live: Live, wanted: Evaluable, rows: int) -> CaseReply:
         raise RefusedError(503, "case-failed", text) from None
 
 
-def response(wanted: Evaluable, answer: CaseReply, drawn: str | None, rows: int) -> CaseAnswer:
-    plain = flights.response(wanted.case, answer, drawn, rows if answer["columns"] else 0)
-    known = wanted.digest is not None
-    return CaseAnswer(
-        **plain.model_dump(),
-        seconds=answer["seconds"],
-        untraced=answer["untraced"],
-        changed=answer["digest"] != wanted.digest if known else None,
-    )
+def response(reader: sa.Connection, wanted: Evaluable, answer: CaseReply, drawn: str | None, rows: int) -> CaseAnswer:
+    plain = flights.response(reader, wanted.case, answer, drawn, rows if answer["columns"] else 0)
+    return CaseAnswer(**plain.model_dump(), seconds=answer["seconds"], untraced=answer["untraced"])

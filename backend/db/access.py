@@ -18,6 +18,7 @@ import sqlalchemy as sa
 from backend.db import engine
 from backend.db.roles import ROLES, SCOPES, Role, Scope, has_scope, widest
 from backend.db.tables import LoginLink, Session, Token, User
+from campaigns.refusals import Refusal, RefusalCode
 
 LOCAL = "local"
 """The user of every login link: an administrator from the first start, because a link is made on the machine itself."""
@@ -44,7 +45,7 @@ _NAME = re.compile(r"[\w.+-]{1,64}")
 _OF_USER = (User.role, User.disabled, User.password.is_not(None).label("has_password"))
 
 
-class AccessError(ValueError):
+class AccessError(Refusal, ValueError):
     """A token cannot be created or revoked; the message gives the reason and what to do."""
 
 
@@ -116,9 +117,11 @@ def create_token(
         raise AccessError(f"the name {name!r} is invalid: use 1 to 64 letters, digits and . _ + -, no spaces")
     lower = name.lower()
     if connection.scalar(sa.select(Token.id).where(sa.func.lower(Token.name) == lower)) is not None:
-        raise AccessError(f"a token named {name!r} exists or existed; choose another name")
+        raise AccessError(f"a token named {name!r} exists or existed; choose another name", RefusalCode.NAME_TAKEN)
     if connection.scalar(sa.select(User.name).where(User.name == lower)) is not None:
-        raise AccessError(f"{name!r} is the name of a user; choose another name, such as {name[:60]}-ci")
+        raise AccessError(
+            f"{name!r} is the name of a user; choose another name, such as {name[:60]}-ci", RefusalCode.NAME_TAKEN
+        )
     role = connection.scalar(sa.select(User.role).where(User.name == owner, User.disabled.is_(None)))
     if role not in ROLES:
         raise AccessError(f"there is no active user {owner!r} to own the token")

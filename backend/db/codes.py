@@ -6,7 +6,7 @@ import sqlalchemy as sa
 
 from backend.db.engine import insert, now
 from backend.db.tables import CatalogueDocument, CodeVersion
-from campaigns.versions import Code, CodeParts
+from campaigns.versions import Code
 
 
 def store(writer: sa.Connection, code: Code) -> None:
@@ -17,12 +17,6 @@ def store(writer: sa.Connection, code: Code) -> None:
 def published(reader: sa.Connection) -> str | None:
     """The digest of all code of the newest worker; None if no worker has published one."""
     return reader.scalar(sa.select(CatalogueDocument.code))
-
-
-def installed(reader: sa.Connection) -> CodeParts | None:
-    """The code of the newest worker by part; None if no worker has published it."""
-    found = (reader.scalar(sa.select(CatalogueDocument.document)) or {}).get("code")
-    return None if found is None else CodeParts.model_validate(found)
 
 
 def modules(reader: sa.Connection, digest: str | None) -> dict[str, str]:

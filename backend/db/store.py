@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db import codes, continuation, evaluations_ahead, sizes, snapshots, sources
+from backend.db import codes, continuation, evaluations_ahead, sizes, snapshots, sources, workers
 from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
@@ -24,12 +24,13 @@ from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import values_changed
+from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.runs import RunState, StageState
 from campaigns.sample_seed import SampleSeed
 from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord, Trace
-from campaigns.versions import Code, OtherCode, Versions, differences, differing
+from campaigns.versions import Code, OtherCode, Versions, differing
 
 PATIENCE = 120.0
 """How long a write is retried while the database is unreachable or locked [s]."""
@@ -174,9 +175,14 @@ class RunStore:
         if not self._has_begun(connection):
             codes.store(connection, code)
             fenced(connection, self.claim, flown=versions.model_dump(mode="json"))
+            simulator: Any = self.claim.document.get("simulator")
+            if simulator and versions.simulator and not versions.command:
+                workers.correct(connection, simulator["name"], versions.simulator)
             return
         begun = self._begun(connection)
-        others = differences(begun.versions, versions, differing(begun.modules, code.modules) if begun.modules else [])
+        simulator = simulator_of(self.claim.document)
+        then, here = identity_of(begun.versions, simulator), identity_of(versions, simulator)
+        others = differences(then, here, differing(begun.modules, code.modules) if begun.modules else [])
         if others:
             raise OtherCode("; ".join(others))
 

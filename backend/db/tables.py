@@ -274,6 +274,8 @@ class Worker(Base):
     """Digest of the files and packages that its process has loaded; empty until that is ready."""
     doing: orm.Mapped[JsonObject | None]
     """What it does besides the stages of its run, see `backend.db.workers.Doing`."""
+    compared: orm.Mapped[float] = orm.mapped_column(default=0.0, server_default="0")
+    """When it last began to compare its files with what it has published, and found no difference [s since 1970]."""
 
 
 class RunText(Base):

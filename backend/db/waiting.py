@@ -25,6 +25,7 @@ from campaigns.catalogue import Catalogue
 from campaigns.runs import RunState, run_name
 from campaigns.stages.plan import plan
 
+CONTINUED = "It was continued as {run}."
 _RESULTS = (EvaluationAhead, EvaluationChunk, Stage, Finding, Trace, RunSources)
 
 
@@ -58,7 +59,7 @@ def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
     planned = sum(stage.planned for stage in plan(campaign))
     found = succeed(writer, run_id, campaign, planned, catalogue, carries=True)
     ended = {"state": RunState.CANCELLED, "cancel": True, "finished": now(writer)}
-    ended |= {"error": f"It was continued as {run_name(found)}."}
+    ended |= {"error": CONTINUED.format(run=run_name(found))}
     writer.execute(sa.update(Run).where(Run.id == run_id).values(**ended))
     return found
 

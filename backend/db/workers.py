@@ -46,13 +46,13 @@ class Doing:
         return found if found is not None and run_id is not None and found.run_id == run_id else None
 
 
-def publish(connection: sa.Connection, catalogue: Catalogue, code: Code | None = None) -> None:
+def publish(connection: sa.Connection, catalogue: Catalogue, code: Code | None = None, worker: str = "") -> None:
     """Publish the catalogue against which campaigns are checked, and the installed code.
 
-    Simulators that only other live workers have stay in it.
+    Simulators that only other live workers have stay in it. worker: the name of the one that publishes.
     """
     own = {entry.name for entry in catalogue.simulators}
-    elsewhere = [entry for entry in simulators(connection) if entry.name not in own]
+    elsewhere = [entry for entry in simulators(connection, worker) if entry.name not in own]
     before = (connection.scalar(sa.select(CatalogueDocument.document)) or {}).get("digests", {})
     digests = {entry.name: before[entry.name] for entry in elsewhere if entry.name in before} | catalogue.digests
     update = {"simulators": [*catalogue.simulators, *elsewhere], "digests": digests}
@@ -63,6 +63,14 @@ def publish(connection: sa.Connection, catalogue: Catalogue, code: Code | None =
         codes.store(connection, code)
     row = insert(connection, CatalogueDocument).values(id=1, **values)
     connection.execute(row.on_conflict_do_update(index_elements=["id"], set_=values))
+
+
+def correct(connection: sa.Connection, simulator: str, digest: str) -> None:
+    """Publish the digest with which a run has just opened a simulator, if there is one published for it."""
+    document = connection.scalar(sa.select(CatalogueDocument.document).with_for_update()) or {}
+    if document.get("digests", {}).get(simulator, digest) != digest:
+        corrected = {**document, "digests": {**document["digests"], simulator: digest}}
+        connection.execute(sa.update(CatalogueDocument).values(document=corrected))
 
 
 def published(connection: sa.Connection) -> float | None:
@@ -78,10 +86,11 @@ def arrive(connection: sa.Connection, name: str) -> None:
     connection.execute(sa.insert(Worker).values(**values))
 
 
-def simulators(connection: sa.Connection) -> list[SimulatorEntry]:
-    """The published simulators that a live worker has; without those of which another version published an entry that
-    this one cannot read."""
-    known = connection.execute(sa.select(Worker.simulators).where(Worker.beat > now(connection) - LIVE)).scalars()
+def simulators(connection: sa.Connection, but: str = "") -> list[SimulatorEntry]:
+    """The published simulators that a live worker has, other than that of this name; without those of which another
+    version published an entry that this one cannot read."""
+    live = (Worker.beat > now(connection) - LIVE, Worker.name != but)
+    known = connection.execute(sa.select(Worker.simulators).where(*live)).scalars()
     had = {version for versions in known for version in versions}
     document = connection.scalar(sa.select(CatalogueDocument.document)) or {}
     found = []
@@ -104,9 +113,21 @@ def beat(
     run_id: int | None,
     simulators: Sequence[str] = (),
     installation: str = "",
+    age: float | None = None,
 ) -> None:
-    values = {"beat": now(connection), "run_id": run_id, "simulators": list(simulators), "installation": installation}
+    """age: time since it began to compare its files with what it has published, if they are the same [s]."""
+    at = now(connection)
+    values = {"beat": at, "run_id": run_id, "simulators": list(simulators), "installation": installation}
+    values |= {} if age is None else {"compared": at - age}
     connection.execute(sa.update(Worker).where(Worker.name == name).values(**values))
+
+
+def compared(connection: sa.Connection, simulator: str | None) -> float | None:
+    """When every worker that may run a campaign with this simulator (None: without one) had compared its files with
+    what it has published [s since 1970]; None if there is no such worker."""
+    alive = sa.select(Worker.simulators, Worker.compared).where(Worker.beat > now(connection) - SEEN)
+    able = [at for versions, at in connection.execute(alive) if simulator is None or simulator in versions]
+    return min(able, default=None)
 
 
 def leave(connection: sa.Connection, name: str) -> None:

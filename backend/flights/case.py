@@ -16,9 +16,11 @@ from backend.catalog.service import described
 from backend.db.tables import Finding
 from backend.flights.schemas import FlightAnswer, FlightValue
 from backend.http.errors import RefusedError
+from backend.runs import identity
 from campaigns import Campaign, Catalogue, Problem, thin
 from campaigns.checked import texts
 from campaigns.checked.check import parameters, parts
+from campaigns.identity.identity import UNSTORED, Identity
 from campaigns.results.trace import TraceColumn, TraceHead
 from campaigns.runs import run_name
 from campaigns.stored.replies import FlightReply
@@ -66,8 +68,9 @@ def case(
     )
 
 
-def response(wanted: Case, answer: FlightReply, drawn: str | None, rows: int) -> FlightAnswer:
+def response(reader: sa.Connection, wanted: Case, answer: FlightReply, drawn: str | None, rows: int) -> FlightAnswer:
     meta, deciding = answer["meta"], wanted.criteria[0]
+    then, now = identity.of_run(reader, wanted.run_id) or UNSTORED, Identity.model_validate(answer["identity"])
     values = [FlightValue(**one.model_dump(), value=meta["values"].get(one.name)) for one in wanted.criteria]
     return FlightAnswer(
         run=run_name(wanted.run_id),
@@ -82,6 +85,8 @@ def response(wanted: Case, answer: FlightReply, drawn: str | None, rows: int) ->
         like=wanted.like,
         parameters=meta["parameters"],
         seed=wanted.seed,
+        code_changes=identity.names(identity.apart(reader, then, now)),
+        code_known=not (then.unidentified or now.unidentified),
         drawn=drawn,
         trace=TraceHead.model_validate(meta),
         columns=[TraceColumn.model_validate(column) for column in answer["columns"]],

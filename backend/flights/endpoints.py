@@ -28,7 +28,8 @@ async def simulate_flight(
     """Simulate one flight of the run's scenario with other parameters (what-if); stores nothing.
 
     A flight that fails, or whose start is excluded, returns 200 with its status and reason. With the parameters and
-    seed of a finding the cost is bit-identical to the finding's if the run's version is installed. Of one client's
+    seed of a finding the cost is bit-identical to the finding's if the run's code is installed; `code_changes` names
+    what is not. Of one client's
     pending requests only the newest is processed; older ones return 409.
     """
     work = partial(_work, request, engine, run, flight)
@@ -42,4 +43,5 @@ def _work(
         wanted = service.asked(reader, run, flight)
     answer = service.simulated(request.app.state.live, wanted, flight.rows)
     drawn = flight.view if drew(viewer, answer, wanted.seed, turn) else None
-    return response(wanted, answer, drawn, flight.rows)
+    with read(engine) as reader:
+        return response(reader, wanted, answer, drawn, flight.rows)

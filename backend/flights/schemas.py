@@ -63,6 +63,11 @@ class FlightAnswer(Schema):
     """The simulated values of the uncertain parameters and of the given ones."""
     seed: int | None
     """The noise seed that was requested, or that of the finding; null for those of the campaign."""
+    code_changes: list[str]
+    """What differs between the code that simulated it, which is the installed one, and that of the run: own files,
+    packages, modules of the engine."""
+    code_known: bool
+    """Whether the code of both is identified; if not, it may differ as well."""
     drawn: str | None
     """The key of the 3D view that shows the flight; null if none is open."""
     trace: TraceHead

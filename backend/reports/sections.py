@@ -257,6 +257,7 @@ def signoffs(record: Record) -> list[Row]:
             "comment": s.comment,
             "digest": s.digest[:12],
             "good": s.current and s.withdrawn is None,
+            "own": s.own,
             "standing": _standing(s),
         }
         for s in record.signoffs.items

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import functools
 import hashlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from backend.reports import charts, limits, sections, since, validated, words
 from backend.reports.record import Record, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
+from campaigns.identity.identity import Identity
 from campaigns.results import CertifyResult, SensitivityResult, TraceHead, ValidateResult
 from campaigns.runs import RunState
 from campaigns.version import VERSION
@@ -29,6 +31,7 @@ FONTS = (
 )
 """Font family, prefix of its file name among the built pages, Unicode range."""
 
+UNRECORDED = "not stored when the run began"
 ELSEWHERE = " on other machines, whose processors are not recorded"
 _VERDICTS = {
     "cleared": ("ok", "Cleared", "M20 6 9 17l-5-5"),
@@ -154,8 +157,8 @@ def _origin(record: Record) -> list[tuple[str, str]]:
         ("Campaign", f"sha256 {record.run.campaign_digest}"),
         ("Results", f"sha256 {record.digest}"),
         ("Components", _components(record)),
-        ("Source digest", f"sha256 {versions.code}" if versions and versions.code else "not stored when the run began"),
-        ("Loop digest", known.loop or unknown),
+        ("Code (engine, own files, packages)", _code(record.run.identity)),
+        *([] if record.run.identity is None else _files(record.run.identity)),
         ("Seed", str(record.campaign.seed if seed is None else seed)),
         ("Sample seed", _sample_seed(record)),
         ("Clearance", known.clearance or unknown),
@@ -174,6 +177,21 @@ def _origin(record: Record) -> list[tuple[str, str]]:
         ("Finished", words.moment(record.run.finished)),
         ("Extends", record.run.continues or "no earlier run"),
     ]
+
+
+def _code(identity: Identity | None) -> str:
+    if identity is None:
+        return "not stored when the run began"
+    if identity.digest is None:
+        return f"not identified: {', '.join(identity.unidentified)} not stored or not read exactly"
+    return f"sha256 {identity.digest}"
+
+
+def _files(identity: Identity) -> Iterator[tuple[str, str]]:
+    """The digests of the engine and of each own file."""
+    yield from ((name, f"sha256 {digest}") for name, digest in identity.digests.items())
+    if identity.loop:
+        yield "Compiled loop", identity.loop
 
 
 def _components(record: Record) -> str:

@@ -15,7 +15,7 @@ from campaigns.claims.say import count, joined, number, say, symbol
 from campaigns.claims.spans import Spans
 from campaigns.results import NominalResult, ValidateResult, verdicts
 from campaigns.results.finding import ClosestApproach, Validation
-from campaigns.results.validate import Encounter, Unseen
+from campaigns.results.validate import Beyond, Encounter, Unseen
 
 Row = dict[str, object]
 _AT = {
@@ -111,6 +111,8 @@ def _shown(record: Record, shown: Encounter, unseen: Unseen) -> list[tuple[Marku
     approaches = [("nominal", shown.closest), *((f.label, f.closest) for f in record.findings)]
     closest = "; ".join(_closest(name, approach) for name, approach in approaches if approach is not None)
     rows = [(Markup.escape("Closest approach"), Markup.escape(closest))]
+    if shown.beyond is not None:
+        rows.append((Markup.escape("Beyond the horizon"), Markup.escape(_beyond(record, shown.beyond))))
     moved = "not known" if shown.moved is None else f"{numbers.plain(shown.moved)} m"
     rows.append((Markup.escape("Path length of the nominal case"), Markup.escape(moved)))
     rows.append(
@@ -122,3 +124,15 @@ def _shown(record: Record, shown: Encounter, unseen: Unseen) -> list[tuple[Marku
 def _closest(name: str, approach: ClosestApproach) -> str:
     time = "" if approach.time is None else f" at {numbers.fixed(approach.time, 2)} s,"
     return f"{name}{time} {_AT[approach.at]}"
+
+
+def _beyond(record: Record, beyond: Beyond) -> str:
+    """What flights that are simulated on meet after the horizon."""
+    many = f"{numbers.count(beyond.closer)} of {numbers.count(beyond.flights)} flights come closer"
+    later, plain = beyond.lowest, numbers.plain
+    if later is None:
+        return f"{many}; no obstacle is approaching"
+    how = "simulated" if later.simulated else "extrapolated"
+    away = f"obstacle {later.obstacle + 1}, {plain(later.distance)} m away at the last sample"
+    value = f"{record.of.symbol} {plain(later.value)} {record.of.unit} after another {plain(later.time)} s ({how})"
+    return f"{many}; lowest: {later.name}, {away}, closing at {plain(later.closing)} m/s; {value}"

@@ -19,7 +19,9 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
 from backend.requirements import present
 from backend.requirements.present import chunks
-from backend.requirements.standing import Edge, Model
+from backend.requirements.standing import Edge
+from backend.runs import identity
+from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 from campaigns.stages.found import declared
@@ -57,14 +59,14 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
         if judged(row.state, row.verdict) == VerdictWord.VIOLATED or value <= highest[row.name]:
             found.append((row, value))
     questions = _questions(reader, {row.campaign_digest for row, _ in found})
-    flown = models(reader, [row.id for row, _ in found])
+    known = identity.of_runs(reader, [row.id for row, _ in found])
     return [
         Edge(
             row.id,
             row.name,
             questions[row.campaign_digest],
             judged(row.state, row.verdict),
-            flown[row.id],
+            known.get(row.id, UNSTORED),
             threshold=row.threshold,
             worst=value,
         )
@@ -77,14 +79,6 @@ def _questions(reader: sa.Connection, digests: Collection[str]) -> dict[str, str
     for some in chunks(digests):
         of = sa.select(CampaignRow.digest, CampaignRow.question).where(CampaignRow.digest.in_(some))
         found |= {row.digest: row.question or "" for row in reader.execute(of)}
-    return found
-
-
-def models(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Model]:
-    found: dict[int, Model] = {}
-    for some in chunks(run_ids):
-        of = sa.select(Run.id, Run.flown).where(Run.id.in_(some))
-        found |= {run_id: present.model(flown) for run_id, flown in reader.execute(of)}
     return found
 
 

@@ -22,12 +22,14 @@ from backend.http.matches import tag
 from backend.requirements import against, present
 from backend.requirements.present import chunks
 from backend.requirements.schemas import EdgeSignoff, RequirementPage, RequirementRow, RequirementRun
-from backend.requirements.standing import Edge, Model, Standing, standing
+from backend.requirements.standing import Edge, Standing, standing
+from backend.runs import identity
 from backend.runs.outcomes import Outcome, outcomes
+from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_number
 
-_UNKNOWN = Model(None)
+OTHER_TEXT = "its campaign states another text of the requirement"
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ def page(reader: sa.Connection, q: str, cursor: str | None, limit: int, runs: in
         items=rows(reader, ids, runs),
         next_cursor=ids[-1].encode().hex() if more else None,
         total=reader.scalar(sa.select(sa.func.count()).select_from(every)) or 0,
-        compared=now.code is not None and now.catalogue is not None,
+        compared=now.catalogue is not None,
     )
 
 
@@ -114,7 +116,7 @@ def _read(cursor: str) -> str:
 
 
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
-    """The runs of each requirement that count, the newest first; models only where a violation may rest on them."""
+    """The runs of each requirement that count, the newest first; identities only where a violation may rest on them."""
     columns = (RunRequirement.requirement, RunRequirement.run_id, RunRequirement.question, Run.state, Run.verdict)
     of = sa.select(*columns, CampaignRow.name, Run.threshold).join(Run, Run.id == RunRequirement.run_id)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
@@ -124,14 +126,14 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     newest: set[tuple[str, str]] = set()
     for key, run_id, question, state, word, name, threshold in reader.execute(of):
         verdict = against.judged(state, word)
-        found[key].append(Edge(run_id, name, question, verdict, _UNKNOWN, threshold=threshold))
+        found[key].append(Edge(run_id, name, question, verdict, UNSTORED, threshold=threshold))
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)
         if verdict is not None:
             newest.add((key, name))
-    models = against.models(reader, compared)
+    known = identity.of_runs(reader, compared)
     return {
-        key: [replace(e, model=models[e.run_id]) if e.run_id in models else e for e in edges]
+        key: [replace(e, identity=known[e.run_id]) if e.run_id in known else e for e in edges]
         for key, edges in found.items()
     }
 
@@ -147,13 +149,13 @@ def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present
     known: dict[int, Known] = {}
     for some in chunks(run_ids):
         signed = _signoffs(reader, some)
-        of = sa.select(Run.id, Run.flown, Run.created, CampaignRow.name, CampaignRow.document)
+        of = sa.select(Run.id, Run.created, CampaignRow.name, CampaignRow.document, *identity.COLUMNS)
         of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(some))
         stored = {row.id: row for row in reader.execute(of)}
         for outcome in outcomes(reader, [Run.id.in_(some)]):
             run_id = run_number(outcome.id) or 0
             row = stored[run_id]
-            changed = tuple(present.changes(now, run_id, row.name, row.document, row.flown))
+            changed = tuple(present.changes(now, run_id, row.name, row.document, identity.of_row(row)))
             known[run_id] = Known(outcome, signed.get(run_id, []), changed, row.created)
     return known
 
@@ -204,7 +206,7 @@ def _text_changes(known: Known, row: Any, stated: str, text: str) -> Iterator[st
     signed = [one.created for one in known.signoffs if one.current]
     if stated:
         if " ".join(stated.split()) != " ".join(text.split()):
-            yield "its campaign states another text of the requirement"
+            yield OTHER_TEXT
     elif row is not None and signed and row.changed >= max(signed):
         yield "the text of the requirement was registered or changed after the sign-off"
 

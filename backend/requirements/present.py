@@ -9,18 +9,17 @@ from typing import Any, TypeVar
 import sqlalchemy as sa
 
 from backend.catalog.service import published
-from backend.db import codes
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, SweepRun
-from backend.requirements.standing import Model
 from campaigns import Catalogue
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import definition
-from campaigns.identity.code import code_of
+from campaigns.identity.identity import ENGINE, Identity, installed
+from campaigns.identity.identity import changes as differing
 from campaigns.runs import run_name
-from campaigns.versions import CodeParts, Versions, short
 
 Value = TypeVar("Value", int, str)
+NOT_STORED = "its code is not stored, so a change of the model cannot be excluded"
 CHUNK = 500
 """Values that are read in one statement."""
 
@@ -33,9 +32,9 @@ def chunks(values: Iterable[Value]) -> Iterator[list[Value]]:
 
 @dataclass(frozen=True)
 class Present:
-    """code, catalogue: of the newest worker; newest: run and definition by the name of a campaign."""
+    """catalogue: of the newest worker, None if none has published its code; newest: run and definition by the name of
+    a campaign."""
 
-    code: CodeParts | None
     catalogue: Catalogue | None
     newest: Mapping[str, tuple[int, str]]
 
@@ -56,44 +55,26 @@ def present(reader: sa.Connection, names: Collection[str]) -> Present:
         found = sa.select(Run.id, CampaignRow.name, CampaignRow.document)
         found = found.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(last))
         newest |= {row.name: (int(row.id), definition(row.document)) for row in reader.execute(found)}
-    return Present(codes.installed(reader), published(reader), newest)
+    catalogue = published(reader)
+    return Present(catalogue if catalogue is not None and catalogue.code is not None else None, newest)
 
 
-def model(flown: Any) -> Model:
-    versions = Versions.of(flown)
-    return Model(versions.code, tuple(sorted(versions.components.items())), versions.simulator, versions.model)
-
-
-def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], flown: Any) -> Iterator[str]:
+def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], then: Identity | None) -> Iterator[str]:
     """What differs between a run and now, as clauses; what is not stored is named, not taken for equal."""
     newer, defined = now.newest.get(name, (run_id, ""))
     if defined and defined != definition(document):
         yield f"its campaign has changed, see {run_name(newer)}"
-    versions = Versions.of(flown)
-    if now.code is None or now.catalogue is None:
+    if now.catalogue is None:
         yield "no worker has published the code to compare it with"
         return
-    code = code_of(load_document(document, f"the campaign of {run_name(run_id)}"), now.code)
-    if versions.code is None:
-        yield "its code is not stored, so a change of the model cannot be excluded"
-    elif code is None:
-        yield "a part of it is no longer installed"
-    elif versions.code != code:
-        yield f"the code has changed (sha256 {short(versions.code)}, now {short(code)})"
-    for file, digest in versions.components.items():
-        if now.catalogue.own.get(file) != digest:
-            yield f"components/{file} {'has changed' if file in now.catalogue.own else 'is no longer installed'}"
-    yield from _simulator(now.catalogue, versions, document)
-
-
-def _simulator(catalogue: Catalogue, versions: Versions, document: Mapping[str, Any]) -> Iterator[str]:
-    name = (document.get("simulator") or {}).get("name")
-    if name is None:
+    if then is None:
+        yield NOT_STORED
         return
-    installed = catalogue.digests.get(name)
-    if versions.simulator is None:
-        yield "the digest of its simulator is not stored, so a change cannot be excluded"
-    elif installed is None:
-        yield f"no worker publishes the digest of the simulator {name}, so a change cannot be excluded"
-    elif installed != versions.simulator:
-        yield f"the simulator {name} has changed (sha256 {short(versions.simulator)}, now {short(installed)})"
+    here = installed(load_document(document, f"the campaign of {run_name(run_id)}"), now.catalogue, then)
+    yield from (change.text for change in differing(then, here))
+    if ENGINE in here.unidentified:
+        yield "a part of it is no longer installed"
+    if ENGINE in then.unidentified:
+        yield NOT_STORED
+    for unread in dict.fromkeys(name for name in then.unidentified + here.unidentified if name != ENGINE):
+        yield f"{unread} is not identified, so a change cannot be excluded"

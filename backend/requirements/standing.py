@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from campaigns.identity.identity import Identity, may_equal
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name
 
@@ -18,27 +19,6 @@ Status = Literal["violated", "inconclusive", "not sampled", "no verdict", "suspe
 
 ORDER: tuple[Status, ...] = get_args(Status)
 """The worst first."""
-
-
-@dataclass(frozen=True)
-class Model:
-    """What ran a run, as digests: all code, the operator's own components, the simulator, the code that evaluates;
-    None: not stored."""
-
-    code: str | None
-    own: tuple[tuple[str, str], ...] = ()
-    simulator: str | None = None
-    evaluating: str | None = None
-
-    def may_equal(self, other: Model) -> bool:
-        """False only if both are known and differ."""
-        simulators = None in (self.simulator, other.simulator) or self.simulator == other.simulator
-        if None in (self.code, other.code):  # then the digests of own components were not stored either
-            return simulators
-        same = self.code == other.code
-        if None not in (self.evaluating, other.evaluating):  # methods and stages may differ
-            same = self.evaluating == other.evaluating
-        return simulators and same and self.own == other.own
 
 
 @dataclass(frozen=True)
@@ -52,7 +32,7 @@ class Edge:
     campaign: str
     question: str
     verdict: VerdictWord | None
-    model: Model
+    identity: Identity
     not_sampled: bool = False
     signed: bool = False
     own: bool = False
@@ -144,7 +124,7 @@ def _stands(edge: Edge, newest: Edge) -> bool:
     """
     if edge.run_id == newest.run_id:
         return edge.verdict == VerdictWord.VIOLATED
-    if edge.question != newest.question or not edge.model.may_equal(newest.model):
+    if edge.question != newest.question or not may_equal(edge.identity, newest.identity):
         return False
     if edge.verdict == VerdictWord.VIOLATED and not _above(edge.threshold, newest.threshold):
         return True

@@ -3,28 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import Literal
 
 import sqlalchemy as sa
 
 from backend.db import codes
-from backend.db.tables import Run
-from backend.runs import service
+from backend.runs import identity, service
 from backend.runs.schemas import ChangedFile, CodeChanges
 from campaigns import Campaign
 from campaigns.checked.check import parts
-from campaigns.versions import Versions, differing
+from campaigns.identity.identity import UNSTORED, Change, Identity
+from campaigns.versions import differing
 
 
 def changes(reader: sa.Connection, run_id: int, against: int) -> CodeChanges:
-    """The source files in which the code of a run differs from that of another one; 404 if there is no such run.
+    """What differs between the code of a run and that of another one; 404 if there is no such run.
 
-    Those of the campaign's components and methods come first.
+    Own files and those of the campaign's components and methods come first.
     """
     used = _used(service.campaign(reader, run_id)) | _used(service.campaign(reader, against))
-    now, then = _code(reader, run_id), _code(reader, against)
-    after, before = codes.modules(reader, now), codes.modules(reader, then)
-    if not (after and before):
-        return CodeChanges(code=now, against=then, files=[] if now is not None and now == then else None)
+    now, then = (identity.of_run(reader, run) or UNSTORED for run in (run_id, against))
+    found = identity.apart(reader, then, now)
+    own = [_own(one) for one in found if "/" in one.name]
+    return CodeChanges(
+        code=now.digest,
+        against=then.digest,
+        changes=[one.text for one in found],
+        unidentified=list(dict.fromkeys(then.unidentified + now.unidentified)),
+        files=None if (files := _modules(reader, then, now, used)) is None else own + files,
+    )
+
+
+def _own(change: Change) -> ChangedFile:
+    how: Literal["changed", "added", "removed"] = "added" if not change.before else "changed"
+    return ChangedFile(file=change.name, change=how if change.after else "removed", component=None)
+
+
+def _modules(reader: sa.Connection, then: Identity, now: Identity, used: Collection[str]) -> list[ChangedFile] | None:
+    """The modules of the engine that differ; None unless those of both are stored."""
+    if then.engine is not None and then.engine == now.engine:
+        return []
+    before, after = codes.modules(reader, then.engine), codes.modules(reader, now.engine)
     every = {**before, **after}
     files = [
         ChangedFile(
@@ -34,11 +53,7 @@ def changes(reader: sa.Connection, run_id: int, against: int) -> CodeChanges:
         )
         for name in differing(before, after)
     ]
-    return CodeChanges(code=now, against=then, files=sorted(files, key=lambda file: file.component is None))
-
-
-def _code(reader: sa.Connection, run_id: int) -> str | None:
-    return Versions.of(reader.scalar(sa.select(Run.flown).where(Run.id == run_id))).code
+    return sorted(files, key=lambda file: file.component is None) if before and after else None
 
 
 def _used(campaign: Campaign) -> set[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 import sqlalchemy as sa
@@ -18,7 +19,7 @@ from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
 from backend.http.schema import RunName, Seconds
-from backend.runs import edits, listing, onward, removal, service, submission, texts
+from backend.runs import edits, listing, onward, removal, reuse, service, submission, texts
 from backend.runs.asked import Asked, AskedFor
 from backend.runs.code import changes
 from backend.runs.components import components
@@ -73,6 +74,9 @@ async def submit_run(
     yaml = bodies.is_yaml(request)
     body = await request.body()
     run_request = await capacities(request).bodies.run(lambda: _submission(body, yaml, parts))
+    if run_request.reuse:
+        known = await reuse.compared(engine, run_request.campaign, run_request.baseline is not None)
+        run_request = replace(run_request, reuse=known)
     run = await run_in_threadpool(submission.submit, engine, run_request, visitor, key, request.app.state.quota)
     response.headers["Location"] = at(f"{request.url.path}/{run.id}")
     return run

@@ -6,18 +6,17 @@ import sqlalchemy as sa
 
 from backend.access.own import require_own
 from backend.catalog.service import required
-from backend.db import audit, codes, waiting
+from backend.db import audit, waiting
 from backend.db.access import Visitor
 from backend.db.engine import read
 from backend.db.tables import Run
 from backend.http import bodies
 from backend.http.errors import RefusedError
-from backend.runs import service
+from backend.runs import identity, service
 from backend.runs.schemas import RunSummary
 from campaigns import Campaign, CampaignError, Catalogue, check
-from campaigns.identity.code import model_of
+from campaigns.identity.identity import UNSTORED, installed, unsound
 from campaigns.runs import run_name
-from campaigns.versions import Versions
 
 
 def restart(engine: sa.Engine, run_id: int, visitor: Visitor) -> RunSummary:
@@ -50,11 +49,12 @@ def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:
     campaign, catalogue = service.campaign(reader, run_id), required(reader)
     if problems := check(campaign, catalogue):
         raise bodies.invalid(CampaignError(run_name(run_id), problems))
-    model = Versions.of(reader.scalar(sa.select(Run.flown).where(Run.id == run_id))).model
-    if model is None or model != model_of(campaign, codes.installed(reader)):
+    then = identity.of_run(reader, run_id) or UNSTORED
+    if others := unsound(then, installed(campaign, catalogue, then)):
         detail = (
             f"the code that evaluates differs between {run_name(run_id)} and the newest worker, or was not "
-            "stored: none of its evaluations can be used; begin it again, or start a worker of its version"
+            f"stored ({'; '.join(others)}): none of its evaluations can be used; begin it again, or start a worker of "
+            "its version"
         )
         raise RefusedError(409, "not-continuable", detail)
     return campaign, catalogue

@@ -13,6 +13,7 @@ import sqlalchemy as sa
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from backend.http.schema import Instant, Schema
+from backend.runs import identity
 from campaigns.results.verdict import VerdictWord, not_sampled
 from campaigns.runs import RunState, run_name
 
@@ -33,7 +34,10 @@ class Outcome(Schema):
     campaign_digest: str
     seed: int
     code: str | None
-    """Digest of the code that ran it; None before its first stage, or if it was not stored."""
+    """Digest of its identity: engine, own files, packages; None before its first stage, or if something of it is not
+    identified."""
+    unidentified: list[str]
+    """What of its identity was not stored or cannot be read exactly."""
     clearance: str | None
     """Version of Clearance that ran it."""
     quantity: str
@@ -64,8 +68,6 @@ _STATISTICS = {
     "confidence": Run.summary["statistics", "confidence"].as_float(),
 }
 _CHECKS = {"checks": Run.summary["checks"].as_json(), "source": Run.summary["statistics", "source"].as_string()}
-CODE = Run.flown["code"].as_string()
-"""The code digest of a run, as a column."""
 
 
 def outcomes(
@@ -75,7 +77,7 @@ def outcomes(
     columns = [Run.id, Run.removed, Run.worst_cost, Run.upper_bound, *(getattr(Run, name) for name in _PLAIN)]
     columns += [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
     columns += [expression.label(name) for name, expression in (_STATISTICS | _CHECKS).items()]
-    columns += [CODE.label("code"), Run.flown["clearance"].as_string().label("clearance")]
+    columns += [*identity.COLUMNS, Run.flown["clearance"].as_string().label("clearance")]
     columns += [CampaignRow.name.label("campaign_name"), CampaignRow.document["seed"].as_string().label("seed")]
     query = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     query = query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc()).limit(limit)
@@ -87,13 +89,15 @@ def _outcome(row: Any) -> Outcome:
     values = {name: getattr(row, name) for name in _PLAIN}
     values |= {name: getattr(row, name) if done else None for name in _NUMBERS}
     known = values["worst_cost"] is not None and row.threshold is not None
+    own = identity.of_row(row)
     return Outcome(
         **values,
         id=run_name(row.id),
         margin=values["worst_cost"] - row.threshold if known else None,
         quantity=row.quantity or "",
         unit=row.unit or "",
-        code=row.code,
+        code=None if own is None else own.digest,
+        unidentified=[] if own is None else list(own.unidentified),
         clearance=row.clearance,
         not_sampled=done and _not_sampled(row),
         campaign_name=row.campaign_name,

@@ -10,6 +10,7 @@ from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Instant, Schema
 from campaigns import Catalogue
 from campaigns.documents import JsonObject
+from campaigns.identity.identity import Identity
 from campaigns.results import Verdict
 from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
@@ -145,6 +146,11 @@ class RunSummary(Schema):
     failed_evaluations: int
     """Includes timeouts."""
     excluded_evaluations: int
+    code: str | None
+    """Digest of the run's identity: engine, own files, packages; None before its first stage, or if something of it is
+    not identified."""
+    unidentified: list[str]
+    """What of its identity was not stored or cannot be read exactly."""
     created: Instant
     started: Instant | None
     finished: Instant | None
@@ -207,6 +213,8 @@ class RunDetail(RunSummary):
     """Digest of the component descriptions at submission (`/runs/{run}/components`); None if not stored."""
     flown: Versions | None
     """The versions when the first stage started: code, packages, machine; None before that, or if not stored."""
+    identity: Identity | None
+    """What could have changed a number: engine, own files, packages, machine; None as of `flown`."""
     plan: list[StageSummary]
     """The kinds of stages in the order of the run."""
     stages: list[StageProgress]
@@ -229,18 +237,21 @@ class RunComponents(Schema):
     changes: list[str]
     """Differences of this installation's descriptions, as sentences; empty if there are none."""
     code: str | None
-    """Digest of the code that ran the run; None if it has not started, or the digest was not stored."""
+    """Digest of the identity of the run; None if it has not started, or if something of it is not identified."""
     code_installed: str | None
-    """Digest of the newest worker's code; None if no worker has published one."""
+    """Of what the newest worker has installed, with the compiled loop of the run, which workers do not publish; None if
+    no worker has published it, or if something is not identified."""
     code_changes: list[str]
-    """The modules that differ between the two, if known."""
+    """What differs between the two: own files, packages, modules of the engine."""
+    unidentified: list[str]
+    """What of the two was not stored or cannot be read exactly, and may have changed."""
 
 
 class ChangedFile(Schema):
     """A source file that is not the same in the code of two runs."""
 
     file: str
-    """worker/engine/components/avoiders/ge_cui.py"""
+    """worker/engine/components/avoiders/ge_cui.py, or an own one: components/my_robot.py, simulators/pendulum"""
     change: Literal["changed", "added", "removed"]
     component: str | None
     """The component or search method of the campaign that it is; None for all others."""
@@ -250,12 +261,16 @@ class CodeChanges(Schema):
     """The difference between the code that ran a run and that of another one."""
 
     code: str | None
-    """Digest of the run's code; None if it was not stored."""
+    """Digest of the run's identity; None if something of it is not identified."""
     against: str | None
-    """Digest of the other run's code."""
+    """That of the other run."""
+    changes: list[str]
+    """What differs, as clauses: engine, own files, packages."""
+    unidentified: list[str]
+    """What of the two was not stored or cannot be read exactly, and may differ."""
     files: list[ChangedFile] | None
-    """Those of the campaign's components and methods first; empty if the code is the same; None unless both are
-    stored."""
+    """The source files that differ, own files and those of the campaign's components and methods first; None unless
+    the files of both engines are stored."""
 
 
 class RunPage(Schema):

@@ -10,7 +10,7 @@ from backend.db import baselines
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from backend.http.errors import RefusedError, not_found
-from backend.runs import listing, pace
+from backend.runs import identity, listing, pace
 from backend.runs.earlier import terms_of
 from backend.runs.schemas import (
     RunBaseline,
@@ -72,6 +72,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         criteria=stated,
         components_digest=snapshot,
         flown=None if versions is None else Versions.of(versions),
+        identity=identity.of_run(reader, run_id),
         plan=[
             StageSummary(
                 kind=stage.kind,

@@ -29,6 +29,8 @@ from campaigns.runs import RunState, run_name, run_number
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import plan
 
+AT_LAUNCH = "a baseline is added at launch: leave it out, and give the run next to the campaign, as baseline: R-0001"
+
 
 @dataclass(frozen=True)
 class Submission:
@@ -68,8 +70,7 @@ def from_json(body: bytes, request: RunSubmit, parts: Asked) -> Submission:
 def _submission(campaign: Campaign, request: RunSubmit, digest: str) -> Submission:
     tags = campaign.tags if request.tags is None else list(dict.fromkeys(request.tags))
     if campaign.baseline is not None:
-        text = "a baseline is added at launch: leave it out, and give the run next to the campaign, as baseline: R-0001"
-        raise CampaignError("request", [Problem("campaign.baseline", campaign.baseline.run, text)])
+        raise CampaignError("request", [Problem("campaign.baseline", campaign.baseline.run, AT_LAUNCH)])
     name = request.name or campaign.name
     labelled = (request.labels, request.baseline, request.reuse, request.sample_seed, request.group)
     return Submission(campaign, name, tags, request.priority, digest, request.text, *labelled)

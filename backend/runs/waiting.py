@@ -20,6 +20,7 @@ from campaigns.runs import RunState, run_name
 MOST_NAMED = 3
 """Largest number of runs that are named as the reason why another one waits."""
 
+SOON = "It starts automatically within a few seconds."
 _COMPILING = "Compiling your closed loop{about}, once: it is stored for later runs."
 
 
@@ -45,7 +46,7 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]
     workers = reader.execute(sa.select(Worker.beat, Worker.run_id, Worker.simulators, Worker.installation)).all()
     live = [worker for worker in workers if worker.beat > at - SEEN]
     if not live:
-        text = _no_worker(last_seen(reader), at)
+        text = no_worker(last_seen(reader), at)
         return {row.id: Waits(text) for row in queued}
     order = list(reader.scalars(waiting_order(at)))
     position = {run_id: k for k, run_id in enumerate(order, 1)}
@@ -90,7 +91,7 @@ def _one(row: Any, live: Sequence[Any], able: Sequence[Any], at: float, position
         return _busy([worker.run_id for worker in able], len(live), position)
     if position is not None and position > 1:
         return f"Position {position} in the queue; it starts automatically."
-    return "It starts automatically within a few seconds."
+    return SOON
 
 
 def _busy(runs: Sequence[int], live: int, position: int | None) -> str:
@@ -109,7 +110,7 @@ def _busy(runs: Sequence[int], live: int, position: int | None) -> str:
     return f"{who} with {listed}{place}. It starts automatically when one is free."
 
 
-def _no_worker(last: float | None, at: float) -> str:
+def no_worker(last: float | None, at: float) -> str:
     seen = "" if last is None else f"; the last one was seen {_ago(at - last)}"
     return f"No worker is running{seen}. Start one with `clearance worker`."
 

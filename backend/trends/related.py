@@ -6,10 +6,13 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
-from backend.runs.outcomes import CODE, Outcome, outcomes
+from backend.runs import identity
+from backend.runs.outcomes import Outcome, outcomes
 from backend.runs.service import require
 from backend.trends.schemas import Difference, RelatedRun, RelatedRuns
+from campaigns.identity.identity import UNSTORED, Identity, changes
 from campaigns.results.verdict import VerdictWord
+from campaigns.runs import run_number
 
 MOST = 50
 """Runs that are listed; all are counted."""
@@ -22,42 +25,48 @@ def related(reader: sa.Connection, run_id: int) -> RelatedRuns:
     """
     require(reader, run_id)
     (own,) = outcomes(reader, [Run.id == run_id])
-    same = Run.campaign_digest == own.campaign_digest
-    conditions = [Run.id != run_id, Run.removed.is_(None), sa.or_(same, _other_seed(reader, own))]
-    found = outcomes(reader, conditions, MOST)
-    total = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(Run.purged.is_(None), *conditions)) or 0
+    ids = _ids(reader, run_id, own.campaign_digest)
+    found = outcomes(reader, [Run.id.in_(ids[:MOST])])
+    known = identity.of_runs(reader, [run_id, *ids[:MOST]])
     return RelatedRuns(
-        runs=[_related(own, other) for other in found], total=total, question=asked_again(reader, run_id)
+        runs=[_related(reader, own, known.get(run_id), other, known.get(run_number(other.id) or 0)) for other in found],
+        total=len(ids),
+        question=asked_again(reader, run_id),
     )
 
 
 def asked_again(reader: sa.Connection, run_id: int) -> dict[str, int]:
     """How many runs ask the question of this one, by verdict: whoever repeats it until it is cleared is seen."""
     own = sa.select(CampaignRow.question).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
-    same = sa.select(CampaignRow.digest).where(CampaignRow.question == own.scalar_subquery())
+    same = sa.select(CampaignRow.digest).where(CampaignRow.question == reader.scalar(own))
     verdict = sa.func.coalesce(Run.verdict, "none")
     of = sa.select(verdict, sa.func.count()).where(Run.campaign_digest.in_(same)).group_by(verdict)
     found = dict(reader.execute(of).tuples().all())
     return {word: found[word] for word in (*VerdictWord, "none") if word in found}
 
 
-def _other_seed(reader: sa.Connection, own: Outcome) -> sa.ColumnElement[bool]:
-    """Campaigns that differ in the seed alone, without runs whose code is known to differ as well."""
-    seedless = reader.scalar(sa.select(CampaignRow.seedless).where(CampaignRow.digest == own.campaign_digest))
-    if seedless is None:
-        return sa.false()
-    others = sa.select(CampaignRow.digest).where(
-        CampaignRow.seedless == seedless, CampaignRow.digest != own.campaign_digest
+def _ids(reader: sa.Connection, run_id: int, digest: str) -> list[int]:
+    """The runs of the campaign, and of those that differ in the seed alone unless their code is known to differ as
+    well; the newest first."""
+    seedless = reader.scalar(sa.select(CampaignRow.seedless).where(CampaignRow.digest == digest))
+    same = Run.campaign_digest == digest
+    wanted = same if seedless is None else sa.or_(same, CampaignRow.seedless == seedless)
+    of = sa.select(Run.id, Run.campaign_digest).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    of = of.where(Run.id != run_id, Run.removed.is_(None), Run.purged.is_(None), wanted)
+    rows = reader.execute(of.order_by(Run.id.desc())).all()
+    known = identity.of_runs(reader, [run_id, *(row.id for row in rows if row.campaign_digest != digest)])
+    then = known.get(run_id, UNSTORED)
+    return [row.id for row in rows if row.campaign_digest == digest or not changes(then, known.get(row.id, UNSTORED))]
+
+
+def _related(
+    reader: sa.Connection, own: Outcome, then: Identity | None, other: Outcome, now: Identity | None
+) -> RelatedRun:
+    apart = [] if then is None or now is None else identity.apart(reader, then, now)
+    differs: list[Difference] = ["seed"] if other.campaign_digest != own.campaign_digest else []
+    return RelatedRun(
+        **dict(other),
+        differs=[*differs, "code"] if apart else differs,
+        code_changes=identity.names(apart),
+        code_known=own.code is not None and other.code is not None,
     )
-    code = sa.true() if own.code is None else sa.or_(CODE.is_(None), own.code == CODE)
-    return sa.and_(Run.campaign_digest.in_(others), code)
-
-
-def _related(own: Outcome, other: Outcome) -> RelatedRun:
-    known = own.code is not None and other.code is not None
-    differs: list[Difference] = []
-    if other.campaign_digest != own.campaign_digest:
-        differs.append("seed")
-    if known and other.code != own.code:
-        differs.append("code")
-    return RelatedRun(**dict(other), differs=differs, code_known=known)

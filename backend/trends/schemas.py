@@ -15,9 +15,11 @@ class RelatedRun(Outcome):
     """Another run of the same campaign."""
 
     differs: list[Difference]
-    """What differs: nothing (empty), the seed, or the code."""
+    """What is known to differ: nothing (empty), the seed, or the code."""
+    code_changes: list[str]
+    """What differs in the code: own files, packages, modules of the engine."""
     code_known: bool
-    """Whether the code of both runs is stored; if not, it may differ as well."""
+    """Whether the code of both runs is identified; if not, it may differ as well."""
 
 
 class RelatedRuns(Schema):
@@ -37,6 +39,8 @@ class TrendRun(Outcome):
 
     code_changed: bool
     """Whether its code differs from that of the newest earlier run in the trend whose code is stored."""
+    code_changes: list[str]
+    """What differs in it: own files, packages, modules of the engine."""
     campaign_changed: bool
     """Whether its campaign differs from that of the run before it."""
     requirements: list[str]

@@ -10,10 +10,12 @@ from backend.db import labels
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement
 from backend.http.errors import RefusedError, not_found
+from backend.runs import identity
 from backend.runs.facets import labels_of
 from backend.runs.outcomes import Outcome, outcomes
 from backend.trends.schemas import Trend, TrendRun
 from campaigns import Problem
+from campaigns.identity.identity import Identity
 from campaigns.runs import run_name, run_number
 
 
@@ -44,7 +46,7 @@ def of_campaign(
         digest=digest,
         campaigns=campaigns,
         labels=labels_of(reader, *there),
-        runs=_marked(found[::-1], _stated(reader, found), _labelled(reader, found)),
+        runs=_marked(reader, found[::-1]),
         total=total,
     )
 
@@ -63,20 +65,26 @@ def _labelled(reader: sa.Connection, found: list[Outcome]) -> dict[str, dict[str
     return {run_name(run_id): own_labels for run_id, own_labels in by_run.items()}
 
 
-def _marked(found: list[Outcome], stated: dict[str, list[str]], labelled: dict[str, dict[str, str]]) -> list[TrendRun]:
+def _marked(reader: sa.Connection, found: list[Outcome]) -> list[TrendRun]:
+    """found: the oldest first."""
+    stated, labelled = _stated(reader, found), _labelled(reader, found)
+    known = identity.of_runs(reader, [run_number(outcome.id) or 0 for outcome in found])
     runs: list[TrendRun] = []
-    code = campaign = None
+    code: Identity | None = None
+    campaign = None
     for outcome in found:
-        changed = None not in (code, outcome.code) and code != outcome.code
+        now = known.get(run_number(outcome.id) or 0)
+        apart = [] if code is None or now is None else identity.apart(reader, code, now)
         other = campaign is not None and campaign != outcome.campaign_digest
         runs.append(
             TrendRun(
                 **dict(outcome),
-                code_changed=changed,
+                code_changed=bool(apart),
+                code_changes=identity.names(apart),
                 campaign_changed=other,
                 requirements=stated.get(outcome.id, []),
                 labels=labelled.get(outcome.id, {}),
             )
         )
-        code, campaign = outcome.code or code, outcome.campaign_digest
+        code, campaign = now or code, outcome.campaign_digest
     return runs

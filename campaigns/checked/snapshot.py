@@ -32,6 +32,7 @@ _WORDS = {
     "of": "object that it measures",
     "measured_to": "reference point of distances",
     "reach": "reach",
+    "rate": "rate of motion",
     "kind": "kind",
     "source": "source",
     "how": "short description of the search",

@@ -95,23 +95,26 @@ def _remedy(kind: RemedyKind, statement: Sequence[Part], *changes: tuple[Sequenc
 
 
 def _smaller_step(check: Check, ran: Ran) -> Iterator[Remedy]:
-    """Half the step, of a closed loop."""
+    """Half the step of a closed loop, halved again until an obstacle does not turn too far within it."""
     scenario = ran.campaign.scenario
     if scenario is None:
         yield from _repeated_calls(check, ran)
         return
-    step = scenario.step / 2
+    step, largest = scenario.step / 2, check.values.get("largest", scenario.step)
+    while step > largest > 0.0:
+        step /= 2
     statement = ("with step ", number(1000 * step, "ms"))
     yield _remedy(RemedyKind.STEP, statement, (("scenario", "step"), step))
 
 
 def _longer_horizon(check: Check, ran: Ran) -> Iterator[Remedy]:
-    """A longer horizon, if the closest approach is at its end; a whole number of guidance periods."""
+    """A longer horizon, if the closest approach is at its end or later; a whole number of guidance periods."""
     scenario = ran.campaign.scenario
     if scenario is None or "horizon" not in check.values:
         return
     grain = max(scenario.step, scenario.guidance.period)
-    horizon = float(f"{math.ceil(LONGER * scenario.horizon / grain - 1e-9) * grain:.12g}")
+    wanted = LONGER * max(scenario.horizon, scenario.horizon + check.values.get("after", 0.0))
+    horizon = float(f"{math.ceil(wanted / grain - 1e-9) * grain:.12g}")
     yield _remedy(RemedyKind.HORIZON, ("with horizon ", number(horizon, "s")), (("scenario", "horizon"), horizon))
 
 

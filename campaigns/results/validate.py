@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from campaigns.documented import UNLESS_EMPTY
+from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE
 from campaigns.results.base import Described, MethodKind, Result, Status, Stop, Untraced, Values
 from campaigns.results.finding import ClosestApproach, Validation
 from campaigns.results.stage import StageResult
@@ -108,6 +108,37 @@ class Spread(Result):
     highest: float | None
 
 
+class Later(Result):
+    """The closest approach of a flight after the horizon."""
+
+    name: str
+    """nominal, a finding, or an evaluation of the sample."""
+    value: float
+    """The criterion's value there; at least that if it is extrapolated."""
+    time: float
+    """After the horizon [s]."""
+    obstacle: int
+    distance: float
+    """To the centre of that obstacle at the last sample [m]."""
+    closing: float
+    """The speed at which that distance falls at the last sample [m/s]; negative while it grows."""
+    simulated: bool
+    """Simulated on beyond the horizon; else extrapolated along straight lines."""
+
+
+class Beyond(Result):
+    """What flights meet beyond the horizon."""
+
+    times: float
+    """They are simulated on to this multiple of the horizon, and extrapolated from there."""
+    flights: int
+    """The nominal case, the findings and the sample, under each of their noise realisations."""
+    closer: int
+    """How many of them come closer there than any evaluation of the run."""
+    lowest: Later | None
+    """The one that comes closest; null if none meets an obstacle there."""
+
+
 class Encounter(Result):
     """Evidence that the avoidance was tested."""
 
@@ -120,6 +151,9 @@ class Encounter(Result):
     spread: Spread
     influence: Values
     """By path: the largest change along any slice; without a parameter that has none."""
+    beyond: Annotated[Beyond | None, UNLESS_NONE] = None
+    """Omitted for a system that is not simulated on, for a criterion that is not one of obstacles, and in results of
+    earlier versions."""
 
 
 class Incumbent(Result):

@@ -20,6 +20,8 @@ class FlightReply(TypedDict):
     data: dict[str, list[float | None]]
     meta: dict[str, Any]
     """A `TraceHead`."""
+    identity: object
+    """An `Identity`: the code that simulated it."""
 
 
 class CaseReply(FlightReply):
@@ -27,8 +29,6 @@ class CaseReply(FlightReply):
 
     seconds: float
     """The time of the call [s]."""
-    digest: str
-    """Of the simulator's files."""
     untraced: str
     """Why there is no trace; empty if there is one or the simulator gives none."""
 
@@ -47,6 +47,8 @@ class FieldReply(TypedDict):
     own: list[float] | None
     """The demand at the vehicle's own position."""
     demand: list[list[float] | None]
+    identity: object
+    """An `Identity`: the code that computed it."""
 
 
 class InstalledReply(TypedDict):

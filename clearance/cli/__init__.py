@@ -20,16 +20,18 @@ from typer.core import TyperGroup
 
 from backend.db.access import AccessError
 from campaigns import CampaignError
+from campaigns.refusals import Refusal
 from worker.engine.kernels.jit import JitDisabledError
 
 CLEARED, VIOLATED, INCONCLUSIVE, WRONG_INPUT, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 4, 130
 """Exit codes: the verdicts, wrong input or usage, a failure of Clearance itself, interrupted."""
 CODES = {"cleared": CLEARED, "violated": VIOLATED, "inconclusive": INCONCLUSIVE}
 """Those of the verdicts."""
+NOT_A_RESULT = "Internal error in Clearance; this is not a result of your campaign."
 
 
-class WrongInputError(Exception):
-    """Invalid input; the message is for the user. Ends the command with `WRONG_INPUT`."""
+class WrongInputError(Refusal):
+    """Invalid input; the message is for the user, the code for scripts. Ends the command with `WRONG_INPUT`."""
 
 
 class UnreachableError(Exception):
@@ -77,7 +79,7 @@ def invoke(arguments: Sequence[str]) -> int:
             typer.echo(f"Error: a component failed: {sentence}", err=True)
             return WRONG_INPUT
         traceback.print_exc()
-        typer.echo("Internal error in Clearance; this is not a result of your campaign.", err=True)
+        typer.echo(NOT_A_RESULT, err=True)
         return INTERNAL
     return code if isinstance(code, int) else 0
 
@@ -135,4 +137,5 @@ def _explain(error: Exception) -> None:
     elif hasattr(error, "show"):  # the command line library's own errors include the usage
         error.show()
     else:
-        typer.echo(f"Error: {error}", err=True)
+        code = getattr(error, "code", "")
+        typer.echo(f"Error: {error}{f' [{code}]' if code else ''}", err=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError
 from clearance.cli._capsule_code import is_inside
 
@@ -42,7 +43,7 @@ def of_capsule(path: Path, allow_code: bool) -> Opened:
     try:
         capsule, _ = read(path)
     except CapsuleError as error:
-        raise WrongInputError(f"{path} is no capsule that can be replayed: {error}") from None
+        raise WrongInputError(f"{path} is no capsule that can be replayed: {error}", RefusalCode.NO_CAPSULE) from None
     if capsule.program is not None:
         _install(path, capsule.program, allow_code)
     recorded = Recorded(
@@ -124,7 +125,8 @@ def _install(path: Path, program: dict[str, object], allowed: bool) -> None:
     if not allowed:
         raise WrongInputError(
             f"{path} contains the command of a simulator, which is code; for a file that you trust, --allow-code "
-            "permits it"
+            "permits it",
+            RefusalCode.CODE_NOT_PERMITTED,
         )
     try:
         folder = Path(str(program["folder"]))

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError
 
 if TYPE_CHECKING:
@@ -54,7 +55,8 @@ def refuse_unused(path: str, capsule: Capsule) -> None:
     if used is None or set(used[0].files) != set(capsule.sources.files):
         raise WrongInputError(
             f"{path} cannot be replayed: its campaign is not evaluated by exactly the source in it; without "
-            "--allow-code the components of this installation evaluate it"
+            "--allow-code the components of this installation evaluate it",
+            RefusalCode.UNUSED_SOURCE,
         )
 
 
@@ -66,7 +68,7 @@ def replayed_with_its_code(path: Path, arguments: Sequence[str]) -> int | None:
         capsule, _ = read(path)
         texts = read_sources(path)
     except CapsuleError as error:
-        raise WrongInputError(f"{path} is no capsule that can be replayed: {error}") from None
+        raise WrongInputError(f"{path} is no capsule that can be replayed: {error}", RefusalCode.NO_CAPSULE) from None
     if capsule.sources is None or is_inside(capsule):
         return None
     _refuse_others(path, capsule, texts)
@@ -93,7 +95,8 @@ def _refuse_others(path: Path, capsule: Capsule, texts: Mapping[str, bytes]) -> 
         if recorded.get(file.file if file.own else file.module) != meaning(texts[file.module]).digest:
             raise WrongInputError(
                 f"{path} cannot be replayed: the text of {file.file} in it is not the one that the run recorded, so it "
-                "was changed"
+                "was changed",
+                RefusalCode.OTHER_SOURCE,
             )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError
 
 if TYPE_CHECKING:
@@ -80,7 +81,8 @@ def of_results(run: str, allowed: bool) -> None:
         if allowed:
             raise WrongInputError(
                 "--allow-code is for a campaign file or the folder of its results; a stored run has no command: leave "
-                "--allow-code out"
+                "--allow-code out",
+                RefusalCode.OPTIONS,
             )
         return
     command = versions_of(Path(run)).command
@@ -89,7 +91,8 @@ def of_results(run: str, allowed: bool) -> None:
     if not allowed:
         raise WrongInputError(
             f"{run} cannot be extended: its campaign file gave the command of the simulator, {command}; for a run that "
-            "you trust, --allow-code permits it"
+            "you trust, --allow-code permits it",
+            RefusalCode.CODE_NOT_PERMITTED,
         )
     try:
         install(_described(Path(run)))
@@ -101,7 +104,7 @@ def _described(folder: Path) -> InlineProgram:
     """The program that simulator.yaml in a folder of results describes; raises ValueError and OSError."""
     import yaml
 
-    from worker.engine.systems.simulators.declared.described import FILE
+    from worker.engine.systems.simulators.declared.folder import FILE
     from worker.running.catalogue.inline import InlineProgram, descriptor_of
 
     file, source = folder / FILE, _stated(folder / "result.json")
@@ -155,7 +158,7 @@ def write_description(folder: Path, campaign: Campaign) -> None:
     """Write what the campaign file gave as simulator.yaml, with which it can be installed; nothing else is written."""
     import yaml
 
-    from worker.engine.systems.simulators.declared.described import FILE
+    from worker.engine.systems.simulators.declared.folder import FILE
 
     known = _inline(campaign)
     if known is None:

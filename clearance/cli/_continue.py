@@ -23,6 +23,7 @@ from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
 from campaigns.checked.snapshot import values_changed
+from campaigns.refusals import RefusalCode
 from campaigns.results import Verdict
 from campaigns.runs import ENDED, run_name
 from campaigns.stages.plan import plan
@@ -81,7 +82,8 @@ def execute_continued(run: str, budget: str, data: Path, database: str, execute:
             return _of_database(run_id, wanted, existing_url_of(data, database), execute)
         return _of_folder(Path(run), wanted, execute)
     except (CannotContinue, ReplayMismatch) as error:
-        raise WrongInputError(f"{run} cannot be extended: {error}") from None
+        code = error.code if isinstance(error, CannotContinue) else RefusalCode.OTHER_POINTS
+        raise WrongInputError(f"{run} cannot be extended: {error}", code) from None
 
 
 def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
@@ -123,7 +125,10 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
     with read(engine) as connection:
         found = stored.state(connection, run_id)
         if found is None:
-            raise CannotContinue("there is no such run in this database; check --data, the data folder of the service")
+            raise CannotContinue(
+                "there is no such run in this database; check --data, the data folder of the service",
+                RefusalCode.NO_RUN,
+            )
         state, document = found
         if stored.is_removed(connection, run_id):
             raise CannotContinue("it was removed; restore it on its page first")
@@ -136,7 +141,9 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
         snapshot = snapshots.of_run(connection, run_id)
         others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue())
         if others:
-            raise CannotContinue(f"its evaluations used different components: {'; '.join(others)}")
+            raise CannotContinue(
+                f"its evaluations used different components: {'; '.join(others)}", RefusalCode.OTHER_COMPONENTS
+            )
         versions = stored.versions(connection, run_id)
         return _Earlier(
             run_name(run_id),

@@ -10,6 +10,7 @@ from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, VIOLATED
 
 if TYPE_CHECKING:
+    from campaigns.identity.identity import Identity
     from campaigns.results import Verdict
     from campaigns.results.regression import FindingChange, Regression
     from campaigns.results.verdicts import DescribedCheck
@@ -59,6 +60,8 @@ class EndedRun:
     findings: tuple[Case, ...] = ()
     """The worst first."""
     source: Source | None = None
+    identity: Identity | None = None
+    """Of the code that ran it; None before its first stage."""
     picture: str = ""
     """Name of the picture of the worst case, next to the summary; empty if there is none."""
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def refuse_other(address: str, campaign: Campaign) -> None:
         what = _only_here(campaign.simulator.name)
         if not what:
             return
-    raise WrongInputError(f"--evaluator {address}: {what}; leave --evaluator out")
+    raise WrongInputError(f"--evaluator {address}: {what}; leave --evaluator out", RefusalCode.NOT_THERE)
 
 
 def _only_here(name: str) -> str:

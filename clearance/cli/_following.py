@@ -91,13 +91,16 @@ def _cancelled(service: Client, run: str) -> str:
 
 def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun:
     """The run as its files state it; an earlier version of the service has no labels and no baseline."""
+    from campaigns.identity.identity import Identity
     from campaigns.results import Verdict
 
     document, compared = found.document, found.baseline
     criterion = (document.get("campaign") or {}).get("criterion") or {}
     stated = document["summary"] if found.state == RunState.DONE else None
+    code = document.get("identity")  # an earlier version of the service sends none
     return EndedRun(
         run=found.id,
+        identity=None if code is None else Identity.model_validate(code),
         campaign=found.campaign_name,
         state=found.state,
         verdict=Verdict.model_validate(stated) if stated else None,

@@ -34,6 +34,9 @@ def junit(ended: EndedRun) -> str:
     properties = Xml.SubElement(suite, "properties")
     values = {"run": ended.run, "link": ended.link, "state": ended.state}
     values |= {f"label.{key}": value for key, value in ended.labels.items()}
+    if ended.identity is not None:
+        values["code"] = ended.identity.digest or f"not identified: {', '.join(ended.identity.unidentified)}"
+        values |= {f"code.{name}": digest for name, digest in ended.identity.digests.items()}
     for name, value in values.items():
         if value:
             Xml.SubElement(properties, "property", name=name, value=_clean(value))

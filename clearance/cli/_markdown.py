@@ -34,6 +34,8 @@ def markdown(ended: EndedRun) -> str:
     lines += [_text(note) for note in ended.notes]
     if ended.labels:
         lines.append("Labels: " + ", ".join(f"{_text(key)} = {_text(value)}" for key, value in ended.labels.items()))
+    if ended.identity is not None:
+        lines.append(f"Code: `{ended.identity.text.translate(_CODE)}`")
     if ended.picture:
         lines.append(f"![The worst case, seen from above]({quote(ended.picture)})")
     if verdict is not None and verdict.regression is not None:

@@ -15,6 +15,7 @@ from campaigns import Campaign
 from campaigns.claims.numbers import NONE, count, number, signed
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
+from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.regression import Regression, Standing
@@ -77,6 +78,8 @@ def print_report(
     console.print(Text(f"{sign} {word}", style=f"bold {colour}"))
     for line in [verdict.reason, *changes(verdict)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)
+    code = identity_of(verdict.provenance, simulator_of(campaign)).text
+    console.print(Text(f"Code: {code}"), soft_wrap=not console.is_terminal)
     if out is not None:
         console.print(Text(f"Results in {out}"))
 

@@ -63,7 +63,7 @@ def opened(service: str, token_file: str, patience: float, source: str = "") -> 
         problems = [Problem(p.field.removeprefix("campaign."), p.given, p.message) for p in error.problems]
         raise CampaignError(source, problems) from None
     except client.ClearanceError as error:
-        raise WrongInputError(f"{error}") from None
+        raise WrongInputError(f"{error}", getattr(error, "kind", "")) from None
 
 
 def numbered(run: str) -> str:

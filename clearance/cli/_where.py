@@ -12,6 +12,7 @@ import sqlalchemy as sa
 import typer
 
 from backend.db.engine import connect, default_url, migrate, read
+from campaigns.refusals import RefusalCode
 from campaigns.runs import run_number
 from clearance.cli import WrongInputError
 
@@ -46,7 +47,10 @@ def existing_url_of(data: Path, database: str) -> str:
     """The URL of an existing database; a missing file raises `WrongInputError` and is not created."""
     file = data / "clearance.sqlite3"
     if not (database or file.exists()):
-        raise WrongInputError(f"there is no database at {file}; --data names the folder that `clearance serve` uses")
+        raise WrongInputError(
+            f"there is no database at {file}; --data names the folder that `clearance serve` uses",
+            RefusalCode.NO_DATABASE,
+        )
     return url_of(data, database)
 
 

@@ -67,7 +67,7 @@ def audit(
     try:
         items = judge.audit(_record(run, data, database))
     except UnreadableError as error:
-        raise WrongInputError(f"{error}") from None
+        raise WrongInputError(f"{error}", error.code) from None
     follows, sentence = judge.closing(items)
     if as_json:
         listed = [item._asdict() | {"agrees": item.agrees} for item in items]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError
 
 if TYPE_CHECKING:
@@ -56,7 +57,9 @@ def new(
         with file.open("x", encoding="utf-8") as output:
             output.write(text)
     except FileExistsError:
-        raise WrongInputError(f"{file} exists and is not overwritten: choose another name, or remove it") from None
+        raise WrongInputError(
+            f"{file} exists and is not overwritten: choose another name, or remove it", RefusalCode.EXISTS
+        ) from None
     except OSError as error:
         raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
     typer.echo(f"{file} is written: the {kind} {name!r}, which can be simulated as it is. Edit it, then check it:")
@@ -74,7 +77,9 @@ def check(
     wrong = 0
     for file in files:
         if not file.is_file():
-            raise WrongInputError(f"there is no file {file}; give the file of a component, such as my_robot.py")
+            raise WrongInputError(
+                f"there is no file {file}; give the file of a component, such as my_robot.py", RefusalCode.NO_FILE
+            )
         found = _checked(file.absolute())
         wrong += bool(found.text)
         typer.echo(_sentence(file, found), err=bool(found.text))
@@ -113,7 +118,9 @@ def _check_name(kind: Kind, name: str, file: Path) -> None:
         raise WrongInputError(mistake.text) from None
     taken = own.declaring(kind, name, file.parent)
     if taken is not None and taken != file:
-        raise WrongInputError(f"{taken} already declares the {kind} {name!r}: choose another name")
+        raise WrongInputError(
+            f"{taken} already declares the {kind} {name!r}: choose another name", RefusalCode.NAME_TAKEN
+        )
 
 
 def _fitting(vehicle: str) -> tuple[str, ...]:

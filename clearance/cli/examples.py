@@ -20,10 +20,14 @@ def examples(
     folder: Annotated[Path, typer.Argument(help="Folder to create.")] = WHERE,
 ) -> None:
     """Copy the examples of the guides into docs/examples of this folder, where their commands expect them."""
+    from campaigns.refusals import RefusalCode
     from clearance.cli import WrongInputError
 
     if folder.exists():
-        raise WrongInputError(f"{folder} exists and is not overwritten: use the examples there, or name another folder")
+        raise WrongInputError(
+            f"{folder} exists and is not overwritten: use the examples there, or name another folder",
+            RefusalCode.EXISTS,
+        )
     found = shipped()
     if not found:
         raise WrongInputError(

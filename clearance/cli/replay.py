@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from campaigns.refusals import RefusalCode
 from campaigns.unreadable import UNREADABLE
 from clearance.cli import VIOLATED, WrongInputError
 from clearance.cli._capsule import changed, described, is_capsule, of_capsule, sentence
@@ -77,7 +78,7 @@ def replay(
         try:
             found = replayed(problem, cases(recorded, problem, case or []))
         except UnknownCase as error:
-            raise WrongInputError(f"{run} cannot be replayed: {error}") from None
+            raise WrongInputError(f"{run} cannot be replayed: {error}", RefusalCode.NO_SUCH_CASE) from None
         noise = _noise(recorded, problem)
     well = [agrees(one, not (others or elsewhere)) for one in found]
     apart = [] if capsule is None else changed(capsule)
@@ -114,7 +115,9 @@ def of_folder(folder: Path) -> Recorded:
         measured = (results[0] or {}).get("measured") if results else None
         noise = None if measured is None else Measured.model_validate(measured)
     except UNREADABLE as error:
-        raise WrongInputError(f"{folder} cannot be replayed: {error}") from None
+        raise WrongInputError(
+            f"{folder} cannot be replayed: {error}", getattr(error, "code", RefusalCode.UNREADABLE)
+        ) from None
     chunks = {at: columns for at in store.chunks if (columns := store.evaluations(at)) is not None}
     plans = [stage.plan for stage in store.stages]
     drawn, seeds = _drawn(known)
@@ -140,7 +143,9 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
 
     name, state = run_name(run_id), stored.state(connection, run_id)
     if state is None:
-        raise WrongInputError(f"there is no {name} in this database; check --data, the data folder of the service")
+        raise WrongInputError(
+            f"there is no {name} in this database; check --data, the data folder of the service", RefusalCode.NO_RUN
+        )
     try:
         campaign = load_document(state[1], name)
     except CampaignError as error:
@@ -175,19 +180,25 @@ def _opened(run: str, recorded: Recorded, permitted: str) -> Problem:
             return opened.problem(recorded.campaign)
     except CampaignUnusable as error:
         problems = error.problems
-    raise WrongInputError(f"{run} cannot be evaluated by this installation: {'; '.join(map(str, problems))}{permitted}")
+    raise WrongInputError(
+        f"{run} cannot be evaluated by this installation: {'; '.join(map(str, problems))}{permitted}",
+        RefusalCode.CODE_NOT_PERMITTED if permitted else RefusalCode.NOT_EVALUABLE,
+    )
 
 
 def _compared(recorded: Recorded, problem: Problem) -> tuple[list[str], list[str]]:
     """What differs from the installation, and from the machine, that made the run."""
-    from campaigns.versions import differences, differing
+    from campaigns.identity.identity import differences, identity_of, simulator_of
+    from campaigns.versions import differing
     from worker.running.runs import identity
     from worker.running.runs.provenance import versions
     from worker.running.runs.replay import other_machine
 
     now = versions(recorded.campaign, problem.system)
-    modules = differing(dict(recorded.modules), identity.code(recorded.campaign).modules) if recorded.modules else None
-    return differences(recorded.versions, now, modules), other_machine(recorded.versions, now)
+    modules = differing(dict(recorded.modules), identity.code(recorded.campaign).modules) if recorded.modules else []
+    simulator = simulator_of(recorded.campaign)
+    then, here = identity_of(recorded.versions, simulator), identity_of(now, simulator)
+    return differences(then, here, modules), other_machine(recorded.versions, now)
 
 
 def _noise(recorded: Recorded, problem: Problem) -> str:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from campaigns.refusals import RefusalCode
 from campaigns.runs import RunState
 from clearance.cli import UnreachableError, WrongInputError
 from clearance.cli import _code as code
@@ -112,6 +113,8 @@ def _ended(
     campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, options: launch.Launch, note: str,
     file: Path | None,
 ) -> EndedRun:  # fmt: skip
+    from campaigns.identity.identity import identity_of, simulator_of
+
     return EndedRun(
         run="" if out is None else str(out),
         campaign=campaign.name,
@@ -130,6 +133,7 @@ def _ended(
         ),
         source=_source(file, options),
         requirements=tuple(one.id for one in campaign.criterion.requirements),
+        identity=identity_of(verdict.provenance, simulator_of(campaign)),
     )
 
 
@@ -146,7 +150,8 @@ def _source(file: Path | None, options: launch.Launch) -> Source | None:
 def _check_options(file: Path | None, onward: str, budget: str, launched: bool) -> None:
     if onward and launched:
         raise WrongInputError(
-            "an extended run has the labels, the baseline and the sample seed of the earlier one: leave them out"
+            "an extended run has the labels, the baseline and the sample seed of the earlier one: leave them out",
+            RefusalCode.OPTIONS,
         )
     if onward and file is not None:
         raise WrongInputError("give either a campaign or --continue RUN, not both")
@@ -215,7 +220,7 @@ def _executing(threads: int | None, quiet: bool, evaluator: str = "") -> Execute
             with memory.bounded(threads):
                 return simulated(campaign, store, cancelled)
         except MemoryError:
-            raise WrongInputError(memory.sentence()) from None
+            raise WrongInputError(memory.sentence(), RefusalCode.TOO_LITTLE_MEMORY) from None
         except EvaluatorLost as error:
             raise UnreachableError(str(error)) from None
 

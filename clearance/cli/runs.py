@@ -33,7 +33,7 @@ def runs(
     token_file: Token = "",
     patience: Patience = PATIENCE,
 ) -> None:
-    """List the runs of a service: number, verdict or state, worst margin, start, name, labels."""
+    """List the runs of a service: number, verdict or state, worst margin, start, code, name, labels."""
     import itertools
     import json
 
@@ -53,15 +53,18 @@ def runs(
 
 
 def _row(run: Run) -> list[str]:
+    from campaigns.versions import SHORT
     from clearance.cli._following import plain
 
     margin = "" if run.margin is None else f"{run.margin:+.6g} {run.unit}".rstrip()
+    unread = run.document.get("unidentified")
     labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
     return [
         run.id,
         run.verdict or run.state,
         margin,
         run.created.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        (run.document.get("code") or "")[:SHORT] or ("not identified" if unread else ""),
         plain(run.name),
         labels,
     ]

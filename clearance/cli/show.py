@@ -33,6 +33,7 @@ def show(
 
 
 def _head(found: RunDetail) -> list[str]:
+    from campaigns.identity.identity import Identity
 
     state = found.verdict or found.state
     lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
@@ -40,6 +41,8 @@ def _head(found: RunDetail) -> list[str]:
     if found.stage is not None:
         lines.append(f"Running: {found.stage.kind} {found.stage.method or ''}".rstrip())
     lines += [counts(found), f"Campaign: {plain(found.campaign_name)}, sha256 {found.campaign_digest[:16]}"]
+    if (code := found.document.get("identity")) is not None:  # an earlier version of the service sends none
+        lines.append(f"Code: {plain(Identity.model_validate(code).text)}")
     times = {"Submitted": found.created, "started": found.started, "ended": found.finished}
     lines.append(", ".join(f"{word} {at.strftime('%Y-%m-%dT%H:%M:%SZ')}" for word, at in times.items() if at))
     if found.labels:

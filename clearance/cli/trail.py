@@ -12,6 +12,7 @@ import typer
 
 from backend.db import audit
 from backend.db.chain import COVERED, FIRST, Head, Verified, head, verify
+from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WrongInputError
 from clearance.cli._where import DATA, Data, Database, existing_url_of, reading
 
@@ -88,7 +89,8 @@ def _rows(file: Path, lines: Any) -> Iterator[dict[str, Any]]:
         whole = isinstance(row, dict) and {*COVERED, "hash"} <= row.keys() and type(row["id"]) is int
         if not whole or not isinstance(row["hash"], str):
             raise WrongInputError(
-                f"{file}, line {number}: not a row of an audit trail; give a file of `GET /api/v1/audit/export`"
+                f"{file}, line {number}: not a row of an audit trail; give a file of `GET /api/v1/audit/export`",
+                RefusalCode.NO_TRAIL,
             )
         yield row
 

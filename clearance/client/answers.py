@@ -159,6 +159,12 @@ class Run(RunAnswer):
     failed_evaluations: int
     """Includes timeouts."""
     excluded_evaluations: int | None = None
+    code: str | None = None
+    """Digest of the run's identity: engine, own files, packages; None before its first stage, or if something of it is
+    not identified.
+    """
+    unidentified: list[str] = []
+    """What of its identity was not stored or cannot be read exactly."""
     created: AwareDatetime
     started: AwareDatetime | None
     finished: AwareDatetime | None
@@ -311,7 +317,11 @@ class Outcome(Answer):
     campaign_digest: str | None = None
     seed: int | None = None
     code: str | None = None
-    """Digest of the code that ran it; None before its first stage, or if it was not stored."""
+    """Digest of its identity: engine, own files, packages; None before its first stage, or if something of it is not
+    identified.
+    """
+    unidentified: list[str] = []
+    """What of its identity was not stored or cannot be read exactly."""
     clearance: str | None = None
     """Version of Clearance that ran it."""
     quantity: str | None = None

@@ -16,6 +16,7 @@ from backend.db.rows import plain
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.cells import Writer
 from campaigns.checked.snapshot import snapshot, values_changed
+from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import stage_result
@@ -68,14 +69,17 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     for name in ("campaign.json", "result.json", ARRAYS):
         if not (folder / name).is_file():
             raise CannotContinue(
-                f"it contains no {name}; give the folder of a `clearance run --out`, or a run such as R-0001"
+                f"it contains no {name}; give the folder of a `clearance run --out`, or a run such as R-0001",
+                RefusalCode.NO_RUN,
             )
     campaign = load_file(folder / "campaign.json")
     stages = [StageRecord(StagePlan(*planned)) for planned in plan(campaign)]
     try:
         chunks = _read_bits(folder / ARRAYS, len(stages))
     except UNREADABLE as error:
-        raise CannotContinue(f"{ARRAYS} in it cannot be read ({error}); run the campaign again") from None
+        raise CannotContinue(
+            f"{ARRAYS} in it cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE
+        ) from None
     seed = _sample_seed(folder)
     return campaign, MemoryStore(
         stages=stages, chunks={at: [columns] for at, columns in chunks.items()}, sample_seed=seed
@@ -112,14 +116,19 @@ def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
         components = Catalogue.model_validate(evidence["components"]) if "components" in evidence else None
         others = [] if components is None else values_changed(campaign, components, catalogue())
     except UNREADABLE as error:
-        raise CannotContinue(f"its results cannot be read ({error}); run the campaign again") from None
+        raise CannotContinue(
+            f"its results cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE
+        ) from None
     if stated != campaign.digest:
         raise CannotContinue(
             f"its campaign.json is not the campaign of its results: its digest is {short(campaign.digest)}, "
-            f"result.json states {short(stated)}; restore the file, or run the changed campaign as a new one"
+            f"result.json states {short(stated)}; restore the file, or run the changed campaign as a new one",
+            RefusalCode.OTHER_CAMPAIGN,
         )
     if others:
-        raise CannotContinue(f"its evaluations used different components: {'; '.join(others)}")
+        raise CannotContinue(
+            f"its evaluations used different components: {'; '.join(others)}", RefusalCode.OTHER_COMPONENTS
+        )
 
 
 def _write_bits(path: Path, store: MemoryStore) -> None:

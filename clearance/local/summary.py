@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from campaigns import Campaign
+from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from clearance.local.failures import failures
@@ -35,6 +36,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
         **({"failures": [one.document for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
         "digest": campaign.digest,
         "seed": campaign.seed,
+        "identity": identity_of(verdict.provenance, simulator_of(campaign)).model_dump(mode="json"),
         "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")}
         | {k: parts["provenance"][k] for k in ("components", "simulator", "command") if k in parts["provenance"]},
     }

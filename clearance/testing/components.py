@@ -7,6 +7,7 @@ with pytest; all but the last test use the plain form, which needs no compiler. 
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -14,10 +15,12 @@ import numpy as np
 from campaigns import check
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
-from clearance.testing.flights import as_in_plain_python, in_any_order, no_number_shows, unbreakable
+from clearance.testing.flights import as_in_plain_python, in_any_order, no_number_shows, repeated, unbreakable
+from clearance.testing.rates import turns_as_declared
 from clearance.testing.scenes import around, entry, own, problem
-from worker.engine.kernels.component import Component
+from worker.engine.kernels.component import Component, Obstacle
 from worker.running.catalogue.installed import catalogue, source_of
+from worker.running.examination import purity, reading
 
 PURE = {"", "-", "N m^(3-n)"}
 """Units of numbers without a dimension, and one whose power is a parameter itself."""
@@ -57,6 +60,12 @@ class ComponentContract:
             assert -1e12 <= p.low < p.high <= 1e12, path
             assert p.default is None or p.low <= p.default <= p.high, path
 
+    def test_it_turns_no_faster_than_it_declares(self) -> None:
+        """Of an obstacle whose motion is prescribed: within pi over its rate it turns by half a turn at most."""
+        if isinstance(self.component, Obstacle) and self.component.moving and not self.component.states:
+            flown, declared = problem(self.component, compiled=False), entry(self.component).rate
+            turns_as_declared(flown, own(self.component), declared)
+
     def test_it_can_be_simulated_with_the_first_other_components_that_fit(self) -> None:
         made = load_document(around(self.component))
         assert check(made, catalogue()) == []
@@ -65,6 +74,12 @@ class ComponentContract:
 
     def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(self) -> None:
         unbreakable(problem(self.component, compiled=False), own(self.component), 6)
+
+    def test_the_same_case_gives_the_same_bits(self) -> None:
+        """Nothing in its file is random or keeps state."""
+        home = source_of(self.component)
+        purity.check(reading.read(Path(str(home.__file__))), home.__name__)
+        repeated(problem(self.component, compiled=False), own(self.component), 4)
 
     def test_a_nan_fails_the_simulation_or_changes_nothing(self) -> None:
         no_number_shows(problem(self.component, compiled=False), own(self.component))

@@ -29,6 +29,14 @@ def unbreakable(flown: Problem, of: Entries, count: int) -> None:
     assert all(reason.startswith(begins) for reason in reasons.values())
 
 
+def repeated(flown: Problem, of: Entries, count: int) -> None:
+    """The same vectors give the same bits again."""
+    vectors = drawn(flown, of, count)
+    batch, again = (flown.system.simulate_vectors(vectors)[0] for _ in range(2))
+    assert again.costs.tobytes() == batch.costs.tobytes()
+    assert again.status.tolist() == batch.status.tolist()
+
+
 def in_any_order(flown: Problem, of: Entries, count: int) -> None:
     """Compiled, several are simulated side by side: none depends on its neighbours. In plain Python each is alone."""
     vectors = drawn(flown, of, count)

@@ -10,12 +10,15 @@ from campaigns import check
 from campaigns.asked.load import CampaignError, load_document
 from campaigns.results.base import OK
 from clearance.testing.problems import Problem
-from tests.adversary.classes import CLASSES, Attack
+from tests.adversary import classes, later
+from tests.adversary.classes import Attack
 from tests.audited import audited
 from worker.engine.systems.base import CampaignUnusable
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
+
+CLASSES = (*classes.CLASSES, *later.CLASSES)
 
 
 @dataclass(frozen=True)

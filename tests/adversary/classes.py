@@ -284,13 +284,14 @@ def near_the_worst(random: np.random.Generator) -> Attack:
     return Attack(made.name, document, ANY if lowest > threshold else NOT_CLEARED)
 
 
-def brute_force(asked: Campaign, points: int) -> float:
-    """The lowest cost of a full grid with so many points on every axis, at half the step; of one, the nominal cost."""
+def brute_force(asked: Campaign, points: int, finer: int = 2) -> float:
+    """The lowest cost of a full grid with so many points on every axis, at half the step or finer; of one, the nominal
+    cost."""
     problem = Problem(asked)
     axis = np.linspace(0.0, 1.0, points)
     grid = np.stack(np.meshgrid(*[axis] * problem.dimension, indexing="ij"), -1).reshape(-1, problem.dimension)
     flown = problem.nominal_point[None, :] if points == 1 else grid
-    batch, _ = problem.system.simulate_vectors(problem.vectors(flown), problem.system.step / 2)
+    batch, _ = problem.system.simulate_vectors(problem.vectors(flown), problem.system.step / finer)
     return float(np.min(batch.costs[batch.status == OK, 0], initial=np.inf))
 
 

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.adversary.attack import attack, made
-from tests.adversary.classes import CLASSES
+from tests.adversary.attack import CLASSES, attack, made
 
 EACH = 20
 """Attacks of every class by night: more than 300 in all."""

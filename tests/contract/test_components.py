@@ -12,8 +12,9 @@ from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from clearance.testing import ComponentContract
 from clearance.testing.problems import Problem
-from clearance.testing.scenes import entry, problem
-from worker.engine.kernels.component import Component, Criterion, Vehicle, declared
+from clearance.testing.rates import turns_as_declared
+from clearance.testing.scenes import entry, own, problem
+from worker.engine.kernels.component import Component, Criterion, Obstacle, Vehicle, declared
 from worker.running.catalogue.installed import catalogue, components
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
@@ -87,6 +88,25 @@ def test_a_vehicle_declares_its_states_and_limits(vehicle: Vehicle) -> None:
     x = flown.system.loop.part("initial")(flown.system.loop.extend(flown.system.nominal))
     assert len(x) >= len(vehicle.states)
     assert flown.system.loop.part("envelope")(x, flown.system.loop.extend(flown.system.nominal)) == 0.0
+
+
+@EACH
+def test_it_turns_no_faster_than_it_declares(component: Component) -> None:
+    contract(component).test_it_turns_no_faster_than_it_declares()
+
+
+TURNING = [c for c in components().values() if isinstance(c, Obstacle) and c.moving and not c.states]
+
+
+@pytest.mark.parametrize("obstacle", TURNING, ids=lambda o: o.name)
+def test_a_rate_that_is_declared_too_low_or_not_at_all_is_found(obstacle: Obstacle) -> None:
+    flown, parameters, rate = problem(obstacle, compiled=False), own(obstacle), entry(obstacle).rate
+    assert rate is not None
+    with pytest.raises(AssertionError, match="declares no rate"):
+        turns_as_declared(flown, parameters, None)
+    if rate.times and len(rate.legs) != 2:  # a single leg never turns
+        with pytest.raises(AssertionError, match="it turns by"):
+            turns_as_declared(flown, parameters, rate.model_copy(update={"times": 0.4 * rate.times}))
 
 
 @EACH

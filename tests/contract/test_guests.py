@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+from campaigns import library, load_file
 from tests.given.guest_packages import package
 from tests.simulators import package as simulators
 
@@ -51,6 +54,25 @@ from dataclasses import replace
 from worker.engine.components.obstacles import circle
 component = replace(circle.component, name="hidden", title="hidden")
 '''
+RANDOM = '''"""Restless: a circle of which nobody knows where it is.
+
+For a test.
+"""
+import random
+from dataclasses import replace
+from worker.engine.components.obstacles import circle
+from worker.engine.kernels.maths import kernel
+from worker.engine.kernels.views import Body
+
+steady = circle.component.body
+
+@kernel
+def body(t, o, q, p):
+    found, shift = steady(t, o, q, p), 0.001 * random.random()
+    return Body(found.x + shift, found.y, found.vx, found.vy, found.radius, found.gap, found.nx, found.ny)
+
+component = replace(circle.component, name="restless", body=body)
+'''
 TESTS = """
 import numpy as np
 from basins import ENTRY, TwoBasins
@@ -61,6 +83,7 @@ from worker.engine.systems.simulators.declared.simulator import Opening
 from tests.simulators import package
 import hidden
 import pillar
+import restless
 import uniform
 
 class TestMethod(MethodContract):
@@ -75,6 +98,10 @@ class TestComponent(ComponentContract):
 class TestBrokenComponent(ComponentContract):
     component = hidden.component
     test_compiled_it_is_as_in_plain_python = None  # takes seconds
+
+class TestRandomComponent(ComponentContract):
+    component = restless.component
+    test_compiled_it_is_as_in_plain_python = None
 
 class TestSimulator(SystemContract):
     campaign = package.campaign()
@@ -101,6 +128,7 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
     package(folder, "clearance.methods", "uniform", UNIFORM)
     package(folder, "clearance.components", "pillar", PILLAR)
     package(folder, "clearance.components", "hidden", HIDDEN)
+    package(folder, "clearance.components", "restless", RANDOM)
     (folder / "test_guests.py").write_text(TESTS, encoding="utf-8")
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-rA", "--tb=no", "test_guests.py"]
     environment = {**os.environ, "PYTHONPATH": simulators.path(folder)}
@@ -120,7 +148,23 @@ def test_a_good_guest_passes(outcomes: dict[str, set[str]], name: str) -> None:
 def test_a_broken_guest_fails_where_it_is_broken(outcomes: dict[str, set[str]]) -> None:
     assert "test_points_are_points_of_the_unit_cube" in outcomes["TestBrokenMethod"]
     assert outcomes["TestBrokenComponent"] == {"test_it_is_documented"}
+    assert "test_the_same_case_gives_the_same_bits" in outcomes["TestRandomComponent"]
     assert "test_bits_depend_on_the_vector_alone" in outcomes["TestBrokenSimulator"]
+
+
+def test_no_run_begins_with_a_component_that_is_random(tmp_path: Path) -> None:
+    """One of a package, which nobody has examined."""
+    package(tmp_path, "clearance.components", "restless", RANDOM)
+    document = load_file(library()["unicycle_static"]).document()
+    document["scenario"] |= {"horizon": 2.0}
+    document["scenario"]["obstacles"][0] |= {"component": "restless"}
+    (tmp_path / "campaign.json").write_text(json.dumps(document), encoding="utf-8")
+    command = [sys.executable, "-m", "clearance", "run", "campaign.json"]
+    environment = {**os.environ, "PYTHONPATH": simulators.path(tmp_path)}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode not in (0, 1), done.stdout
+    shown = " ".join((done.stdout + done.stderr).split())
+    assert re.search(r"gave different results: .*obstacle restless", shown), shown
 
 
 def test_it_needs_no_pytest() -> None:

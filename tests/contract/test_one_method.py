@@ -143,4 +143,4 @@ def test_one_file_is_in_catalogue_api_effort_colours_pages_and_guide(tmp_path: P
     assert found["colours"] == ["#123456", "#abcdef"]
     assert "corner_walk" in [method["name"] for method in json.loads(found["pages"])]
     assert "| Corner walk | `corner_walk` | Global. Every corner | monotonic criteria | corners |" in found["guide"]
-    assert "`corner_walk`" in found["guide"].split("can be extended, except")[1].split("\n")[0]
+    assert any("`corner_walk`" in line for line in found["guide"].splitlines() if not line.startswith("|"))

@@ -77,13 +77,14 @@ class TestCampaign:
         document |= {"scenario": load_file(library()["unicycle_static"]).document()["scenario"]} if both else {}
         if not both:
             del document["simulator"]
-        with pytest.raises(CampaignError, match=r"give exactly one of scenario and simulator; (both|neither)"):
+        with pytest.raises(CampaignError, match="both" if both else "neither"):
             load_document(document)
 
     def test_an_unknown_simulator_is_refused_with_a_sentence(self) -> None:
         problems = wrong(simulator={"name": "two_basin"})
         assert len(problems) == 1
-        assert "no such simulator in this installation; did you mean 'two_basins'?" in problems[0]
+        assert problems[0].startswith("simulator.name: ")
+        assert "'two_basins'?" in problems[0]
 
     @pytest.mark.parametrize(
         ("change", "statement"),
@@ -107,7 +108,8 @@ class TestCampaign:
         kept = snapshot(load_document(package.campaign()), known())
         assert [s.name for s in kept.simulators] == ["two_basins"]
         assert changes(kept, known()) == []
-        assert changes(kept, catalogue()) == ["the simulator two_basins is no longer in this installation"]
+        (change,) = changes(kept, catalogue())
+        assert change.startswith("the simulator two_basins ")
         assert "simulators" not in snapshot(load_file(library()["unicycle_static"]), known()).model_dump()
 
 

@@ -108,7 +108,9 @@ def in_the_browser(visit: Visit, folder: Path) -> None:
     assert (first, second) == ("Cleared", "Violated")
     visit.go("/launch?from=R-0002")
     skipped = page.get_by_test_id("skipped")
-    expect(skipped).to_contain_text("components/broken.py, line 1: there is no `component = ...` in the file")
+    (broken,) = catalogue(visit)["unusable"]
+    assert (broken["file"], broken["line"]) == ("components/broken.py", 1)
+    expect(skipped).to_contain_text(f"{broken['file']}, line 1: {broken['text']}")
     expect(page.get_by_role("combobox", name="Vehicle, component", exact=True)).to_have_value("My robot")
     visit.shot("first-hour-launch")
     visit.move("/help/components")

@@ -86,8 +86,9 @@ def test_other_runs_with_the_same_input(visit: Visit) -> None:
 
 def test_a_sweep(visit: Visit) -> None:
     visit.move("/sweeps")
-    visit.page.get_by_role("link", name="Unicycle past a pillar").click()
-    expect(visit.page.get_by_role("heading", level=1)).to_have_text("Unicycle past a pillar")
+    name = str(campaign()["name"])
+    visit.page.get_by_role("link", name=name).click()
+    expect(visit.page.get_by_role("heading", level=1)).to_have_text(name)
     expect(visit.page.locator("canvas")).to_have_count(2)
     expect(row(visit.page, "R-0005")).to_contain_text("Violated")
     for run, word in (("R-0007", "Cancelled"), ("R-0008", "Queued")):

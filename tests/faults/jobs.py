@@ -107,9 +107,12 @@ def spawn_and_hang() -> None:
     hang()
 
 
+WINGS = "it has no wings; choose another one"
+
+
 def refuse() -> None:
     """As the runner does with a campaign that cannot be run."""
-    raise CampaignUnusable([Wrong("scenario.vehicle", "unicycle", "it has no wings; choose another one")])
+    raise CampaignUnusable([Wrong("scenario.vehicle", "unicycle", WINGS)])
 
 
 def fail() -> None:

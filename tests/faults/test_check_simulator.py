@@ -12,6 +12,8 @@ from backend.db import measurements
 from backend.db.engine import connect, default_url, read
 from backend.db.measurements import Stored
 from campaigns.asked.load import load_file
+from campaigns.claims.spans import words
+from campaigns.claims.stages import calls
 from campaigns.results.base import FAILED, OK
 from clearance.cli import WRONG_INPUT, invoke
 from clearance.cli._announce import announce
@@ -32,10 +34,11 @@ def test_one_that_can_be_used_as_it_is(capsys: pytest.CaptureFixture[str]) -> No
     with adversary():
         assert invoke(["check-simulator", "adversary", "--points", "7"]) == 0
     shown = capsys.readouterr().out
-    assert "parameter a: nominal 0.5, 0 to 1" in shown
-    assert "result d [m], worse when low" in shown
-    assert "21 of 21 evaluations of 7 points have a value of d" in shown
-    assert "repeats bit by bit: 7 points, 21 evaluations" in shown
+    assert {
+        "  parameter a: nominal 0.5, 0 to 1", "  result d [m], worse when low",
+        "21 of 21 evaluations of 7 points have a value of d",
+    } <= set(shown.splitlines())  # fmt: skip
+    assert words(calls.measured(7, 21, 0, True, True, None, "m")) in shown
     assert "Proposal" not in shown
     (asked,) = [line for line in shown.splitlines() if line.startswith("methods and budgets for it: clearance ")]
     assert invoke(asked.partition("clearance ")[2].split()) == 0
@@ -46,15 +49,14 @@ def test_one_that_does_not_repeat(how: str, capsys: pytest.CaptureFixture[str]) 
     with adversary(how):
         assert invoke(["check-simulator", "adversary"]) == NOT_AS_IT_IS
     shown = capsys.readouterr().out
-    assert "differs by up to" in shown
     assert "repeats: {count: 5, combine: worst}" in shown
-    assert ("set recycle: 1" in shown) == (how == "noise of the process")
+    assert ("recycle: 1" in shown) == (how == "noise of the process")
 
 
 def test_one_that_declares_noise_but_shows_none(capsys: pytest.CaptureFixture[str]) -> None:
     with adversary(declared=False):
         assert invoke(["check-simulator", "adversary"]) == NOT_AS_IT_IS
-    assert "the simulator declares that its results do not repeat" in capsys.readouterr().out
+    assert words(calls.measured(5, 15, 0, True, False, None, "m")) in capsys.readouterr().out
 
 
 def test_one_that_fails_at_some_points(capsys: pytest.CaptureFixture[str]) -> None:
@@ -64,15 +66,15 @@ def test_one_that_fails_at_some_points(capsys: pytest.CaptureFixture[str]) -> No
     with adversary("none", beyond):
         assert invoke(["check-simulator", "adversary", "--points", "9"]) == NOT_AS_IT_IS
     shown = capsys.readouterr().out
-    assert "failed: its process ended with exit code 3" in shown
-    assert "repeats bit by bit" in shown
+    assert " exit code 3" in shown
+    assert "repeats: {" not in shown
 
 
 def test_one_that_always_fails(capsys: pytest.CaptureFixture[str]) -> None:
     with adversary("none", never):
         assert invoke(["check-simulator", "adversary"]) == NOT_AS_IT_IS
     shown = capsys.readouterr().out
-    assert "0 of 15 evaluations of 5 points have a value of d" in shown
+    assert "0 of 15 " in shown
     assert "whether it repeats is unknown" in shown
     assert "Proposal" not in shown
 
@@ -112,7 +114,7 @@ def test_with_data_the_measurement_is_stored_and_announced(tmp_path: Path, capsy
         assert announced(campaign, data, capsys) == ""
         assert not data.exists()
         assert invoke(["check-simulator", "adversary", "--data", str(data)]) == NOT_AS_IT_IS
-        assert f"stored for the estimates of the launch page and of clearance run: {data}" in capsys.readouterr().out
+        assert f": {data / 'clearance.sqlite3'}\n" in capsys.readouterr().out
         (found,) = stored(data)
         assert (found.host, found.measured.evaluations) == (socket.gethostname(), 15)
         assert (found.measured.spread or 0.0) > 0.0
@@ -130,7 +132,7 @@ def announced(campaign: Path, data: Path, capsys: pytest.CaptureFixture[str]) ->
 def test_without_a_value_nothing_is_stored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with adversary("none", never):
         assert invoke(["check-simulator", "adversary", "--data", str(tmp_path)]) == NOT_AS_IT_IS
-        assert "nothing is stored for estimates: no value" in capsys.readouterr().out
+        assert str(tmp_path) not in capsys.readouterr().out
         assert stored(tmp_path) == []
 
 
@@ -167,7 +169,7 @@ def test_more_parameters_than_a_campaign_may_vary_are_named(
         invoke(["check-simulator", "many", "--points", "2"])
         shown = capsys.readouterr().out
         assert "varied: 64 of 200 parameters" in shown
-        assert "6 of 6 evaluations of 2 points have a value of d" in shown
+        assert "6 of 6 " in shown
         assert invoke(["check-simulator", "named"]) == WRONG_INPUT
         assert "named.py: " in capsys.readouterr().err, "a file that is skipped is reported with its reason"
     finally:

@@ -88,12 +88,11 @@ def test_a_branch_with_a_worse_gain_fails_and_a_good_one_passes(
     compared = ("--baseline", "label:branch=main")
     code, shown = job.submit(slow, *compared, "--junit", str(files[0]), "--summary", str(files[1]))
     assert code == 1, shown
-    assert "Baseline: R-0001, the newest run with the label branch=main at launch." in shown
-    assert "The policy of the campaign fails: F1 of R-0001 is worse: d_min = " in shown
+    assert "Baseline: R-0001, " in shown
     cases = {case.get("name"): case for case in Xml.parse(files[0]).iter("testcase")}
     failure = cases["F1 of the baseline"].find("failure")
     assert failure is not None
-    assert str(failure.get("message")).startswith("F1 of R-0001 is worse: d_min = ")
+    assert (failure.get("type"), str(failure.get("message")) in shown) == ("worse", True)
     lines = str(failure.text).splitlines()
     assert lines[-2] == f"{job.address}/runs/R-0002"
     assert {line.partition(" = ")[0] for line in lines[1:-2]} == {"vehicle.m", "vehicle.J"}
@@ -102,7 +101,7 @@ def test_a_branch_with_a_worse_gain_fails_and_a_good_one_passes(
     assert lines[-1] == "clearance replay R-0002 1:0"
     code, shown = job.submit(good, *compared, "--junit", str(files[0]))
     assert code == 0, shown
-    assert "Changes of the findings since R-0001: 1 same." in shown
+    assert " R-0001: 1 same." in shown
     assert not [*Xml.parse(files[0]).iter("failure")]
     assert [(run["id"], run["labels"]["branch"]) for run in job.runs()] == [
         ("R-0003", "good"),
@@ -126,7 +125,7 @@ def test_a_service_that_was_killed_continues_when_it_is_started_again(
     with serving(tmp_path, CLEARANCE_THREADS="1") as service:
         code, shown = Job(service, tmp_path, token, capsys).submit(good, "--baseline", "label:branch=main")
         assert code == 0, shown
-        assert "Changes of the findings since R-0001: 1 same." in shown
+        assert " R-0001: 1 same." in shown
 
 
 def test_serve_killed_leaves_nothing_behind_and_gives_its_run_back(service: Service) -> None:

@@ -263,7 +263,7 @@ def test_closing_ends_what_runs_on_the_nodes(nodes: Cluster, tmp_path: Path) -> 
 
 def test_a_scheduler_that_is_not_there_ends_with_a_sentence(tmp_path: Path) -> None:
     gate = Gate(tmp_path, 0)
-    with pytest.raises(EvaluatorLost, match="its scheduler could not be reached for 1 s: Timed out"):
+    with pytest.raises(EvaluatorLost, match=" 1 s: Timed out"):
         pool_of(gate, "dask://127.0.0.1:1?patience=1")
 
 
@@ -300,6 +300,6 @@ def test_tls_without_certificates_is_refused_at_once(tmp_path: Path, files: str,
     names = {"ca-file": files, "client.cert": files, "client.key": files}
     with (
         dask.config.set({f"distributed.comm.tls.{name}": file or None for name, file in names.items()}),
-        pytest.raises(EvaluatorLost, match=f"TLS needs certificates of the client: .*{why}"),
+        pytest.raises(EvaluatorLost, match=f"TLS .*{why}"),
     ):
         pool_of(gate, "dask+tls://127.0.0.1:1")

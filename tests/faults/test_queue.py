@@ -124,7 +124,8 @@ def test_three_attempts_then_failed_with_a_sentence(database: sa.Engine) -> None
             ready(database, run_id)
     ended = row(database, run_id)
     assert (ended.state, ended.finished is None) == ("failed", False)
-    assert ended.error == f"Failed after 3 attempts in the search stage (direct); last attempt: {KILLED}."
+    assert " 3 attempts " in ended.error
+    assert ended.error.endswith(f" stage (direct); last attempt: {KILLED}.")
     assert queue.claim("w") is None
 
 
@@ -280,23 +281,38 @@ def test_a_queued_run_reports_what_it_waits_for(database: sa.Engine) -> None:
         asked = load_document(package.campaign())
         run_id = submit(connection, asked, name="a", tags=[], owner="ada", planned=1, catalogue=HAS)
 
-        def why() -> str:
-            return waiting.reasons(connection, [run_id])[run_id].waits
+        sentences = []
 
-        assert why() == "No worker is running. Start one with `clearance worker`."
+        def look() -> None:
+            sentences.append(waiting.reasons(connection, [run_id])[run_id].waits)
+
+        look()
         workers.arrive(connection, "one")
         connection.execute(sa.update(Worker).values(beat=now(connection) - 400))
-        assert "the last one was seen 6 min ago" in why()
+        look()
         workers.beat(connection, "one", None)
-        assert "needs the simulator two_basins" in why()
-        assert "The running worker does not have it" in why()
+        look()
         workers.arrive(connection, "two")
-        assert "None of the 2 running workers has it" in why()
+        look()
         workers.beat(connection, "two", 7, [ENTRY.version])
-        assert why().startswith("The only worker that can execute it is busy")
+        look()
         workers.beat(connection, "two", None, [ENTRY.version])
-        assert why() == "It starts automatically within a few seconds."
+        look()
         connection.execute(sa.update(Run).where(Run.id == run_id).values(not_before=now(connection) + 30))
-        assert why() == "It is tried again in 30 s."
+        look()
+        needs = (
+            "It needs the simulator two_basins with the parameters and results that it had when the run was submitted. "
+        )
+        start = "; start a worker on a machine that has it."
+        assert sentences == [
+            "No worker is running. Start one with `clearance worker`.",
+            "No worker is running; the last one was seen 6 min ago. Start one with `clearance worker`.",
+            f"{needs}The running worker does not have it{start}",
+            f"{needs}None of the 2 running workers has it{start}",
+            "The only worker that can execute it is busy with R-0007; position 1 in the queue. It starts automatically "
+            "when one is free.",
+            "It starts automatically within a few seconds.",
+            "It is tried again in 30 s.",
+        ]
         connection.execute(sa.update(Run).where(Run.id == run_id).values(state="running"))
         assert waiting.reasons(connection, [run_id]) == {}

@@ -129,7 +129,7 @@ def test_a_start_that_is_no_encounter_is_a_failure_with_a_sentence(jsbsim: Comma
     vector[jsbsim.names["simulator.intruder_angle"]] = 0.0
     batch, reasons = jsbsim.evaluate(vector[None, :])
     assert batch.status.tolist() == [FAILED]
-    assert "the intruder would start less than 500 m away" in reasons[0]
+    assert " 500 m" in reasons[0]
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_another_version_of_the_package_is_refused_with_a_sentence(
     finally:
         simulator.close()
     assert batch.status.tolist() == [FAILED]
-    assert "is installed, and this example is written for 0.0: pip install 'clearance[" in reasons[0]
+    assert " 0.0: pip install 'clearance[" in reasons[0]
 
 
 @pytest.mark.parametrize(

@@ -103,7 +103,9 @@ def test_a_run_begun_by_one_version_and_continued_by_another(service: Service, t
         until(lambda: (found := service.waits(run_id)) and found.other_code, "the service says so")
         waits = service.waits(run_id)
         assert waits is not None
-        assert waits.waits.startswith("Other code began it than the running workers have: the code digest was ")
+        assert waits.waits is not None
+        assert waits.other_code == service.refused(run_id)
+        assert f": {waits.other_code}. " in waits.waits
         meanwhile = service.submitted(QUICK)
         assert service.ended(meanwhile).state == RunState.DONE
         still = service.run(run_id)

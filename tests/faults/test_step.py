@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
+from campaigns.codes import CheckCode
 from tests.simulators.adversaries import adversary
 from tests.simulators.noisy import campaign, ran
 from worker.engine.systems.simulators.command import CommandSimulator
@@ -94,4 +95,4 @@ def test_half_the_step_is_judged_by_the_tolerance(by: float, word: str, monkeypa
     assert validation is not None
     assert validation.half_step is not None
     assert validation.half_step.difference == pytest.approx(by)
-    assert ("at half the step disagrees" in verdict.sentence) == (word == "inconclusive")
+    assert [one.ok for one in verdict.checks if one.code == CheckCode.REPETITION] == [word == "cleared"]

@@ -129,7 +129,7 @@ def test_the_first_of_equal_costs_is_the_best(store: RunStore) -> None:
 def test_a_missing_or_repeated_index_is_refused_and_nothing_is_stored(store: RunStore) -> None:
     store.append(1, 0, columns(0, 5))
     for first in (0, 4, 6):
-        with pytest.raises(ValueError, match=f"has 5 evaluations, but new ones start at index {first}"):
+        with pytest.raises(ValueError, match=f" 5 evaluations, .* index {first}$"):
             store.append(1, first, columns(first, 5))
     assert rows(store, Run)[0].evaluations == 5
     assert len(rows(store, EvaluationChunk)) == 1
@@ -187,10 +187,11 @@ def test_a_resumed_run_finds_what_is_stored(database: sa.Engine, store: RunStore
 
 
 def test_a_conclusion_ends_the_run(store: RunStore) -> None:
-    verdict = results.verdict("violated", "It comes too close.", 0.9, 0.3, checks=[])
+    reason = "It comes too close."
+    verdict = results.verdict("violated", reason, 0.9, 0.3, checks=[])
     store.conclude(verdict)
     [run] = rows(store, Run)
-    assert (run.state, run.verdict, run.reason) == ("done", "violated", "It comes too close.")
+    assert (run.state, run.verdict, run.reason) == ("done", "violated", reason)
     assert (run.nominal_cost, run.worst_cost, run.worst_method) == (0.9, 0.3, "direct")
     assert Verdict.model_validate(run.summary) == verdict
     assert run.finished >= run.started

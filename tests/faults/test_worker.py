@@ -21,9 +21,10 @@ from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.db.tables import Worker as WorkerRow
 from clearance.cli import INTERNAL, invoke
 from tests.faults.cases import campaign, columns
-from tests.faults.jobs import SEARCH
+from tests.faults.jobs import SEARCH, WINGS
 from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
+from worker.running.processes import memory
 
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 
@@ -96,7 +97,7 @@ def test_after_one_crash_the_run_resumes_where_it_was(bench: Bench, tmp_path: Pa
     run_id = bench.submit(accident, tmp_path / "once")
     ended = bench.ended(run_id)
     if accident == "segfault":
-        assert "the worker process ended with signal 11 (SIGSEGV)" in bench.worker.text()
+        assert "signal 11 (SIGSEGV)" in bench.worker.text()
     assert (ended.state, ended.verdict, ended.attempts, ended.error) == ("done", "inconclusive", 1, None)
     assert ended.fence == 2
     bench.whole(run_id)
@@ -117,25 +118,22 @@ def test_after_one_crash_the_run_resumes_where_it_was(bench: Bench, tmp_path: Pa
 def test_a_run_that_kills_workers_fails_after_three_attempts(bench: Bench, accident: str, how: str) -> None:
     ended = bench.ended(bench.submit(accident))
     assert ended.state == "failed"
-    assert ended.error == f"Failed after 3 attempts in the search stage (direct); last attempt: {how}."
+    assert " 3 attempts " in ended.error
+    assert ended.error.endswith(f" stage (direct); last attempt: {how}.")
     assert (ended.fence, ended.attempts, ended.verdict) == (3, 3, None)
 
 
 def test_a_campaign_that_cannot_be_run_fails_at_once(bench: Bench) -> None:
     ended = bench.ended(bench.submit("refuse"))
     assert (ended.state, ended.attempts) == ("failed", 1)
-    assert ended.error == (
-        "the campaign cannot be run here: scenario.vehicle: it has no wings; choose another one (given: unicycle)"
-    )
+    assert ended.error.endswith(f" scenario.vehicle: {WINGS} (given: unicycle)")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")
 def test_a_simulation_cannot_take_the_memory_of_the_machine(bench: Bench) -> None:
     ended = bench.ended(bench.submit("devour"))
     assert (ended.state, ended.attempts) == ("failed", 1)
-    assert ended.error.startswith(
-        "the simulation needs more than the limit of 8 GiB per process: lower the evaluations"
-    )
+    assert ended.error == memory.sentence()
     assert bench.ended(bench.submit("none")).state == "done"
 
 

@@ -66,7 +66,7 @@ def test_the_example_shows_the_fall_to_the_ground_and_no_further(tmp_path: Path)
 
 def test_a_trace_of_an_evaluation_that_fails_is_a_sentence(tmp_path: Path) -> None:
     simulated = simulator(made.folder(tmp_path, 2, described={"trace": TRACE}), "height")
-    with pytest.raises(NoTrace, match=r"has no result: fmi2DoStep returned error at t = 0\.49 s"):
+    with pytest.raises(NoTrace, match=r"fmi2DoStep .* t = 0\.49 s"):
         simulated.trace("F1", {"simulator.trouble": 1.0})
     batch, reasons = simulated.evaluate(simulated.nominal[None])
     simulated.close()

@@ -7,9 +7,12 @@ from typing import Any
 
 from campaigns import Campaign
 from campaigns.identity.code import CLOSED_LOOP, SIMULATOR, code_of, component_key
+from campaigns.identity.identity import identity_of
 from campaigns.stages.found import declared
 from campaigns.versions import Code, CodeParts, Processor, Versions
 from tests.given.small_catalogue import CATALOGUE, campaign
+
+PACKAGES, PYTHON = {"numpy": "2.4.6", "scipy": "1.17.1"}, "3.11.7"
 
 
 def parts(catalogue: dict[str, Any], edition: str = "") -> CodeParts:
@@ -20,6 +23,7 @@ def parts(catalogue: dict[str, Any], edition: str = "") -> CodeParts:
 
     components = [component_key(one["role"], one["name"]) for one in catalogue["components"]]
     return CodeParts(
+        packages=PACKAGES | {"Python": PYTHON, "cma": "4.4.4"},
         systems={kind: digest(kind) for kind in (CLOSED_LOOP, SIMULATOR)},
         stages={kind: digest(kind) for kind in declared()},
         methods={one["name"]: digest(one["name"]) for one in catalogue["methods"]},
@@ -45,12 +49,15 @@ CODE, OTHER = code(campaign()), code(campaign(), "edited")
 VERSIONS = Versions(
     code=CODE.digest,
     loop="0123456789abcdef",
-    packages={"numpy": "2.4.6", "scipy": "1.17.1"},
+    packages=PACKAGES,
     clearance="0.1.0",
-    python="3.11.7",
+    python=PYTHON,
     system="Linux x86_64",
     cpu=Processor(model="A CPU", target="znver4", features=""),
     lanes=8,
     step=0.005,
     integrator="RK4",
 )
+IDENTITY = identity_of(VERSIONS, "")
+OTHER_IDENTITY = identity_of(VERSIONS.model_copy(update={"code": OTHER.digest}), "")
+"""Of runs by `CODE` and by `OTHER`."""

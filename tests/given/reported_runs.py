@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -125,3 +126,8 @@ def validated() -> ValidateResult:
     text = "the step-halving check and DOP853 agree for nominal and F1"
     case = results.validation("nominal")
     return ValidateResult(ok=True, text=text, tolerance=1e-3, nominal=case, comparison=[row])
+
+
+def missing(report: str) -> set[str]:
+    """What the report of a run states that it does not have."""
+    return set(re.findall(r'data-missing="(\w+)"', report))

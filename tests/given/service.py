@@ -17,8 +17,9 @@ from fastapi import FastAPI, routing
 from backend.__main__ import Server, _listen, server_config
 from backend.app import create
 from backend.db.access import create_login_code, create_token
-from backend.db.tables import Base, CatalogueDocument
+from backend.db.tables import Base, CatalogueDocument, Worker
 from backend.settings import Settings
+from campaigns import Catalogue
 from tests.given.code_versions import CODE, parts
 from tests.given.small_catalogue import CATALOGUE
 
@@ -108,6 +109,14 @@ class Service:
         values = {"id": 1, "document": document, "published": time.time(), "code": CODE.digest}
         with self.engine.begin() as connection:
             connection.execute(sa.insert(CatalogueDocument).values(**values))
+
+    def compare(self, at: float = 4e9) -> None:
+        """Have a worker with the published simulators that compared its files with what is published at this time."""
+        with self.engine.begin() as connection:
+            document = connection.scalar(sa.select(CatalogueDocument.document))
+            versions = [entry.version for entry in Catalogue.model_validate(document).simulators]
+            times = {"started": time.time(), "beat": 4e9, "compared": at}
+            connection.execute(sa.insert(Worker).values(name=f"w{at}", host="", pid=0, simulators=versions, **times))
 
     def login_code(self, lifetime: float = 60.0) -> str:
         with self.engine.begin() as connection:

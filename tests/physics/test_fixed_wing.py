@@ -61,7 +61,7 @@ class TestTrim:
             trim.trimmed(Airframe()._replace(**changes), speed)
 
     def test_a_campaign_without_trim_is_refused_with_the_sentence(self) -> None:
-        with pytest.raises(CampaignUnusable, match="level flight at 45 m/s needs a throttle of"):
+        with pytest.raises(CampaignUnusable, match=r" 45 m/s .* throttle"):
             Problem(changed(CRUISE, start={"speed": 45.0}))
 
     def test_the_flight_starts_in_it(self) -> None:

@@ -68,13 +68,15 @@ PATIENCE = 5_000
 """Calls without progress after which `flown` gives up a tolerance."""
 
 
-def flown(system: System, instants: Any, asks: Any = None, before: float = 0.0) -> tuple[Floats, Floats]:
+def flown(
+    system: System, instants: Any, asks: Any = None, before: float = 0.0, look: float = math.inf
+) -> tuple[Floats, Floats]:
     """The result of `flight.fly`, and the last state."""
     instants = np.array(instants, dtype=float)
     b, found = np.zeros((ROWS, len(system.start))), np.zeros(6)
     asked = np.zeros(len(instants) - 1, dtype=bool) if asks is None else np.array(asks)
     with np.errstate(all="ignore"):
-        room = np.zeros((CHANNEL_ROWS, 1)), np.zeros(1), np.zeros(4)
+        room = np.zeros((CHANNEL_ROWS, 1)), np.zeros(1), np.array([0.0, 0.0, 0.0, 0.0, look])
         flight.fly(system, instants, asked, before, PATIENCE, b, *room, found)
     return found, b[X]
 
@@ -210,6 +212,16 @@ class TestFlight:
         assert found[0] == pytest.approx(
             (np.cos(31 * times) + np.cos(63 * times) + 0.01 * (times - 3) ** 2).min(), abs=1e-8
         )
+
+    def test_a_motion_that_repeats_with_the_steps_is_looked_at_inside_them(self) -> None:
+        # From 5 s on a period of half a step, highest at the ends of every step: their difference says nothing.
+        def slope(t: float, x: Floats, p: Floats) -> tuple[Any, Any]:
+            return 1.0, 3.0 + 1e-3 * min(t, 5.0) + (math.cos(4.0 * math.pi * t) if t > 5.0 else 1.0)
+
+        instants = np.arange(0.0, 10.5, 1.0)
+        missed, _ = flown(System(slope, 0.0), instants, [True] * 10)
+        followed, _ = flown(System(slope, 0.0), instants, [True] * 10, look=math.pi / 4.0 / (4.0 * math.pi))
+        assert (missed[0], followed[0]) == (4.0, pytest.approx(2.005, abs=1e-12))
 
     def test_a_minimum_at_either_end(self) -> None:
         up, _ = flown(System(lambda t, x, p: (1.0, x[0]), 2.0), [0.0, 1.0])

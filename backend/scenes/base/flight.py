@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +15,7 @@ from backend.runs.versions import readable
 from backend.scenes.base.axes import Axes, Floats, axes_of
 from backend.scenes.base.declared import axes_in, motion
 from campaigns import thin
+from campaigns.identity.identity import Identity
 from campaigns.results import TraceHead
 from campaigns.results.scene import Scene
 from campaigns.results.trace import Closest as StoredClosest
@@ -65,6 +66,8 @@ class Flight:
     """The number of realisations of which it is the lowest."""
     turns: Floats | None = None
     """(m, 4): w, x, y, z in scene coordinates, in place of `rotation`."""
+    identity: Identity | None = None
+    """Of the code that simulated it now; None of a stored one, which is of the code of its run."""
 
     def at(self, time: float) -> tuple[Floats, Floats, float]:
         """Position, turn (w, x, y, z), separation at a time [s]: linear between rows, constant before and after."""
@@ -144,7 +147,8 @@ def from_live(answer: FlightReply) -> Flight | None:
     """The flight of a response of the simulation process; None if it has no motion."""
     columns = {name: np.array(values, dtype=np.float64) for name, values in answer["data"].items()}
     described = [TraceColumn.model_validate(column) for column in answer["columns"]]
-    return _flight(described, columns, TraceHead.model_validate(answer["meta"]))
+    flight = _flight(described, columns, TraceHead.model_validate(answer["meta"]))
+    return flight and replace(flight, identity=Identity.model_validate(answer["identity"]))
 
 
 def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], head: TraceHead) -> Flight | None:

@@ -15,6 +15,7 @@ from backend.catalog.service import described
 from backend.db.tables import Trace
 from backend.http.errors import RefusedError
 from backend.results import service as results
+from backend.runs import identity
 from backend.runs.service import campaign
 from backend.runs.versions import readable
 from backend.scenes.base import declared
@@ -24,6 +25,7 @@ from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ComponentEntry, ParameterEntry
 from campaigns.checked.check import parameters
 from campaigns.documents import JsonObject
+from campaigns.identity.identity import UNSTORED, Identity, changes
 from campaigns.looks import ObstacleLook
 from campaigns.results.scene import Scene
 from campaigns.runs import run_name
@@ -81,6 +83,8 @@ class Setting:
     """The component of each obstacle."""
     scene: Scene | None = None
     """What a simulator declares; None for a scenario."""
+    identity: Identity = UNSTORED
+    """That of the run."""
 
     @property
     def clears(self) -> bool:
@@ -101,6 +105,13 @@ class Setting:
         """Decimals that show the threshold, and thus values near it, with four digits."""
         size = abs(self.threshold)
         return 4 if size == 0 else max(0, min(8, 3 - math.floor(math.log10(size) + 1e-12)))
+
+    def other_code(self, now: Identity | None) -> str:
+        """What a simulation of now has otherwise than the run, as a sentence; empty if nothing is known to differ."""
+        apart = [] if now is None else changes(self.identity, now)
+        if not apart:
+            return ""
+        return f"Simulated by other code than that of the run: {', '.join(one.name for one in apart)}."
 
     def look(self, number: int) -> ObstacleLook | None:
         if self.scene is not None:
@@ -208,6 +219,7 @@ def _same(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
         "uncertain": _uncertain(campaign, {} if catalogue is None else parameters(campaign, catalogue)),
         "methods": _methods(campaign, catalogue),
         "drawn": looks(reader, run_id),
+        "identity": identity.of_run(reader, run_id) or UNSTORED,
     }
 
 

@@ -20,16 +20,18 @@ from backend.scenes.drawing.labels import Tag
 from backend.scenes.drawing.obstacles import Obstacles
 from backend.scenes.drawing.world import World
 
+WHAT_IF = "What-if"
+
 
 class Flights(Part):
     def __init__(
         self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, progress: Progress
     ) -> None:
-        self._world, self._progress = world, progress
+        self._setting, self._world, self._progress = setting, world, progress
         styles = (
             Style("nominal", "Nominal", palette.nominal, 0, "bottom"),
             Style("worst", called(progress.shown), palette.worst, 1, "top"),
-            Style("what-if", "What-if", palette.what_if, 2, "beyond"),
+            Style("what-if", WHAT_IF, palette.what_if, 2, "beyond"),
         )
         self.nominal, self.chosen, self.what_if = (Drawn(server, setting, world, style) for style in styles)
         self.every = (self.nominal, self.chosen, self.what_if)
@@ -66,6 +68,9 @@ class Flights(Part):
         if flight is None:
             self.what_if.clear()
         else:
+            title = f"{WHAT_IF}, other code" if self._setting.other_code(flight.identity) else WHAT_IF
+            if title != self.what_if.style.title:
+                self.what_if.restyle(self.time, title=title)
             self.what_if.draw(flight, self.time)
         self.obstacles.update(self.every, self.time)
 

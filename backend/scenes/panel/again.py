@@ -13,11 +13,11 @@ from typing import Protocol, cast
 
 import sqlalchemy as sa
 
-from backend.db.continuation import versions
 from backend.db.tables import Run
 from backend.runs.service import number
 from backend.scenes.base.setting import Setting
 from backend.scenes.live.live import Live
+from campaigns.identity.identity import Identity
 from campaigns.stored.replies import CaseReply, FlightReply
 
 ROWS = 200
@@ -62,7 +62,7 @@ def of_run(reader: sa.Connection, live: Live, setting: Setting) -> Again:
         return _OfScenario(live, setting)
     run_id = number(setting.run)
     needs = reader.scalar(sa.select(Run.needs).where(Run.id == run_id)) or ""
-    return _OfSimulator(live, setting, needs, versions(reader, run_id).simulator)
+    return _OfSimulator(live, setting, needs)
 
 
 @dataclass(frozen=True)
@@ -76,21 +76,26 @@ class _OfScenario:
         return self.live.simulate(self.setting.document, self.setting.digest, values, ROWS, seed)
 
     def tally(self, stage: str, size: int) -> Tally:
-        return _Flights(stage, size)
+        return _Flights(stage, size, self.setting)
 
 
 @dataclass
 class _Flights:
     stage: str
     size: int
+    setting: Setting
     failed: int = 0
+    other: str = ""
+    """What is other code than that of the run, a sentence."""
 
     def count(self, answer: FlightReply, stored: float | None, drawn: bool) -> None:
         self.failed += answer["status"] != "ok"
+        self.other = self.other or self.setting.other_code(Identity.model_validate(answer["identity"]))
 
     def words(self) -> str:
         lost = f" {self.failed} of them failed, and end at the failure." if self.failed else ""
-        return f"Thin: the first {self.size} flights of the sample of {self.stage}, as drawn.{lost}"
+        text = f"Thin: the first {self.size} flights of the sample of {self.stage}, as drawn.{lost} {self.other}"
+        return text.rstrip()
 
 
 @dataclass(frozen=True)
@@ -99,8 +104,6 @@ class _OfSimulator:
     setting: Setting
     needs: str
     """The version of the simulator that the run needs; empty if it was not recorded."""
-    digest: str | None
-    """That of the simulator's files when the run evaluated it; None if it was not recorded."""
     together: int = 1
     patience: float = PATIENCE
 
@@ -110,20 +113,21 @@ class _OfSimulator:
         return found
 
     def tally(self, stage: str, size: int) -> Tally:
-        return _Cases(stage, size, self.digest)
+        return _Cases(stage, size, self.setting)
 
 
 @dataclass
 class _Cases:
     stage: str
     size: int
-    digest: str | None
+    setting: Setting
     evaluated: int = 0
     drawn: int = 0
     same: int = 0
     why: str = ""
     """The first reason why one of them could not be drawn."""
-    changed: bool = False
+    other: str = ""
+    """What is other code than that of the run, a sentence."""
 
     def count(self, answer: FlightReply, stored: float | None, drawn: bool) -> None:
         called = cast(CaseReply, answer)
@@ -132,7 +136,7 @@ class _Cases:
         self.same += called["cost"] == stored
         if not drawn:
             self.why = self.why or called["reason"] or called["untraced"] or "its trace has no positions"
-        self.changed |= self.digest is not None and called["digest"] != self.digest
+        self.other = self.other or self.setting.other_code(Identity.model_validate(answer["identity"]))
 
     def words(self) -> str:
         return " ".join(self._sentences())
@@ -148,6 +152,4 @@ class _Cases:
         else:
             differ = self.evaluated - self.same
             found.append(f"{differ} results differ from the stored ones." if differ > 1 else ONE)
-        if self.changed:
-            found.append("The files of the simulator have changed since the run.")
-        return found
+        return [*found, self.other] if self.other else found

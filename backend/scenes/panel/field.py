@@ -26,6 +26,7 @@ from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import field_slice, tables
 from backend.scenes.panel.field_slice import Grid, Slice
+from campaigns.identity.identity import Identity
 
 HEAD = 0.9
 """Length of an arrow's head, in cells."""
@@ -126,7 +127,8 @@ class FieldSlice(Part):
         with self._driver.drawing():
             if self.on and not self._stopped:
                 self._draw(found, picture, arrows, rgb(request.palette.ink))
-                self._legend.content = words
+                other = setting.other_code(Identity.model_validate(answer["identity"]))
+                self._legend.content = words + (tables.note(other, strong=True) if other else "")
 
     def _draw(self, found: Slice, picture: NDArray[np.uint8], arrows: Floats, ink: Rgb) -> None:
         """Draw it; a new image of the same plane is updated in place, which avoids flicker."""

@@ -8,7 +8,7 @@ import viser
 
 from backend.scenes.base.part import Part
 from backend.scenes.base.setting import Setting
-from backend.scenes.drawing.flights import Flights
+from backend.scenes.drawing.flights import WHAT_IF, Flights
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.panel import tables
 
@@ -20,6 +20,7 @@ class ValuesTab(Part):
         self._setting, self._flights, self._vectors = setting, flights, vectors
         self._readout: Any = gui.add_html("")
         self._note: Any = gui.add_html("")
+        self._code: Any = gui.add_html("")
 
     def moved(self, time: float) -> None:
         separations = tables.separations(self._flights.every, self._setting, time)
@@ -30,3 +31,6 @@ class ValuesTab(Part):
         ahead = self._vectors.ahead
         arrows = f"The length of an arrow is the distance travelled in {ahead:g} s. " if ahead else ""
         self._note.content = tables.note(f"{arrows}Dots every {self._flights.dots:g} s.")
+        what_if = self._flights.what_if.flight
+        other = "" if what_if is None else self._setting.other_code(what_if.identity)
+        self._code.content = tables.note(f"{WHAT_IF}: {other}", strong=True) if other else ""

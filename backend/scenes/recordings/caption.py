@@ -84,7 +84,9 @@ def _card(statement: str, setting: Setting, cast: Cast, caption: Caption, dark: 
         if path in cast.shown.parameters
     }
     parameter_rows = [_row(path, f"{value!r} {units.get(path, '')}") for path, value in values.items()]
-    marks = [_row("Campaign", caption.campaign, kind="digest"), _row("Results", caption.results, kind="digest")]
+    code = setting.identity.digest or f"not identified: {', '.join(setting.identity.unidentified)}"
+    digests = {"Campaign": caption.campaign, "Results": caption.results, "Code": code, **setting.identity.files}
+    marks = [_row(name, digest, kind="digest") for name, digest in digests.items()]
     notes = " ".join([statement, *_of_simulator(setting, cast, caption), "Vehicles are not to scale."])
     last = f"{html.escape(notes)} Clearance {VERSION}, viser {viser.__version__}."
     return (

@@ -3,23 +3,24 @@ import { clsx } from 'clsx'
 import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Table } from '../ui/Table'
-import { changedComponents, type CodeRow, codeRows, otherCode } from './code'
+import { changedFiles, type CodeRow, codeRows, otherCode } from './code'
 import { OtherCode } from './OtherCode'
 import type { Compared } from './data'
 import { runColumns } from './Picks'
+import { unreadOf } from '../trends/code'
 import cards from '../ui/cards.module.css'
 import figures from '../ui/figures.module.css'
 import styles from './compare.module.css'
 
 export function Code({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const details = runs.map(({ run }) => run)
-  const changed = changedComponents(details)
-  const missing = runs.filter(({ run }) => !run.flown?.code)
+  const changed = changedFiles(details)
+  const missing = runs.filter(({ run }) => !run.identity?.digest)
   return (
     <Card title="Code and packages" note="As loaded at the start of the first stage" className={className} flush id="code">
       <OtherCode runs={details} className={clsx(cards.note, cards.warn, styles.within)} more=" This alone may change the results. Rows that differ are marked." />
       {changed.length > 0 && otherCode(details) === null && (
-        <p className={figures.fig} data-testid="changed-components">
+        <p className={figures.fig} data-testid="changed-files">
           Changed between these runs: {changed.join(', ')}.
         </p>
       )}
@@ -39,8 +40,7 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
       />
       {missing.length > 0 && (
         <p className={figures.fig}>
-          {missing.map(({ letter }) => letter).join(', ')}: the code was not stored at the start of the run, so it cannot be
-          compared.
+          {missing.map(({ letter, run }) => `${letter}: ${unreadOf(run.identity)}`).join('; ')}. A difference cannot be excluded.
         </p>
       )}
     </Card>

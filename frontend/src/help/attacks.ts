@@ -32,7 +32,14 @@ export const ATTACKS: readonly Attack[] = [
     danger:
       'The horizon ends before the obstacle is near, the vehicle does not move, the avoidance makes no difference, or no uncertain parameter changes anything. Such a run is safe, and says nothing about the avoidance.',
     answer:
-      'Four checks: the closest approach is inside the horizon; the vehicle moves; the nominal case is simulated without seeing any obstacle and must come closer; the criterion varies over the evaluations.',
+      'Four checks: the closest approach is inside the horizon, and no flight comes closer when simulated on to twice of it; the vehicle moves; the nominal case is simulated without seeing any obstacle and must come closer; the criterion varies over the evaluations.',
+  },
+  {
+    id: 'aliased',
+    title: 'An obstacle that moves within the step',
+    danger: 'An orbit of half a step: the step, half the step and the reference integrator all see the obstacle at one place.',
+    answer:
+      'Obstacles declare how fast they turn. A run is not cleared if one turns by more than pi/4 within a step, anywhere within the bounds, and the reference integrator looks inside its steps at such obstacles.',
   },
   {
     id: 'zero',

@@ -118,7 +118,7 @@ function Points({ sweep }: { sweep: SweepDetail }) {
         { head: 'Worst margin', num: true, label: 'Worst margin', cell: ({ outcome }) => marginOf(outcome) },
         { head: 'P(violation)', unit: 'upper bound', tone: 'sec', label: 'P(violation)', cell: ({ outcome }) => boundOf(outcome) },
         { head: 'Violations', unit: 'of the sample', tone: 'sec', label: 'Violations', cell: ({ outcome }) => sampleOf(outcome) },
-        { head: 'Code', label: 'Code', cell: ({ outcome }) => outcome && <CodeCell code={outcome.code} /> },
+        { head: 'Code', label: 'Code', cell: ({ outcome }) => outcome && <CodeCell code={outcome.code} unidentified={outcome.unidentified} /> },
         { head: 'Finished', label: 'Finished', cell: ({ outcome }) => outcome && <DateCell outcome={outcome} /> },
         rows.some(({ reason }) => reason) && { head: 'Reason', tone: 'sec', cell: ({ reason }) => reason },
       ]}

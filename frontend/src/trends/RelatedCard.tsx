@@ -63,7 +63,7 @@ function Others({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {
       rows={rows}
       columns={[
         ...outcomeColumns<RelatedRun>({ head: 'Differs in', tone: 'sec', cell: differenceOf }),
-        { head: 'Code', cell: ({ code }) => <CodeCell code={code} /> },
+        { head: 'Code', cell: ({ code, unidentified }) => <CodeCell code={code} unidentified={unidentified} /> },
         { head: 'Finished', cell: (other) => <DateCell outcome={other} /> },
         {
           head: hiddenHead('Compare'),

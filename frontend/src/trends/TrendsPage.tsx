@@ -19,6 +19,7 @@ import { Table } from '../ui/Table'
 import { usePolling } from '../ui/usePolling'
 import { type Along, apart, axisOf } from './axis'
 import { CodeCell, DateCell, outcomeColumns } from './cells'
+import { namesOf } from './code'
 import type { TrendSearch } from './search'
 import { changesOf } from './changes'
 import buttons from '../ui/buttons.module.css'
@@ -186,10 +187,10 @@ function Runs({ runs, named, label }: { runs: readonly TrendRun[]; named: boolea
         {
           head: 'Code',
           tone: 'nw',
-          cell: ({ code, code_changed }) => (
+          cell: ({ code, unidentified, code_changed, code_changes }) => (
             <>
-              <CodeCell code={code} />
-              {code_changed && <span className="b"> changed</span>}
+              <CodeCell code={code} unidentified={unidentified} />
+              {code_changed && <div className="b" title={code_changes.join(', ')}>changed: {namesOf(code_changes)}</div>}
             </>
           ),
         },

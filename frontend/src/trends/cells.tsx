@@ -3,6 +3,7 @@ import { Link } from '@tanstack/react-router'
 import type { Outcome } from '../client'
 import { decimalsFor, NONE, percent, signed } from '../format/numbers'
 import { rfc3339, when } from '../format/time'
+import { unreadOf } from './code'
 import { Digest } from '../ui/Digests'
 import type { Column } from '../ui/Table'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
@@ -32,8 +33,8 @@ export function RunCell({ run, name }: { run: string; name?: string }) {
   )
 }
 
-export const CodeCell = ({ code }: { code: string | null | undefined }) =>
-  code ? <Digest of={code} first={12} /> : <span className="mut">not stored</span>
+export const CodeCell = ({ code, unidentified }: Pick<Outcome, 'code' | 'unidentified'>) =>
+  code ? <Digest of={code} first={12} /> : <span className="mut">{unreadOf({ unidentified })}</span>
 
 /** When it ended, or was submitted if it has not ended. */
 export function DateCell({ outcome }: { outcome: Outcome }) {

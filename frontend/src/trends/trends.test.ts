@@ -8,17 +8,20 @@ import { differenceOf } from './difference'
 import { readTrend } from './search'
 
 it('names what differs', () => {
-  const of = (differs: ('seed' | 'code')[], code_known: boolean) => differenceOf({ differs, code_known, seed: 7 })
+  const code_changes = ['components/my_way.py', 'numpy', 'worker.engine.a', 'worker.engine.b']
+  const of = (differs: ('seed' | 'code')[], code_known: boolean) => differenceOf({ differs, code_changes, code_known, seed: 7 })
   expect([of([], true), of(['seed'], true), of(['code'], true), of([], false), of(['seed'], false)]).toEqual([
-    'nothing', 'seed 7', 'code', 'code not known', 'seed 7, code not known',
+    'nothing', 'seed 7', 'code: components/my_way.py, numpy, worker.engine.a and 1 more', 'code not known', 'seed 7, code not known',
   ])
 })
 
-it('names the runs before which the code changed', () => {
+it('names the runs before which the code changed, and what of it', () => {
   const runs = (changed: number[], code: string | null = 'a') =>
-    [0, 1, 2, 3, 4].map((i) => ({ id: `R-${i}`, code_changed: changed.includes(i), code }))
-  expect(changesOf(runs([1, 3]))).toBe('The code changed before R-1, R-3')
-  expect(changesOf(runs([1, 2, 3, 4]))).toBe('The code changed before R-2, R-3, R-4 and 1 earlier')
+    [0, 1, 2, 3, 4].map((i) => ({ id: `R-${i}`, code_changed: changed.includes(i), code_changes: [`components/${i}.py`], code }))
+  expect(changesOf(runs([1, 3]))).toBe('The code changed before R-1 (components/1.py), R-3 (components/3.py)')
+  expect(changesOf(runs([1, 2, 3, 4]))).toBe(
+    'The code changed before R-2 (components/2.py), R-3 (components/3.py), R-4 (components/4.py) and 1 earlier',
+  )
   expect(changesOf(runs([]))).toBe('One code ran all of them')
   expect(changesOf(runs([], null))).toBe('No change of the code is known')
 })

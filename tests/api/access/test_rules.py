@@ -254,9 +254,9 @@ def test_a_route_without_a_rule_and_a_rule_without_a_route_are_refused(desk: Des
     router.add_api_route("/new", lambda: None, methods=["GET", "DELETE"])
     app = FastAPI(openapi_url=None, docs_url=None, redoc_url=None)
     app.include_router(router, prefix="/api/v1")
-    with pytest.raises(MissingRuleError, match=r"no rule for DELETE /api/v1/new; no rule for GET /api/v1/new"):
+    with pytest.raises(MissingRuleError, match=r"DELETE /api/v1/new; .* GET /api/v1/new"):
         Rules(app.router.routes, {})
-    with pytest.raises(MissingRuleError, match="no route for GET /old"):
+    with pytest.raises(MissingRuleError, match="GET /old"):
         Rules([], {("GET", "/old"): RULES["GET", "/login"]})
     with pytest.raises(MissingRuleError, match="Mount '/files'"):
         Rules([Mount("/files", app=app)], {})

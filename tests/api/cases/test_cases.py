@@ -42,7 +42,8 @@ for line in sys.stdin:
     if wind < 0: columns, data = [], {}
     told = {"status": "ok", "reason": ""} if wind >= 0 else {"status": "failed", "reason": "it crashed"}
     told |= {"cost": wind, "margin": wind - 1.0, "columns": columns, "data": data}
-    told |= {"meta": meta, "seconds": 0.25, "digest": "d", "untraced": "", "needs": asked["simulator"]}
+    told |= {"meta": meta, "seconds": 0.25, "untraced": "", "needs": asked["simulator"]}
+    told |= {"identity": {"engine": "0" * 64}}
     print(json.dumps({"id": asked["id"], **told}), flush=True)
 """
 
@@ -76,7 +77,7 @@ def test_a_case_is_evaluated_drawn_and_not_stored(evaluating: Service) -> None:
         found = answer.json()
         conforms(found, {"$ref": "#/components/schemas/CaseAnswer"})
         assert (found["cost"], found["margin"], found["threshold"], found["unit"]) == (2.0, 1.0, 1.0, "m")
-        assert (found["seconds"], found["changed"], found["drawn"], found["seed"]) == (0.25, None, KEY, None)
+        assert (found["seconds"], found["code_known"], found["drawn"], found["seed"]) == (0.25, False, KEY, None)
         assert found["criteria"][0]["value"] == 2.0
         assert found["data"]["x"] == [0.0, 2.0]
         assert asked(client, run).json()["data"] == {}
@@ -184,7 +185,7 @@ def test_the_real_process_evaluates_the_operators_code(
         missing = program.rename(tmp_path / "drop.py")
         there = client.get(f"/api/v1/runs/{run}/cases", timeout=60).json()
         assert there["installed"] is False
-        assert "start the service with the same CLEARANCE_SIMULATORS" in there["reason"]
+        assert "CLEARANCE_SIMULATORS" in there["reason"]
         missing.rename(program)
         again = client.get(f"/api/v1/runs/{run}/cases", timeout=60)
         assert again.json() == {"installed": True, "reason": ""}

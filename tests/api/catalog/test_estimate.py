@@ -7,8 +7,10 @@ from typing import Any
 import httpx
 import pytest
 
+from backend.catalog.estimate import UNKNOWN, USUAL
 from campaigns.asked.load import load_document
-from campaigns.checked.expected import expected, total
+from campaigns.asked.proposal import Cost
+from campaigns.checked.expected import expected, latest, total
 from tests.given.finished_runs import finish
 from tests.given.openapi_document import conforms
 from tests.given.service import Service
@@ -33,8 +35,8 @@ def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: ht
     assert told["least"] < told["evaluations"] < told["most"]
     assert not told["near"]
     assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
-    assert "Each worst case that violates adds about 171 evaluations" in told["statement"]
-    assert told["time_statement"] == "The time is known after a first run of the same components."
+    assert told["statement"] == USUAL.format(boundary=171, latest=f"{latest(load_document(campaign())):,}")
+    assert told["time_statement"] == UNKNOWN
 
 
 def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, client: httpx.Client) -> None:
@@ -77,8 +79,6 @@ def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
             assert told[seconds] == 0.5 * (-(-told[evaluations] // 2) + 101)
         run(bare, "aa", measured(call_seconds=0.5, slots=2, start_seconds=4.0, recycle=8))
         slow = estimate(client, package.campaign(seed=98))
-        assert slow["time_statement"] == (
-            "One evaluation took 500 ms (R-0002, 15 evaluations) and the start of a process 4 s, on 2 slots; 202 more, "
-            "each in a fresh process, confirm results."
-        )
+        cost = Cost("R-0002", 0.5, 2, 15, start=4.0, recycle=8)
+        assert slow["time_statement"] == cost.lasts(told["evaluations"], again=202)[1]
         assert slow["seconds"] == 4.0 + 1.0 * -(-told["evaluations"] // 2) + 4.5 * 101

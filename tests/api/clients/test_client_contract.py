@@ -177,7 +177,7 @@ def test_an_unread_field_is_noticed() -> None:
     ours["properties"]["nothing"] = {"type": "string"}
     ours["properties"]["margin"] = {"type": "number"}
     found = refused(theirs, ours, ours["$defs"], "run")
-    assert sorted(found) == ["run.margin may be null, and is read as number", "run.nothing is not described"]
+    assert sorted(sentence.split()[0] for sentence in found) == ["run.margin", "run.nothing"]
 
 
 def test_a_type_of_an_answer_without_a_schema_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree as Xml
@@ -11,6 +12,7 @@ import pytest
 import yaml
 
 from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
+from tests.given.refused_commands import refusal
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
@@ -68,14 +70,14 @@ def test_runs_are_listed_filtered_and_limited(
 def test_a_run_is_shown(violated: str, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
     assert command("show", violated) == 0, "the exit code of a command that does not wait is not the verdict"
     text = statement(capsys)
-    assert text.startswith("R-0001 Violated: Unicycle past a pillar\n")
+    assert text.startswith(f"R-0001 Violated: {campaign()['name']}\n")
     for part in ("fails  X: holds", "F1: d_min 1.3 m, margin +0.8 m; vehicle.m = 6.0", "Labels: branch=main"):
         assert part in text
     assert text.rstrip().endswith("/runs/R-0001")
     assert command("show", violated, "--json") == 0
     assert json.loads(statement(capsys))["id"] == violated
     assert command("show", "R-0042") == WRONG_INPUT
-    assert "there is no run" in capsys.readouterr().err
+    assert refusal(capsys.readouterr().err) == "not-found"
 
 
 def test_runs_are_cancelled(violated: str, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
@@ -112,12 +114,12 @@ def test_files_are_exported(
     picture = Xml.parse("p/worst-case.svg").getroot()
     assert picture.tag == "{http://www.w3.org/2000/svg}svg"
     told = "".join(picture.itertext())
-    assert "R-0001: violated, worst case F1 with a margin of +0.8 m" in told
+    assert re.search(r"R-0001: violated, .* F1 .* \+0\.8 m", told)
     assert "East (x), m" in told
     assert command("export", violated, "--file", "passwd") == WRONG_INPUT
-    assert "there is no file 'passwd' of a run" in capsys.readouterr().err
+    assert "'passwd'" in capsys.readouterr().err
     assert command("export", "R-0002", "--out", "q", "--file", "worst-case.svg") == WRONG_INPUT
-    assert "R-0002 has no picture of a worst case" in capsys.readouterr().err
+    assert refusal(capsys.readouterr().err) == "not-found"
     assert list(Path("q").iterdir()) == []
 
 
@@ -127,7 +129,7 @@ def test_follow_writes_the_files_of_a_job(violated: str, command: Command, tmp_p
     assert command("follow", violated, *options) == VIOLATED
     names = {str(case.get("name")) for case in Xml.parse(files["junit.xml"]).iter("testcase")}
     assert {"verdict", "criterion: d_min", "check: Nominal case", "check: X"} <= names
-    assert "![The worst case, seen from above](summary-R-0001.svg)" in files["summary.md"].read_text()
+    assert "](summary-R-0001.svg)" in files["summary.md"].read_text()
     assert (tmp_path / "summary-R-0001.svg").read_text().startswith("<svg ")
     results = json.loads(files["run.sarif"].read_text())["runs"][0]["results"]
     assert [result["ruleId"] for result in results] == ["check/x"]
@@ -157,10 +159,11 @@ def test_a_submission_of_a_group_says_what_it_supersedes(
     assert command("submit", file, *options) == 0
     out, err = capsys.readouterr()
     assert (out, err) == ("R-0004\nR-0005\n", "R-0004 of the group p/main superseded\n")
-    assert command("show", "R-0004") == 0
-    assert "R-0005 superseded it in the group p/main" in statement(capsys)
-    assert command("follow", "R-0004") == 130
-    assert "R-0005 superseded it in the group p/main" in statement(capsys)
+    assert command("show", "R-0004", "--json") == 0
+    assert json.loads(statement(capsys))["superseded_by"] == "R-0005"
+    for shown in ("show", "follow"):
+        assert command(shown, "R-0004") == (0 if shown == "show" else 130)
+        assert re.search("R-0005 .* p/main", statement(capsys)), shown
     assert command("submit", file, "--sweep", "avoider.d_0=1,2", "--group", "g") == WRONG_INPUT
 
 
@@ -173,13 +176,13 @@ def test_a_campaign_is_validated_by_a_service(
     other["scenario"]["vehicle"]["component"] = "hovercraft"
     wrong.write_text(yaml.safe_dump(other))
     assert command("validate", right, "--service", service.url) == 0
-    assert f"can be run by {service.url}. Digest" in statement(capsys)
+    assert f" {service.url}. Digest" in statement(capsys)
     assert command("validate", wrong, right, "--service", service.url) == WRONG_INPUT
     out, err = capsys.readouterr()
     assert "scenario.vehicle.component" in err
     assert "hovercraft" in err
-    assert "1 of 2 campaigns cannot be used" in err
-    assert "can be run by" in out, "the others are checked all the same"
+    assert "1 of 2 " in err
+    assert f" {service.url}. Digest" in out, "the others are checked all the same"
     assert service.rows()["runs"] == 0
     assert command("validate", right, "--service", service.url, "--normal") == WRONG_INPUT
     assert command("validate", right, "--service", "http://127.0.0.1:9", "--patience", "0") == INTERNAL

@@ -121,7 +121,7 @@ def test_symbols_and_units_are_set_as_before(client: httpx.Client) -> None:
     assert {"kind": "symbol", "name": "vehicle.m", "symbol": "m"} in spans
     assert {"kg", "kg m2", "m", "s"} <= {span["unit"] for span in spans if span["kind"] == "quantity"}
     report = client.get("/api/v1/runs/R-0001/report.html").text
-    assert '<i class="v">d</i><sub>min</sub> falls to or below 0.943\u202fm. The worst case found has' in report
+    assert '<i class="v">d</i><sub>min</sub> falls to or below 0.943\u202fm. ' in report
     assert '<i class="v" title="vehicle.m">m</i> 4 to 6\u202fkg, <i class="v" title="vehicle.J">J</i>' in report
     assert "0.04 to 0.06\u202fkg·m²; horizon 15\u202fs" in report
     assert "P(violation) is at most 67.6\u202f% with 95\u202f% confidence" in report

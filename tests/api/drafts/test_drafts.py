@@ -49,9 +49,10 @@ def test_saving_requires_the_current_version(service: Service, client: httpx.Cli
     with service.visitor(Authorization=f"Bearer {service.token('colleague')}") as other:
         theirs = other.put(f"{DRAFTS}/D-0001", json=given(text="name: Theirs", version=2)).json()
     assert (theirs["version"], theirs["saved_by"], theirs["owner"]) == (3, "colleague", draft["owner"])
-    refused = problem(client.put(f"{DRAFTS}/D-0001", json=given(text="name: Mine", version=2)), 409)
-    assert "saved by colleague at " in refused["detail"]
-    assert "version 3, yours is 2" in refused["detail"]
+    mine = client.put(f"{DRAFTS}/D-0001", json=given(text="name: Mine", version=2))
+    refused = str(problem(mine, 409, "draft-changed")["detail"])
+    assert " colleague " in refused
+    assert "version 3, yours is 2" in refused
     assert client.get(f"{DRAFTS}/D-0001").json()["text"] == "name: Theirs"
 
 

@@ -44,7 +44,8 @@ for line in sys.stdin:
     columns += [{"name": n, "symbol": n, "unit": "m", "group": "pose"} for n in ("x", "y")]
     data = {"t": [0.0, 1.0], "x": [0.0, 1.0], "y": [0.0, 1.0]}
     meta = {"parameters": asked["parameters"], "status": "ok", "cost": 1.0, "values": {"separation": 1.0}}
-    told = {"status": "ok", "reason": "", "cost": 1.0, "margin": 0.5, "columns": columns, "data": data, "meta": meta}
+    told = {"status": "ok", "reason": "", "cost": 1.0, "margin": 0.5, "columns": columns, "data": data, "meta": meta,
+            "identity": {"engine": "0" * 64}}
     print(json.dumps({"id": asked["id"], **told}), flush=True)
 """
 

@@ -148,8 +148,14 @@ def test_a_socket_that_is_refused(service: Service, name: str, caplog: pytest.Lo
     assert caplog.records == [], "whoever is refused writes no log"
 
 
+def directive(policy: str, name: str) -> list[str]:
+    """The sources that a content security policy permits under a name."""
+    (found,) = [words[1:] for words in map(str.split, policy.split(";")) if words[0] == name]
+    return found
+
+
 def test_the_view_may_not_call_other_servers_and_be_framed_by_our_pages_only() -> None:
-    assert "connect-src 'self' data: blob:;" in VIEW
+    assert directive(VIEW, "connect-src") == ["'self'", "data:", "blob:"]
     assert "form-action 'none'" in VIEW
     assert "frame-ancestors 'self'" in VIEW
     assert VIEW.endswith("; sandbox allow-scripts"), "with its own origin it would have the visitor's session"
@@ -174,7 +180,7 @@ def test_a_session_above_its_rate_is_refused_and_answered_after_the_stated_wait(
     assert statuses[:60] == [200] * 60
     assert 429 in statuses
     assert problem(refused, 429)["type"] == "urn:clearance:problem:too-many-requests"
-    assert "60 requests in a minute" in str(refused.json()["detail"])
+    assert "60 requests " in str(refused.json()["detail"])
     assert int(refused.headers["retry-after"]) >= 1
     guarded(refused.headers, encrypted=False)
 
@@ -189,7 +195,8 @@ def test_quotas_of_a_user(fresh_sqlite: Fresh, tmp_path: Path) -> None:
             assert program.post("/api/v1/runs", json=bodies[1]).status_code == 201
             refused = problem(program.post("/api/v1/runs", json=bodies[2]), 409)
         assert refused["type"] == "urn:clearance:problem:quota-reached"
-        assert str(refused["detail"]).startswith("local has 2 runs that have not ended, and 1 more would exceed")
+        assert str(refused["detail"]).startswith("local has 2 runs ")
+        assert " 1 more " in str(refused["detail"])
         sweep = {"campaign": campaign(), "path": "controller.k_p", "values": [0.05, 0.06]}
         problem(client.post("/api/v1/sweeps", json=sweep), 409)
         assert client.post("/api/v1/runs/R-0001/cancel").status_code == 200
@@ -218,5 +225,5 @@ def test_what_the_runs_of_a_user_store(service: Service, client: httpx.Client, m
     counted = sum(sizes.values())
     monkeypatch.setitem(service.app.state._state, "quota", Quota(100, 10**9, counted))
     refused = problem(client.post("/api/v1/runs", json={"campaign": campaign(seed=5)}), 409)
-    assert f"{counted:,} bytes of campaigns, evaluations and trajectories, and the limit" in str(refused["detail"])
+    assert f"{counted:,} bytes " in str(refused["detail"])
     assert "CLEARANCE_MAX_BYTES_EACH" in str(refused["detail"])

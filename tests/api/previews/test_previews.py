@@ -146,8 +146,9 @@ def test_only_the_newest_request_is_simulated_and_the_queue_is_bounded(monkeypat
         gone = (here, away, here)
         tasks = [asyncio.create_task(flights.simulate(one, left)) for one, left in zip(asked, gone, strict=True)]
         await asyncio.to_thread(until, lambda: live.simulated)
-        with pytest.raises(RefusedError, match="the queue is full"):
+        with pytest.raises(RefusedError) as full:
             await flights.simulate(asked[0], here)
+        assert full.value.kind == "preview-busy"
         live.go.set()
         return await asyncio.gather(*tasks, return_exceptions=True)
 

@@ -14,11 +14,13 @@ import sqlalchemy as sa
 
 from backend.db.tables import CatalogueDocument, Run, Trace
 from backend.reports import pdf, plot, words
+from backend.reports.service import _STATES
 from campaigns.claims import earlier, numbers
+from campaigns.runs import RunState
 from tests.given.databases import AT_NIGHT, BOTH
 from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
-from tests.given.reported_runs import finish_fully
+from tests.given.reported_runs import finish_fully, missing
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
@@ -127,9 +129,8 @@ def test_an_unfinished_run_claims_nothing(service: Service, client: httpx.Client
     work.search(0, 700)
     text = report(client, run)
     assert "Running: no verdict" in text
-    assert "No claim is made" in text
-    assert "This report is not evidence for a safety case" in text
-    assert "No independent random sample was simulated" in text
+    assert _STATES[RunState.RUNNING] in text
+    assert {"verdict", "sample"} <= missing(text)
     assert "Cleared</div>" not in text
     assert not [heading for heading in SECTIONS if heading not in text]
 
@@ -138,8 +139,7 @@ def test_the_report_of_a_run_with_bare_results_names_what_is_unknown(service: Se
     run = submit(client)
     finish(service)
     text = report(client, run)
-    assert "No sensitivity study is stored" in text
-    assert "No case was validated" in text
+    assert {"sensitivity", "validation"} <= missing(text)
     assert text.count("not recorded") >= 5
 
 
@@ -148,19 +148,19 @@ def test_without_a_catalogue_the_model_is_reported_as_unknown(service: Service, 
         connection.execute(sa.delete(CatalogueDocument))
         connection.execute(sa.update(Run).values(snapshot=None))
     text = report(client, run)
-    assert "This installation has no component" in text
+    assert "component" in missing(text)
     assert "not described" in text
 
 
 def test_components_that_may_have_changed_since_are_named(service: Service, client: httpx.Client, run: str) -> None:
     text = report(client, run)
-    assert "the run used clearance 0.1.0, and the components were stored with the run as described by test" in text
+    assert re.search(r"clearance 0\.1\.0, and .* by test\b", text)
     with service.engine.begin() as connection:
         trace = sa.select(Trace.meta).where(Trace.name == "nominal")
         meta = connection.scalar(trace) | {"parameters": {"vehicle.m": 5.5, "vehicle.J": 0.05}}  # type: ignore[operator]
         connection.execute(sa.update(Trace).where(Trace.name == "nominal").values(meta=meta))
     text = report(client, run)
-    assert "vehicle.m was 5.5 in the nominal case of the run; its nominal value here is 5" in text
+    assert "vehicle.m was 5.5 " in text
     assert "vehicle.J was" not in text
 
 
@@ -207,10 +207,12 @@ def test_a_browser_that_fails_or_hangs_is_a_problem(
 ) -> None:
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
     _stand_in(tmp_path, "echo no display >&2; exit 7")
-    assert "ended without writing a file" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
+    failed = problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503, "browser-failed")["detail"]
     monkeypatch.setattr(pdf, "PATIENCE", 0.3)
     _stand_in(tmp_path, "sleep 600 & sleep 600")
-    assert "took too long" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
+    late = problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503, "browser-failed")["detail"]
+    assert "took too long" in str(late)
+    assert failed != late
 
 
 @pytest.mark.parametrize("file", ["report.html", "report.pdf"])

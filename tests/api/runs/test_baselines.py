@@ -8,12 +8,15 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
+from backend.db.baselines import none_found
 from backend.db.queue import Queue
 from backend.db.rows import plain
 from backend.db.tables import CatalogueDocument, Run
+from backend.runs import reuse
+from backend.runs.submission import AT_LAUNCH
 from campaigns.claims.say import say
 from campaigns.results.regression import FindingChange, Regression, Standing
-from tests.given.code_versions import CODE, edited
+from tests.given.code_versions import CODE, IDENTITY, VERSIONS, edited
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import PARAMETERS, finish_fully
 from tests.given.service import Service
@@ -70,11 +73,10 @@ def test_a_label_selects_the_newest_run_of_the_same_question(service: Service, c
     assert claim is not None
     Queue(service.engine).fail(claim, "the trim has no solution")  # it has no findings
     found = launched(client, baseline="label:branch=main")
-    assert found["baseline"] == {
-        "asked": "label:branch=main",
-        "run": "R-0002",
-        "sentence": "Baseline: R-0002, the newest run with the label branch=main at launch.",
-    }
+    sentence = found["baseline"].pop("sentence")
+    assert found["baseline"] == {"asked": "label:branch=main", "run": "R-0002"}
+    assert sentence.startswith("Baseline: R-0002, ")
+    assert " branch=main " in sentence
     client.delete("/api/v1/runs/R-0002", params={"reason": "wrong"})
     assert launched(client, baseline="label: branch = main")["baseline"]["run"] == "R-0001"
 
@@ -82,10 +84,7 @@ def test_a_label_selects_the_newest_run_of_the_same_question(service: Service, c
 def test_a_label_that_no_run_has_is_stated(client: httpx.Client) -> None:
     found = launched(client, baseline="label:branch=main")
     assert found["baseline"]["run"] is None
-    assert found["baseline"]["sentence"] == (
-        "No baseline: no run of this campaign that has ended with findings has the label branch=main. Nothing was "
-        "compared; the verdict alone decides."
-    )
+    assert found["baseline"]["sentence"] == none_found("label:branch=main")
     run = client.get(f"/api/v1/runs/{found['id']}").json()
     assert run["baseline"] == found["baseline"]
     assert "baseline" not in run["campaign"]
@@ -108,18 +107,24 @@ def test_what_is_no_run_is_refused(client: httpx.Client, given: str, statement: 
 
 def test_runs_that_cannot_be_compared_are_refused(service: Service, client: httpx.Client) -> None:
     launched(client)
-    assert "it is queued; wait until it has ended" in refused(client, baseline="R-0001")
+    sentences = [refused(client, baseline="R-0001")]
     client.post("/api/v1/runs/R-0001/cancel")
-    assert "it has no findings to compare with" in refused(client, baseline="R-0001")
+    sentences.append(refused(client, baseline="R-0001"))
     finished(service, client)
     other = campaign()
     other["uncertain"] = {"start.x": {"low": 0.0, "high": 1.0}}
-    assert "it varies none of the parameters of this campaign" in refused(client, campaign=other, baseline="R-0002")
+    sentences.append(refused(client, campaign=other, baseline="R-0002"))
     client.delete("/api/v1/runs/R-0002", params={"reason": "wrong"})
-    assert "it was removed; restore it" in refused(client, baseline="R-0002")
+    sentences.append(refused(client, baseline="R-0002"))
     client.post("/api/v1/runs/R-0002/restore")
     written = client.get(f"/api/v1/runs/{launched(client, baseline='R-0002')['id']}").json()["campaign"]
-    assert "a baseline is added at launch" in refused(client, campaign=written)
+    assert refused(client, campaign=written) == AT_LAUNCH
+    assert sentences == [
+        "R-0001 cannot be the baseline: it is queued; wait until it has ended, or give another",
+        "R-0001 cannot be the baseline: it has no findings to compare with; give another run",
+        "R-0002 cannot be the baseline: it varies none of the parameters of this campaign",
+        "R-0002 cannot be the baseline: it was removed; restore it on its page, or give another",
+    ]
 
 
 def test_a_repeated_request_has_the_same_baseline_whatever_has_changed(service: Service, client: httpx.Client) -> None:
@@ -136,14 +141,12 @@ def test_a_repeated_request_has_the_same_baseline_whatever_has_changed(service: 
 
 
 def test_a_verdict_is_reused_for_the_same_campaign_and_code(service: Service, client: httpx.Client) -> None:
+    service.compare()
     finished(service, client)
     found = launched(client, "k1", reuse=True, labels={"build": "2"})
     assert (found["id"], found["verdict"], found["labels"]) == ("R-0001", "cleared", {})
-    assert found["reused"].startswith("R-0001 is reused: it has a verdict on the same campaign (sha256 ")
-    assert (
-        f"by the same code (sha256 {CODE.digest[:12]}). Package versions and machine are not compared"
-        in found["reused"]
-    )
+    assert found["reused"].startswith("R-0001 is reused: ")
+    assert f"(sha256 {str(IDENTITY.digest)[:12]})" in found["reused"]
     assert launched(client, "k1", reuse=True, labels={"build": "2"})["reused"] == found["reused"]
     assert launched(client)["reused"] is None, "only on request"
 
@@ -154,6 +157,11 @@ CHANGES = {
     "an own component has changed": lambda c: c.execute(
         sa.update(Run).values(flown={"code": CODE.digest, "components": {"my_robot.py": "0" * 16}})
     ),
+    "another package": lambda c: c.execute(
+        sa.update(Run).values(
+            flown=VERSIONS.model_copy(update={"packages": {"numpy": "2.5.0"}}).model_dump(mode="json")
+        )
+    ),
     "no stored descriptions": lambda c: c.execute(sa.update(Run).values(snapshot=None)),
     "removed": lambda c: c.execute(sa.update(Run).values(removed=1.0)),
     "cancelled": lambda c: c.execute(sa.update(Run).values(state="cancelled", verdict=None)),
@@ -162,6 +170,7 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_verdict_on_anything_else_is_not_reused(service: Service, client: httpx.Client, change: str) -> None:
+    service.compare()
     finished(service, client)
     with service.engine.begin() as writer:
         CHANGES[change](writer)
@@ -169,7 +178,19 @@ def test_a_verdict_on_anything_else_is_not_reused(service: Service, client: http
     assert (found["id"], found["reused"], found["state"]) == ("R-0002", None, "queued")
 
 
+@pytest.mark.parametrize("workers", [(), (0.0,), (4e9, 0.0)], ids=["none", "one that has not", "one of two"])
+def test_nothing_is_reused_until_every_worker_has_compared_its_files(
+    service: Service, client: httpx.Client, workers: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reuse, "PATIENCE", 0.2)
+    finished(service, client)
+    for at in workers:
+        service.compare(at)
+    assert launched(client, reuse=True)["reused"] is None
+
+
 def test_a_reused_verdict_has_the_same_baseline(service: Service, client: httpx.Client) -> None:
+    service.compare()
     finished(service, client, labels={"branch": "main"})
     compared = finished(service, client, baseline="R-0001")
     found = launched(client, reuse=True, baseline="label:branch=main")
@@ -204,7 +225,7 @@ def test_the_changes_are_in_the_run_the_report_and_the_export(service: Service, 
     assert "worse, fails" in report
     assert "+0.90000" in report
     assert "\u22120.100" in report
-    assert "The policy of the campaign fails: &lt;b&gt;." in report
+    assert " fails: &lt;b&gt;." in report
     assert lost in report.replace("\u202f", " ")
     assert "Since the baseline" not in client.get("/api/v1/runs/R-0001/report.html").text
 
@@ -212,8 +233,8 @@ def test_the_changes_are_in_the_run_the_report_and_the_export(service: Service, 
 def test_a_report_says_why_nothing_was_compared(service: Service, client: httpx.Client) -> None:
     finished(service, client, baseline="label:branch=main")
     report = client.get("/api/v1/runs/R-0001/report.html").text
-    assert "No baseline: no run of this campaign that has ended with findings has the label branch=main." in report
+    assert none_found("label:branch=main") in report
     cancelled = launched(client, baseline="R-0001")["id"]
     client.post(f"/api/v1/runs/{cancelled}/cancel")
     report = client.get(f"/api/v1/runs/{cancelled}/report.html").text
-    assert "Baseline: R-0001. The run has no verdict, so nothing was compared." in report
+    assert "Baseline: R-0001. " in report

@@ -15,9 +15,11 @@ from backend.db.migrate import config
 from backend.db.queue import Queue
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run
+from backend.reports.service import UNRECORDED
 from campaigns import Catalogue
-from campaigns.versions import Code, OtherCode, Versions, differences
-from tests.given.code_versions import CODE, OTHER, VERSIONS, edited
+from campaigns.identity.identity import differences, identity_of
+from campaigns.versions import Code, OtherCode, Versions
+from tests.given.code_versions import CODE, IDENTITY, OTHER, OTHER_IDENTITY, VERSIONS, edited
 from tests.given.finished_runs import search
 from tests.given.reported_runs import PLAN, finish_fully
 from tests.given.service import Service
@@ -73,10 +75,13 @@ def test_a_run_started_by_other_code_is_refused_with_the_differences(
 
 
 def test_what_cannot_change_a_number_is_no_other_code() -> None:
-    assert differences(VERSIONS, VERSIONS.model_copy(update={"clearance": "9", "system": "other", "cpu": None})) == []
-    assert differences(Versions(), VERSIONS) == differences(VERSIONS, Versions()) == []
+    def found(then: Versions, now: Versions) -> list[str]:
+        return differences(identity_of(then, ""), identity_of(now, ""))
+
+    assert found(VERSIONS, VERSIONS.model_copy(update={"clearance": "9", "system": "other", "cpu": None})) == []
+    assert found(Versions(), VERSIONS) == found(VERSIONS, Versions()) == []
     earlier = Versions.of({"loop": VERSIONS.loop, "packages": {"numpy": "2.4.6"}, "cpu": "a name", "seed": 1})
-    assert differences(earlier, VERSIONS) == []
+    assert found(earlier, VERSIONS) == []
 
 
 def test_before_the_first_stage_other_code_may_begin(service: Service, client: httpx.Client) -> None:
@@ -96,7 +101,7 @@ def test_a_run_from_before_code_digests_resumes_and_stores_none(service: Service
     taken_over(service, first).record_versions(VERSIONS, CODE)
     assert client.get(f"/api/v1/runs/{run}").json()["flown"] is None
     assert client.get(f"/api/v1/runs/{run}/components").json()["code"] is None
-    assert "not stored when the run began" in client.get(f"/api/v1/runs/{run}/report.html").text
+    assert UNRECORDED in client.get(f"/api/v1/runs/{run}/report.html").text
 
 
 def test_page_report_and_files_state_the_code_and_whether_it_is_installed(
@@ -106,15 +111,18 @@ def test_page_report_and_files_state_the_code_and_whether_it_is_installed(
     finish_fully(service)
     assert client.get(run).json()["flown"]["code"] == CODE.digest
     told = client.get(f"{run}/components").json()
-    assert (told["code"], told["code_installed"], told["code_changes"]) == (CODE.digest, CODE.digest, [])
+    assert (told["code"], told["code_installed"], told["code_changes"]) == (IDENTITY.digest, IDENTITY.digest, [])
     with service.engine.begin() as writer:
         workers.publish(writer, Catalogue.model_validate(edited()), OTHER)
     told = client.get(f"{run}/components").json()
-    assert (told["code"], told["code_installed"]) == (CODE.digest, OTHER.digest)
+    assert (told["code"], told["code_installed"]) == (IDENTITY.digest, OTHER_IDENTITY.digest)
     assert (told["changes"], told["code_changes"]) == ([], ["worker.engine.components.vehicles.unicycle"])
     export = client.get(f"{run}/exports/run.json").json()
-    assert (export["run"]["flown"]["code"], export["components"]["code_installed"]) == (CODE.digest, OTHER.digest)
-    assert f"sha256 {CODE.digest}" in client.get(f"{run}/report.html").text
+    assert export["run"]["identity"] == IDENTITY.model_dump(mode="json")
+    assert export["components"]["code_installed"] == OTHER_IDENTITY.digest
+    report = client.get(f"{run}/report.html").text
+    assert f"sha256 {IDENTITY.digest}" in report
+    assert f"sha256 {CODE.digest}" in report
     with service.engine.begin() as writer:
         workers.publish(writer, CATALOGUE)
         assert writer.scalar(sa.select(CatalogueDocument.code)) is None
@@ -143,7 +151,12 @@ def test_two_runs_of_one_campaign_name_the_files_of_their_code_that_differ(
         return dict(answer.json())
 
     found = told(runs[1], runs[0])
-    assert (found["code"], found["against"]) == (other.digest, CODE.digest)
+    then, now = IDENTITY, identity_of(VERSIONS.model_copy(update={"code": other.digest}), "")
+    assert (found["code"], found["against"], found["unidentified"]) == (now.digest, then.digest, [])
+    assert found["changes"] == [
+        f"the code digest was {CODE.digest[:12]}, here it is feedfeedfeed (modules: "
+        "worker.engine.components.vehicles.unicycle, worker.engine.problem, worker.engine.problem.more)"
+    ]
     assert found["files"] == [
         {"file": "worker/engine/components/vehicles/unicycle.py", "change": "changed", "component": "unicycle"},
         {"file": "worker/engine/problem/__init__.py", "change": "added", "component": None},
@@ -151,7 +164,8 @@ def test_two_runs_of_one_campaign_name_the_files_of_their_code_that_differ(
     ]
     assert [file["change"] for file in told(runs[0], runs[1])["files"]] == ["changed", "removed", "removed"]  # type: ignore[attr-defined]
     assert told(runs[0], runs[0])["files"] == []
-    assert told(runs[2], runs[0]) == {"code": None, "against": CODE.digest, "files": None}, "it has not started"
+    waiting = {"code": None, "against": IDENTITY.digest, "changes": [], "unidentified": ["engine"], "files": None}
+    assert told(runs[2], runs[0]) == waiting, "it has not started"
     assert client.get(f"/api/v1/runs/{runs[0]}/code", params={"against": "R-9999"}).status_code == 404
     assert client.get(f"/api/v1/runs/{runs[0]}/code", params={"against": "../x"}).status_code == 404
     assert client.get(f"/api/v1/runs/{runs[0]}/code").status_code == 422

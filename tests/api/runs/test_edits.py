@@ -14,6 +14,7 @@ from tests.given.databases import BOTH
 from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
 from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
 
 NOTES = "# Why\n\nThe *planning radius* is <b>75 m</b>."
@@ -58,7 +59,7 @@ def test_the_audit_trail_keeps_who_wrote_what(service: Service, client: httpx.Cl
         rows = reader.execute(sa.select(Audit).where(Audit.action.startswith("run.")).order_by(Audit.id)).all()
     assert {(r.user, r.subject) for r in rows} == {("local", run)}
     assert [r.action for r in rows] == ["run.submitted", "run.edited", "run.cancelled"]
-    assert rows[0].detail["name"] == "Unicycle past a pillar"
+    assert rows[0].detail["name"] == campaign()["name"]
     digest = hashlib.sha256(NOTES.encode()).hexdigest()
     assert rows[1].detail == {"tags": ["a"], "notes": {"characters": len(NOTES), "sha256": digest}}
 

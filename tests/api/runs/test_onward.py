@@ -11,6 +11,8 @@ from backend.db.engine import read
 from backend.db.queue import Queue
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal
+from backend.db.waiting import CONTINUED
+from backend.runs.waiting import SOON
 from tests.given.code_versions import CODE, VERSIONS, edited
 from tests.given.service import Service
 from tests.given.submissions import submit
@@ -40,7 +42,7 @@ def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Se
     arrive(service, "old", OLD)
     found = one(client, run)
     assert found["other_code"] is None
-    assert found["waits"] == "It starts automatically within a few seconds."
+    assert found["waits"] == SOON
 
 
 def test_begun_again_it_has_nothing_of_before(service: Service, client: httpx.Client) -> None:
@@ -66,7 +68,7 @@ def test_continued_as_a_new_run(service: Service, client: httpx.Client) -> None:
     assert answer.headers["Location"].endswith(f"/api/v1/runs/{made['id']}")
     assert (made["continues"], made["state"], made["other_code"]) == (run, "queued", None)
     old = one(client, run)
-    assert (old["state"], old["error"], old["evaluations"]) == ("cancelled", f"It was continued as {made['id']}.", 100)
+    assert (old["state"], old["error"], old["evaluations"]) == ("cancelled", CONTINUED.format(run=made["id"]), 100)
     claim = Queue(service.engine).claim("new", (), HERE)
     assert claim is not None
     cited = RunStore(service.engine, claim).cited()

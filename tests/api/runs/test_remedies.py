@@ -44,7 +44,8 @@ def test_failing_checks_of_an_inconclusive_verdict_carry_changes_of_the_campaign
     half = asked.given_scenario.step / 2
     assert step["changes"] == [{"at": ["scenario", "step"], "value": half}]
     assert (step["kind"], step["text"]) == ("step", f"with step {1000 * half:g} ms")
-    assert [remedy["text"] for remedy in found["probability"]] == ["with an independent sample of 59"]
+    (more,) = found["probability"]
+    assert (more["kind"], more["text"].split()[-1]) == ("sample", "59")
     assert found["agreement"] == [], "DIRECT ended by its own rule, and no other global method is installed"
     assert found["motion"] == found["nominal"] == found["x"] == []
     # What a page starts from it is a campaign that the service accepts.

@@ -41,6 +41,7 @@ def test_a_yaml_body_takes_labels_and_a_baseline_from_the_address(service: Servi
     assert second["labels"] == {"branch": "wider"}
     assert (second["baseline"]["asked"], second["baseline"]["run"]) == ("label:branch=main", "R-0001")
     assert client.get("/api/v1/runs/R-0002").json()["campaign"]["baseline"]["run"] == "R-0001"
+    service.compare()
     assert submitted(client, {"reuse": "true"}).json()["id"] == "R-0001"
 
 

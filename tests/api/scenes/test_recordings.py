@@ -157,7 +157,7 @@ def over(first: float, last: float) -> Flight:
     data = {column.name: flown.data[:, k] for k, column in enumerate(flown.columns)}
     data["time"] = np.linspace(first, last, 401)
     columns = [column.model_dump() for column in flown.columns]
-    found = from_live({"columns": columns, "data": data, "meta": flown.meta.model_dump()})
+    found = from_live({"columns": columns, "data": data, "meta": flown.meta.model_dump(), "identity": {}})
     assert found is not None
     return found
 

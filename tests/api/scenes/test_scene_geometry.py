@@ -33,7 +33,12 @@ def flown(**changes: object) -> object:
     trace = encounter("live", "ned", straight(500, 60, -30, -20, 0, -1), **changes)  # type: ignore[arg-type]
     data = {c.name: trace.data[:, k].tolist() for k, c in enumerate(trace.columns)}
     return from_live(
-        {"columns": [c.model_dump() for c in trace.columns], "data": data, "meta": trace.meta.model_dump()}
+        {
+            "columns": [c.model_dump() for c in trace.columns],
+            "data": data,
+            "meta": trace.meta.model_dump(),
+            "identity": {},
+        }
     )
 
 
@@ -113,7 +118,12 @@ def test_traces_share_a_body_only_where_its_motion_is_the_same() -> None:
         trace = encounter("live", "ned", way, rows=int(changes.get("rows", 401)))
         data = {c.name: trace.data[:, k].tolist() for k, c in enumerate(trace.columns)}
         flight = from_live(
-            {"columns": [c.model_dump() for c in trace.columns], "data": data, "meta": trace.meta.model_dump()}
+            {
+                "columns": [c.model_dump() for c in trace.columns],
+                "data": data,
+                "meta": trace.meta.model_dump(),
+                "identity": {},
+            }
         )
         return body_of(0, values, Axes("ned"), flight)
 

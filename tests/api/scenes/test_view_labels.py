@@ -207,6 +207,6 @@ def flown(frame: str, way: Any) -> Flight:
     trace = encounter("live", frame, way)
     data = {column.name: trace.data[:, k].tolist() for k, column in enumerate(trace.columns)}
     columns = [column.model_dump() for column in trace.columns]
-    found = from_live({"columns": columns, "data": data, "meta": trace.meta.model_dump()})
+    found = from_live({"columns": columns, "data": data, "meta": trace.meta.model_dump(), "identity": {}})
     assert found is not None
     return found

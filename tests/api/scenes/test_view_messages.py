@@ -166,7 +166,7 @@ def test_one_visitor_leaves_room_for_others(service: Service, client: httpx.Clie
         with pytest.raises(websockets.InvalidStatus), viewing(service, client, f"/view/{run}/"):
             pass
         waiting = client.get(f"/api/v1/runs/{run}/views/{KEY}")
-        assert "1 3D views of your session" in str(problem(waiting, 503)["detail"])
+        assert "1 3D view" in str(problem(waiting, 503, "busy")["detail"])
         with service.signed_in() as other, viewing(service, other, f"/view/{run}/"):
             assert service.app.state.viewers.open == 2
     until(lambda: service.app.state.viewers.open == 0)

@@ -83,7 +83,7 @@ def test_a_later_change_of_a_result_shows(service: Service, client: httpx.Client
             now = client.get(run).json()
             assert now["items"][0]["current"] is False, values
             assert now["digest"] != now["items"][0]["digest"] == signed
-            assert "which have changed since" in client.get(run.replace("signoffs", "report.html")).text
+            assert 'data-current="false"' in client.get(run.replace("signoffs", "report.html")).text
         assert client.get(run).json()["items"][0]["current"] is True, values
 
 
@@ -109,20 +109,23 @@ def test_the_same_word_is_taken_once(client: httpx.Client, run: str) -> None:
     assert client.post(run, json=body | {"role": "Safety authority"}).status_code == 201
 
 
+WRONG = "The bounds were wrong."
+
+
 @AT_NIGHT
 def test_a_sign_off_is_withdrawn_once_and_stays_on_record(service: Service, client: httpx.Client, run: str) -> None:
     signed = client.post(run, json=given(client, run)).json()
     address = f"{run}/{signed['id']}/withdraw"
     problem(client.post(address, json={"reason": ""}), 422)
     problem(client.post(address, json={}), 422)
-    withdrawn = client.post(address, json={"reason": "The bounds were wrong."}).json()
+    withdrawn = client.post(address, json={"reason": WRONG}).json()
     kept = {k: v for k, v in withdrawn.items() if not k.startswith("withdrawn")}
     assert kept == {k: v for k, v in signed.items() if not k.startswith("withdrawn")}
-    assert withdrawn["withdrawn_reason"] == "The bounds were wrong."
+    assert withdrawn["withdrawn_reason"] == WRONG
     assert withdrawn["withdrawn"] >= signed["created"]
     problem(client.post(address, json={"reason": "Again."}), 409)
     assert client.get(run).json()["items"] == [withdrawn]
-    assert "The bounds were wrong." in client.get(run.replace("signoffs", "report.html")).text
+    assert WRONG in client.get(run.replace("signoffs", "report.html")).text
     assert client.post(run, json=given(client, run)).status_code == 201
     assert [row.action for row in audit(service)] == ["signoff.created", "signoff.withdrawn", "signoff.created"]
 

@@ -25,8 +25,11 @@ from tests.given.small_catalogue import campaign
 JSON = {"content-type": "application/json"}
 
 
+NAME = "Range of the avoider"
+
+
 def asked(**changes: Any) -> dict[str, Any]:
-    given = {"campaign": campaign(), "path": "avoider.d_0", "values": [3.0, 1.0, 2.0], "name": "Range of the avoider"}
+    given = {"campaign": campaign(), "path": "avoider.d_0", "values": [3.0, 1.0, 2.0], "name": NAME}
     return {**given, **changes}
 
 
@@ -48,7 +51,7 @@ def test_one_run_for_each_value(client: httpx.Client) -> None:
         expected = campaign()
         expected["scenario"]["avoider"] = {"component": "potential_field", "parameters": {"d_0": point["value"]}}
         assert run["campaign"] == Campaign.model_validate(expected).document()
-        assert run["name"] == f"Range of the avoider, avoider.d_0 = {point['value']:g}"
+        assert run["name"] == f"{NAME}, avoider.d_0 = {point['value']:g}"
         assert run["tags"] == ["range"]
     assert client.get("/api/v1/sweeps/S-0001").json() == sweep
     (listed,) = client.get("/api/v1/sweeps").json()

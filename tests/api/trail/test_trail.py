@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -16,10 +15,13 @@ from backend.db import audit
 from backend.db.access import Visitor
 from backend.db.chain import digest
 from backend.db.engine import read
+from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.api.conftest import Fresh, running
+from tests.given.chain_faults import rows_of
 from tests.given.databases import BOTH
 from tests.given.problem_documents import problem
+from tests.given.refused_commands import refused
 from tests.given.service import Service
 from tests.given.submissions import submit
 
@@ -98,7 +100,7 @@ def test_the_export_has_every_row_and_is_verified_as_a_file(
     assert invoke(["trail", "verify", "--file", str(file)]) == 0
     assert "noted elsewhere" in capsys.readouterr().out, "it says what it cannot show"
     assert invoke(["trail", "verify", "--file", str(file), "--head", head]) == VIOLATED
-    assert "The last row is missing" in capsys.readouterr().out
+    assert rows_of(capsys.readouterr().out.splitlines()) == [[rows[-1]["id"], rows[-2]["id"]]]
     file.write_text(answer.text.replace('"number":17}', '"number":71}', 1))
     assert invoke(["trail", "verify", "--file", str(file)]) == VIOLATED
     assert "was changed" in capsys.readouterr().out
@@ -107,13 +109,7 @@ def test_the_export_has_every_row_and_is_verified_as_a_file(
 @pytest.mark.parametrize("text", ["x\n", "{}\n", "[1]\n", '{"id": "1"}\n', "\n"])
 def test_a_file_that_is_no_trail_is_refused(tmp_path: Path, text: str, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "x").write_text(text)
-    assert invoke(["trail", "verify", "--file", str(tmp_path / "x")]) == WRONG_INPUT
-    assert "line 1: not a row of an audit trail" in capsys.readouterr().err
-
-
-def rows_of(faults: list[str]) -> list[list[int]]:
-    """The numbers in every fault; its words are compared in tests/unit/backend/db/test_chain.py."""
-    return [[int(number) for number in re.findall(r"\d+", fault)] for fault in faults]
+    assert refused(capsys, "trail", "verify", "--file", tmp_path / "x") == RefusalCode.NO_TRAIL
 
 
 @BOTH
@@ -171,8 +167,7 @@ def test_a_request_that_fails_leaves_no_row_and_no_gap(bare: Service) -> None:
 
 def test_the_command_line_verifies_and_prints_the_head(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     data = ["--data", str(tmp_path)]
-    assert invoke(["trail", "verify", *data]) == WRONG_INPUT
-    assert "there is no database" in capsys.readouterr().err
+    assert refused(capsys, "trail", "verify", *data) == RefusalCode.NO_DATABASE
     assert invoke(["token", "create", "ci", "--scope", "read", "--days", "30", *data]) == 0
     assert invoke(["token", "revoke", "ci", *data]) == 0
     capsys.readouterr()
@@ -184,8 +179,9 @@ def test_the_command_line_verifies_and_prints_the_head(tmp_path: Path, capsys: p
     assert invoke(["trail", "verify", "--head", head, *data]) == 0
     assert invoke(["login-link", *data]) == 0
     assert invoke(["trail", "verify", "--head", head, *data]) == 0, "later rows do not concern a noted head"
+    capsys.readouterr()
     assert invoke(["trail", "verify", "--head", f"2:{'0' * 64}", *data]) == VIOLATED
-    assert "another hash than the noted head" in capsys.readouterr().out
+    assert rows_of(capsys.readouterr().out.splitlines()) == [[2]]
     assert invoke(["trail", "verify", "--head", "nonsense", *data]) == WRONG_INPUT
 
 

@@ -132,8 +132,8 @@ def test_a_refused_message_is_repeated_under_its_id(
     assert [request.headers["clearance-attempt"] for request in receiver.requests] == ["1", "2", "3"]
     assert {request.path for request in receiver.requests} == {"/hook/token-in-the-path"}  # no redirect was followed
     statement = [record.getMessage() for record in caplog.records if "webhook" in record.getMessage()]
-    assert "responded with 500 Internal Server Error" in statement[0]
-    assert "a redirect, which is not followed" in statement[1]
+    assert " 500 Internal Server Error" in statement[0]
+    assert " 302 Found, a redirect" in statement[1]
     assert "token-in-the-path" not in caplog.text
     assert SECRET not in caplog.text
 
@@ -300,7 +300,7 @@ def test_a_private_address_is_refused_before_anything_is_sent(receiver: Receiver
     for host in ("127.0.0.1", "localhost"):
         sent = attempt(receiver.url.replace("127.0.0.1", host), private=False)
         assert sent.status is None
-        assert "is in a private network" in str(sent.error)
+        assert "CLEARANCE_WEBHOOK_PRIVATE" in str(sent.error)
     assert receiver.requests == []
     assert attempt(receiver.url) == Sent(200, None)
 
@@ -341,14 +341,14 @@ def test_a_receiver_that_drips_is_cut_off() -> None:
         sent = attempt(f"http://127.0.0.1:{server.getsockname()[1]}/", limit=0.4)  # which ends, as the drip does not
         stop.set()
         thread.join()
-    assert "did not answer within 0.4 s" in str(sent.error)
+    assert str(sent.error).endswith(" 0.4 s")
 
 
 @pytest.mark.parametrize("url", ["http://127.0.0.1:9/", "http://no-such-host.invalid/"])
 def test_a_receiver_that_is_not_there(url: str) -> None:
     sent = attempt(url)
     assert sent.status is None
-    assert "could not be reached" in str(sent.error) or "cannot be resolved" in str(sent.error)
+    assert url.split("/")[2].partition(":")[0] in str(sent.error)
 
 
 ADDRESS = "https://user:hidden-password@hooks.example/services/hidden-path"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from typing import Any
 
@@ -12,9 +13,11 @@ import sqlalchemy as sa
 from backend.db import workers
 from backend.db.queue import Queue
 from backend.db.tables import Run, Worker
+from backend.db.workers import Doing
 from backend.events import roster
 from backend.events.roster import Roster
 from backend.events.watch import Watch
+from backend.runs.waiting import SOON, no_worker, told
 from tests.given.event_streams import streaming
 from tests.given.finished_runs import Work
 from tests.given.openapi_document import conforms
@@ -78,7 +81,8 @@ def test_every_worker_with_its_run_and_stage(service: Service, client: httpx.Cli
     assert (found["alive"], found["queued"]) == (2, 1)
     busy, idle = sorted(found["items"], key=lambda w: w["state"])
     assert (busy["state"], busy["run"], busy["stage"], idle["state"], idle["run"]) == ("busy", run, None, "idle", None)
-    assert busy["doing"]["sentence"].startswith("Compiling your closed loop, about 15 s, once")
+    assert busy["doing"]["sentence"] == told(Doing("compiling", 1, 0.0, 14.2)).sentence
+    assert " 15 s, " in busy["doing"]["sentence"]
     work.search(0, 10)
     assert {w["name"]: w["stage"] for w in asked(client)["items"]} == {"w1": "Search, direct", "w2": None}
 
@@ -92,9 +96,8 @@ def test_a_run_says_that_its_loop_is_compiled(service: Service, client: httpx.Cl
     with service.engine.begin() as connection:
         workers.doing(connection, "w1", 1, "compiling")
     doing = listed(client, run)["doing"]
-    assert doing["sentence"] == "Compiling your closed loop, once: it is stored for later runs.", (
-        "no number is invented"
-    )
+    assert doing["sentence"] == told(Doing("compiling", 1, 0.0, None)).sentence
+    assert not re.search(r"\d", doing["sentence"]), "no number is invented"
     with service.engine.begin() as connection:
         workers.doing(connection, "w1", 2, "compiling")  # of another run
     assert listed(client, run)["doing"] is None
@@ -117,10 +120,10 @@ def test_what_another_version_stored_is_not_shown(service: Service, client: http
 
 def test_a_queued_run_says_why_it_waits(service: Service, client: httpx.Client) -> None:
     first, second, third = submit(client), submit(client, seed=2), submit(client, seed=3)
-    assert listed(client, first)["waits"] == "No worker is running. Start one with `clearance worker`."
+    assert listed(client, first)["waits"] == no_worker(None, 0.0)
     arrive(service, "w1", "w2")
-    assert listed(client, first)["waits"] == "It starts automatically within a few seconds."
-    assert listed(client, second)["waits"] == "Position 2 in the queue; it starts automatically."
+    assert listed(client, first)["waits"] == SOON
+    assert listed(client, second)["waits"].startswith("Position 2 ")
     for name, run in (("w1", 1), ("w2", 2)):
         assert Queue(service.engine).claim(name) is not None
         arrive(service, name, run=run)
@@ -136,7 +139,7 @@ def test_a_queued_run_says_why_it_waits(service: Service, client: httpx.Client) 
     assert "position 1 in" in listed(client, fourth)["waits"]
     silent(service, "w1", 30)
     silent(service, "w2", 300)
-    assert listed(client, third)["waits"].startswith("No worker is running; the last one was seen less than 2 min ago.")
+    assert listed(client, third)["waits"] == no_worker(0.0, 30.0)
 
 
 def test_the_stream_reports_workers(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -144,11 +147,11 @@ def test_the_stream_reports_workers(service: Service, client: httpx.Client, monk
     run = submit(client)
     with streaming(client) as stream, streaming(client, run=run) as other:
         assert stream.next("workers")["alive"] == 0
-        assert other.next("run")["waits"].startswith("No worker is running")
+        assert other.next("run")["waits"] == no_worker(None, 0.0)
         arrive(service, "w1")
         assert stream.next("workers")["alive"] == 1
         assert other.next("workers")["alive"] == 1
-        assert other.next("run")["waits"].startswith("It starts automatically")
+        assert other.next("run")["waits"] == SOON
 
 
 def test_falling_silent_is_noticed_though_nothing_is_written(
@@ -166,8 +169,8 @@ def test_falling_silent_is_noticed_though_nothing_is_written(
     (event,) = seen.look()
     assert '"alive":0' in event.data
     (after,) = watch.look([], moved=True)
-    assert "No worker is running" in after.data
-    assert "No worker is running" not in before.data
+    silence = no_worker(0.0, 0.0)
+    assert (silence in after.data, silence in before.data) == (True, False)
     watch.close()
 
 

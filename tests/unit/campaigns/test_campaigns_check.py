@@ -249,8 +249,6 @@ def test_every_parameter_has_a_path() -> None:
 
 
 def test_a_problem_is_not_made_of_a_campaign_that_does_not_fit() -> None:
-    with pytest.raises(
-        CampaignUnusable, match=r"cannot be run here: scenario.vehicle.component: no such vehicle"
-    ) as caught:
+    with pytest.raises(CampaignUnusable) as caught:
         Problem(campaign(scenario__vehicle__component="car"))
-    assert caught.value.problems[0].field == "scenario.vehicle.component"
+    assert [(p.field, p.given) for p in caught.value.problems] == [("scenario.vehicle.component", "car")]

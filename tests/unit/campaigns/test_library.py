@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import clearance
+from campaigns.claims import numbers
 from campaigns.results.base import STATUS
 from tests.simulators import isolated
 from worker.engine.systems.simulators import calling
@@ -121,7 +122,7 @@ class TestArguments:
         def local(x: float) -> float:
             return x
 
-        with pytest.raises(ValueError, match="put it in a file, or declare it with isolated=False"):
+        with pytest.raises(ValueError, match="isolated=False"):
             clearance.search(local, threshold=0.0)
 
 
@@ -254,7 +255,7 @@ class TestFailures:
         far = given[:, 0] > 0.5
         assert np.isfinite(batch.costs[:, 0]).tolist() == (~far).tolist()
         assert sorted(reasons) == np.flatnonzero(far).tolist()
-        assert all("ValueError: too far, at line" in why for why in reasons.values())
+        assert all(why.startswith("ValueError: too far, ") for why in reasons.values())
 
 
 @pytest.fixture(scope="module")
@@ -281,7 +282,7 @@ class TestResult:
         held = {check.title: check.standing for check in result.verdict.checks}
         assert held["Failed evaluations"] == "fails"
         assert "ValueError: too <b>heavy</b>, at line" in str(result)
-        assert "evaluations failed, the first because" in str(result)
+        assert f"{numbers.count(len(result.reasons))} evaluations failed" in str(result)
 
     def test_numbers_are_those_of_the_function(self, result: clearance.Result) -> None:
         assert result.worst is result.findings[0]
@@ -375,7 +376,7 @@ def test_ctrl_c_keeps_what_was_evaluated() -> None:
 
 
 def test_an_unknown_name_is_refused() -> None:
-    with pytest.raises(AttributeError, match="it has AsyncClient, Client, Column, Evaluations, Finding"):
+    with pytest.raises(AttributeError, match=", ".join(clearance.__all__[:5])):
         clearance.serach  # noqa: B018
 
 

@@ -87,7 +87,7 @@ def test_a_flight_that_fails_is_stored_with_its_reason_up_to_there() -> None:
     document["scenario"]["obstacles"][0]["parameters"] |= {"position.x": 0.0, "position.y": 0.0}
     flight = tool.drawn(Campaign.model_validate(document))
     assert flight.status == "excluded"
-    assert "starts at or below the threshold" in flight.reason
+    assert " 0.5 m" in flight.reason
     assert flight.value is None
     assert FLIGHTS.validate_json(tool.written({"x": flight})) == {"x": flight}
 

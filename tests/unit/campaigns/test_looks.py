@@ -128,7 +128,7 @@ def test_a_look_names_parameters_that_there_are(tmp_path: Path) -> None:
     known = Catalogue.model_validate_json(done.stdout)
     assert known.component("obstacle", "pillar") is None
     (skipped,) = known.unusable
-    assert "the look of pillar names 'tallness', which is not one of its parameters" in skipped.text
+    assert "'tallness'" in skipped.text
     with pytest.raises(ValidationError, match="colour"):
         MethodLook.model_validate({"colour": "mauve", "marker": "star"})
 

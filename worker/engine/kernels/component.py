@@ -169,8 +169,27 @@ class Reach:
 
 
 @dataclass(frozen=True)
+class Rate:
+    """How fast a prescribed motion turns [rad/s]: within pi over the rate its velocity turns by at most half a turn.
+
+    `times` the product of the magnitudes of the parameters `of`, over those of `per`: Rate(("speed",), ("way",)) on a
+    circle. A path of straight legs between corners turns at most once in the time of its shortest leg:
+    Rate(("speed",), legs=("position", "goal")); `used` is the parameter with the number of legs. Like `Reach` it is
+    data. A straight motion that never ends has Rate(times=0.0).
+    """
+
+    of: tuple[str, ...] = ()
+    per: tuple[str, ...] = ()
+    times: float = 1.0
+    legs: tuple[str, ...] = ()
+    used: str = ""
+
+
+@dataclass(frozen=True)
 class Obstacle:
     """An obstacle or intruder; one with states has `wake` and `move`.
+
+    `rate`: how fast it turns, if it moves by itself and has no states; with states, the integrators follow it.
 
     `reach`: the largest distance of a point inside it from the centre that `body` reports. `frame` as in `Avoider`.
     `look`: how it is drawn; by default a ball of its parameter `radius`.
@@ -187,6 +206,7 @@ class Obstacle:
     moving: bool = False
     derived: Derived | None = None
     reach: Reach | None = None
+    rate: Rate | None = None
     frame: Frame | None = None
     look: ObstacleLook | None = None
     role: Literal["obstacle"] = "obstacle"

@@ -158,8 +158,9 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 when[first + l] = b[WHEN + l]
 
 
-def observe(states, params, dt, seen):  # type: ignore[no-untyped-def]
-    """The columns of a trace besides the states: states (rows, N_X + N_G), params (N_P,); out: seen (rows, N_W)."""
+def observe(states, params, dt, first, seen):  # type: ignore[no-untyped-def]
+    """The columns of a trace besides the states: states (rows, N_X + N_G), the first of which is that at step `first`,
+    params (N_P,); out: seen (rows, N_W)."""
     b = np.zeros((N_X + N_G + N_E) * LANES)
     for k in range(N_P):
         b[(N_X + N_G + k) * LANES] = params[k]
@@ -167,6 +168,6 @@ def observe(states, params, dt, seen):  # type: ignore[no-untyped-def]
     for i in range(states.shape[0]):
         for k in range(N_X + N_G):
             b[k * LANES] = states[i, k]
-        values = observation(i * dt, load_x(b, 0, 0), load_g(b, N_X * LANES, 0), p)
+        values = observation((first + i) * dt, load_x(b, 0, 0), load_g(b, N_X * LANES, 0), p)
         for j, value in enumerate(values):
             seen[i, j] = value

@@ -62,9 +62,9 @@ SPACINGS = 10.0
 """The shortest step, in multiples of the floating-point spacing at the current time."""
 
 
-STEP, CALLS, MARK, WHEN = range(4)
+STEP, CALLS, MARK, WHEN, LOOK = range(5)
 """Elements of c, the state of the step control: next step [s]; calls since the last check of progress, and its time
-[s]; current time [s]."""
+[s]; current time [s]; the longest interval between two looks at the channels [s]."""
 
 
 def fly(
@@ -74,7 +74,7 @@ def fly(
 
     asks (n,): whether guidance is sampled at the start of each stretch; before: fraction of a stretch by which slopes
     stay before its end; patience: calls of the right-hand side without progress; b, y, c: work arrays (ROWS, states),
-    (CHANNEL_ROWS, channels) and (4,); p: the system's parameters. Out: found (6,): the criterion's value; a status as
+    (CHANNEL_ROWS, channels) and (5,); p: the system's parameters. Out: found (6,): the criterion's value; a status as
     above; the end time [s]; the time from which the coarse tolerance was used [s], why (STUCK or SHORT, else 0), and
     the time at which that was detected [s].
     """
@@ -175,7 +175,7 @@ def stretch(
         # A step cut short by the end of the stretch does not limit the next step size if its error is far below 1.
         c[STEP] = h * min(most, longer) if longer < GROW else max(c[STEP], h * most)
         most = GROW
-        read(t, h, until, horizon / READINGS, system, b, y, p)
+        read(t, h, until, min(horizon / READINGS, c[LOOK]), h > c[LOOK], system, b, y, p)
         for i in range(b.shape[1]):
             b[X, i] = b[NEW, i]
             b[K, i] = b[K + STAGES, i]

@@ -43,9 +43,12 @@ ROUNDING = 1e-12
 """A minimum is refined only if it could improve on the lowest value so far by more than this fraction."""
 
 
-def read(t: float, h: float, until: float, spacing: float, system: Any, b: Any, y: Any, p: Any) -> None:
-    """Update LOW with the lowest values within the last step; OLD and SEEN hold the channels at its ends."""
-    near = False
+def read(t: float, h: float, until: float, spacing: float, turns: bool, system: Any, b: Any, y: Any, p: Any) -> None:
+    """Update LOW with the lowest values within the last step; OLD and SEEN hold the channels at its ends.
+
+    turns: whether an obstacle may turn so far within the step that its ends say nothing about its inside.
+    """
+    near = turns
     for i in range(y.shape[1]):
         old, new = y[OLD, i], y[SEEN, i]
         y[RATE, i] = max(y[RATE, i], abs(new - old) / h)

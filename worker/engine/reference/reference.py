@@ -19,6 +19,9 @@ from worker.engine.systems.threads import usual_threads
 
 NAME = "DOP853"
 
+LOOKS = 200_000
+"""The largest number of looks at obstacles that turn fast, for one simulation."""
+
 _SYSTEMS: WeakKeyDictionary[Loop, Any] = WeakKeyDictionary()
 """Compiled systems and the integrator by loop, for as long as the loop exists."""
 
@@ -103,7 +106,16 @@ class Reference:
         states, channels = np.zeros((ROWS, loop.n_state)), np.zeros((CHANNEL_ROWS, last - first))
         parameters = np.array((*p, *(0.0,) * (compiled.draws(loop) + loop.n_held)))
         where = stretches.instants, stretches.asks, stretches.before, stretches.patience
-        fly(system.address, *where, states, channels, parameters, np.zeros(4), found)
+        fly(system.address, *where, states, channels, parameters, self._control(p), found)
+
+    def _control(self, p: tuple[float, ...]) -> Floats:
+        """The state of the step control, with the longest interval between two looks at obstacles that turn this
+        fast."""
+        from worker.engine.reference import flight
+
+        control = np.zeros(5)
+        control[flight.LOOK] = max(self.flights.look(p), self.timetable.horizon / LOOKS)
+        return control
 
     def _judged(self, found: Floats) -> Flight:
         from worker.engine.reference import flight  # imported late: a campaign's process must start fast

@@ -62,7 +62,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         comparison=compare(context, named, found, basins),
         violations=violations,
         spot_checks=offered.spot_checks(context, everything),
-        encounter=encounter(context, position, nominal_flight, _curves(context, named)),
+        encounter=encounter(context, position, nominal_flight, named, _curves(context, named)),
         incumbents=best,
         untraced=untraced,
         since=_since(context, named, found, basins),

@@ -20,12 +20,13 @@ from campaigns.claims.terms import Condition as Condition  # packages import the
 from campaigns.claims.terms import Scope as Scope
 from campaigns.claims.terms import Words as Words
 from campaigns.results.finding import ClosestApproach
-from campaigns.results.validate import Unseen
+from campaigns.results.validate import Beyond, Unseen
 from campaigns.stored.records import Trace as Trace
 from worker.engine.search.base import Batch
 
 Floats = NDArray[np.float64]
 Seeds = NDArray[np.int64]
+Stopping = Callable[[], bool]
 Reasons = dict[int, str]
 """By row of a batch: why the evaluation failed or was excluded."""
 
@@ -131,8 +132,6 @@ class Settings:
     step: float | None = None
     """[s]"""
     integrator: str | None = None
-    own: tuple[str, ...] = ()
-    """The modules of the operator's own components that it uses."""
 
 
 class Evaluated(NamedTuple):
@@ -218,6 +217,16 @@ class System(ABC):
         """Evidence that the encounter took place in the nominal case with this trace; None if there is none.
 
         It may run evaluations, such as the nominal case without avoidance.
+        """
+        return None
+
+    def beyond(
+        self, names: Sequence[str], vectors: Floats, seeds: Sequence[int | None], below: float, cancelled: Stopping
+    ) -> Beyond | None:
+        """What vectors (m, size) meet beyond the horizon, and how many of them come below a value there; None if the
+        system is not simulated on, or when cancelled.
+
+        seeds: those of vectors with their own noise.
         """
         return None
 

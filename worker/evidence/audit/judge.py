@@ -13,12 +13,13 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from campaigns.catalogue import MethodEntry
-from campaigns.checked import extents
+from campaigns.checked import extents, rates
 from campaigns.checked.check import parameters
 from campaigns.claims import earlier
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import Quantity, Spans, words
+from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
 from worker.evidence.audit import limits
@@ -63,7 +64,8 @@ def audit(record: Record, at_most: int = limits.VIOLATIONS, spot_checks: int = l
             unknown = dict.fromkeys(("results", "comparison", "statistics", "sentence"), MISSING)
             expected = _stored(run) | unknown | {"checks": dict.fromkeys(claims["checks"], MISSING)}
     except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
-        raise UnreadableError(f"the record is not that of a run: {type(error).__name__}: {error}") from None
+        message = f"the record is not that of a run: {type(error).__name__}: {error}"
+        raise UnreadableError(message, RefusalCode.UNREADABLE) from None
     return [*(Item(name, *pair) for name, pair in record.twice.items()), *_compared("", claims, expected)]
 
 
@@ -125,6 +127,8 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     spread = {"evaluations": len(run.costs), "lowest": run.lowest, "highest": run.highest}
     last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs))}}
+    if run.claims["results"][-1]["encounter"].get("beyond") is not None:
+        last["encounter"]["beyond"] = {"times": limits.CONTINUED, "flights": _continued(run)}
     results: list[Tree] = [{"sample": run.samples[k]} if k in run.samples else {} for k in range(len(run.plan) - 1)]
     rows, known = [], {finding["label"] for finding in run.findings}
     for k, compared in zip(run.searches, run.claims["comparison"], strict=True):
@@ -197,11 +201,32 @@ def _encounter(run: Run) -> dict[str, bool]:
     criterion = components.component("criterion", campaign.criterion.component)
     if criterion.of == "obstacles":
         closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
-        shown["closest approach"] = all(c["at"] == "inside" for c in closest)
+        shown["closest approach"] = all(c["at"] == "inside" for c in closest) and _over(run, encounter.get("beyond"))
     if criterion.measured_to == "centre" and not campaign.criterion.from_centre:
         inside = extents.within(campaign, components, parameters(campaign, components))
         shown |= {"distances": False} if inside else {}
+    turning, step = rates.turning(campaign, components, parameters(campaign, components)), campaign.given_scenario.step
+    shown |= {"sampling": False} if not all(each.rate * step <= limits.TURN for each in turning) else {}
     return shown
+
+
+def _over(run: Run, beyond: Tree | None) -> bool:
+    """Whether no flight comes closer beyond the horizon than any evaluation; earlier versions did not look there."""
+    if beyond is None:
+        return True
+    low = run.lowest - limits.ROUNDING * max(abs(run.lowest), abs(run.threshold))
+    return not beyond["closer"] and (beyond["lowest"] is None or beyond["lowest"]["value"] >= low)
+
+
+def _continued(run: Run) -> int:
+    """The flights that are simulated on: nominal case, findings and sample, under each of their realisations."""
+    findings, each = run.claims["findings"], len(run.campaign.given_scenario.realisations.seeds)
+    own = sum(f["validation"]["realisation"] is not None for f in findings)
+    total = own + each * (1 + len(findings) - own)
+    for k in (k for k, planned in enumerate(run.plan) if planned.kind == "certify"):
+        succeeded, drawn = run.status[run.stage == k] == OK, run.claims["results"][k]["drawn_realisations"]
+        total += int(succeeded[:drawn].sum()) + each * int(succeeded[drawn:].sum())
+    return total
 
 
 def _agreement(run: Run) -> bool:

@@ -3,6 +3,8 @@
 A test compares the two, name by name.
 """
 
+import math
+
 LEAST = {"global": 25, "local": 3}
 """By the kind of methods that can agree: the fewest evaluations per parameter that count as a search."""
 METHODS = 2
@@ -14,4 +16,5 @@ EXCLUDED, CEILING = 0.1, 0.05
 SAME_COST = 0.01
 SPOT_CHECKS, VIOLATIONS = 200, 200
 SAMPLE = 59
+TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 20

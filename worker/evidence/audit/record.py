@@ -18,6 +18,7 @@ from campaigns.asked.load import load_document
 from campaigns.checked.snapshot import digest_of
 from campaigns.claims.earlier import throughout
 from campaigns.documents import JsonObject
+from campaigns.refusals import Refusal, RefusalCode
 from campaigns.results import earlier
 from campaigns.results.base import FLAKY, OK
 from campaigns.runs import run_name
@@ -26,7 +27,7 @@ from campaigns.unreadable import UNREADABLE
 MISSING: Any = "not stored by the version that made this run"
 
 
-class UnreadableError(Exception):
+class UnreadableError(Refusal):
     """There is no such run, or it cannot be audited; the message states why."""
 
 
@@ -93,9 +94,11 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
         return [dict(row) for row in connection.execute(found.order_by(*map(sa.column, order.split()))).mappings()]
 
     run = next(iter(rows("runs", "id", id=run_id)), None)
-    if run is None or run.get("purged") or not run["verdict"]:
-        why = "there is no such run in this database" if run is None else f"it is {run['state']} and has no verdict"
-        raise UnreadableError(f"{name} cannot be audited: {'it was purged' if run and run.get('purged') else why}")
+    if run is None:
+        raise UnreadableError(f"{name} cannot be audited: there is no such run in this database", RefusalCode.NO_RUN)
+    if run.get("purged") or not run["verdict"]:
+        why = "it was purged" if run.get("purged") else f"it is {run['state']} and has no verdict"
+        raise UnreadableError(f"{name} cannot be audited: {why}", RefusalCode.NO_VERDICT)
     campaign = load_document(rows("campaigns", "digest", digest=run["campaign_digest"])[0]["document"], name)
     stages = rows("stages", "position", run_id=run_id)
     claims = run["summary"] | {"run": run, "verdict": run["verdict"], "reason": run["reason"], "stages": stages}

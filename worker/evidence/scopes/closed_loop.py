@@ -8,19 +8,19 @@ from campaigns.claims.terms import Condition, Scope, Words
 from campaigns.codes import CheckCode
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.system import ClosedLoop
-from worker.evidence.scopes import distances
+from worker.evidence.scopes import distances, rates
 from worker.evidence.scopes.base import Terms
 
 
 def terms(system: ClosedLoop) -> Terms:
     """The terms of a closed loop; only criteria on obstacles have a closest approach."""
     near: tuple[Condition, ...] = ("closest approach",) if system.parts.criterion.of == "obstacles" else ()
-    overlooked = distances.overlooked(system)
+    reasons = {CheckCode.SAMPLING: rates.unfollowed(system), CheckCode.DISTANCES: distances.overlooked(system)}
     return Terms(
         _scope(system),
         _words(system.reference),
         shows=(*near, "motion", "avoidance"),
-        bars=((CheckCode.DISTANCES, overlooked),) if overlooked else (),
+        bars=tuple((code, reason) for code, reason in reasons.items() if reason),
     )
 
 

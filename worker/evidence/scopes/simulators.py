@@ -59,10 +59,10 @@ def _scope(system: Any) -> Scope:
     if not isinstance(system, Simulated):
         return Scope(say(f"simulator {type(system).__name__}"), (), f"simulator digest {system.digest[:12]}")
     title, name, version = system.entry.title, system.entry.name, f"digest {system.digest[:12]}"
-    if isinstance(system, InProcess) and system.identity is not None and system.identity.unknown:
-        version = f"no digest, its code is not identified: {system.identity.unknown}"
-        return Scope(say(f"{title}, Python function {name}"), (), version)
     if isinstance(system, (InProcess, Isolated)):
+        if system.unread:
+            version = f"no digest, its code is not identified: {system.unread}"
+            return Scope(say(f"{title}, Python function {name}"), (), version)
         return Scope(say(f"{title}, Python function {name}"), (), f"function {version}")
     what, settings, version = f"{title}, simulator {name}", "", f"simulator {version}"
     if isinstance(system, CommandSimulator) and system.given:
@@ -92,15 +92,18 @@ def _words(system: Any) -> Words:
     )
 
 
+UNCHECKED = "Whether an encounter takes place was not checked."
+
+
 def _caveat(system: Any) -> str:
     if not isinstance(system, Simulated):
         return ""
-    unchecked = "Whether an encounter takes place was not checked."
+    unread = _unread(system) if isinstance(system, (InProcess, Isolated)) else ""
     if isinstance(system, InProcess):
         again = "Cases were evaluated again by the same function in the same process only."
-        return f"{again} {unchecked}{_covered(system)}"
+        return f"{again} {UNCHECKED}{_covered(system) or unread}"
     halved = "" if system.step is None else ", also at half its step"
-    again = f"Cases were evaluated again by the same simulator only{halved}. {unchecked}"
+    again = f"Cases were evaluated again by the same simulator only{halved}. {UNCHECKED}{unread}"
     if isinstance(system, FmuSimulator):
         return f"{again} Its variables are read every {system.described.step:g} s, and not in between."
     return again
@@ -108,8 +111,12 @@ def _caveat(system: Any) -> str:
 
 def _covered(function: InProcess) -> str:
     """What the digest of a function covers, if it is not that of its files."""
-    if function.identity is None:
+    if function.from_files or function.unread:
         return ""
-    if unknown := function.identity.unknown:
-        return f" The code of the function is not identified, because {unknown} cannot be read exactly."
     return " The digest covers the function and what it uses, installed packages by version only."
+
+
+def _unread(function: InProcess | Isolated) -> str:
+    if not function.unread:
+        return ""
+    return f" The code of the function is not identified, because {function.unread} cannot be read exactly."

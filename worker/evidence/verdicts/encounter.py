@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from campaigns import rules
-from campaigns.claims.say import capital, case, listed, number, say, symbol
+from campaigns.claims.say import capital, case, count, listed, number, say, symbol
 from campaigns.claims.spans import Spans, Text
 from campaigns.codes import CheckCode
 from campaigns.results.finding import ClosestApproach
+from campaigns.results.validate import Beyond
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
@@ -65,19 +66,44 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
     closest = {"nominal": evidence.encounter.closest}
     closest |= {f.label: f.closest or ClosestApproach() for f in evidence.findings}
     late, early, none = ([case(name) for name, c in closest.items() if c.at == at] for at in ("end", "start", "none"))
+    longer = say("; lengthen the horizon of ", number(problem.campaign.given_scenario.horizon, "s", "horizon"))
+    beyond = evidence.encounter.beyond
     if none:
         return False, say("no closest approach is known for ", listed(none))
+    if beyond is not None and beyond.closer:
+        return False, say(_closer(problem, beyond), longer)
     if late:
         return False, say(
-            *("the closest approach of ", listed(late), " is at the end of the horizon, before the encounter is "),
-            *("over; lengthen the horizon of ", number(problem.campaign.given_scenario.horizon, "s", "horizon")),
+            *("the closest approach of ", listed(late), " is at the end of the horizon, before the encounter is over"),
+            longer,
         )
     if early:
         return False, say(
             *("the closest approach of ", listed(early), " is at the start, before anything could be avoided; start "),
             "farther away, or move the goal to the other side of the obstacle",
         )
-    return True, say("the closest approach of ", listed([*map(case, closest)]), " is inside the horizon")
+    statement = say("the closest approach of ", listed([*map(case, closest)]), " is inside the horizon")
+    if beyond is None:
+        return True, statement
+    return True, say(statement, ", and none of ", count(beyond.flights), " flights comes closer beyond it")
+
+
+def _closer(problem: Problem, beyond: Beyond) -> Spans:
+    """How many flights come closer beyond the horizon, and where that of the lowest one is at the last sample."""
+    come = "comes" if beyond.closer == 1 else "come"
+    many = say(count(beyond.closer), " of ", count(beyond.flights), f" flights {come} closer beyond the horizon")
+    later = beyond.lowest
+    if later is None:
+        return many
+    name = case(later.name) if later.name == "nominal" or later.name.startswith("F") else later.name
+    moves = ", closing at " if later.closing > 0 else ", moving away at "
+    return say(
+        *(many, " than any evaluation: ", name, " is ", number(later.distance, "m", "distance", 4)),
+        *(f" from obstacle {later.obstacle + 1} at the last sample", moves),
+        *(number(abs(later.closing), "m/s", "closing", 4), ", and ", symbol(problem.quantity)),
+        *(" falls to " if later.simulated else " would fall to ", number(later.value, problem.unit, "later", 4)),
+        *(" after another ", number(later.time, "s", "after", 4)),
+    )
 
 
 def _motion(problem: Problem, evidence: Evidence) -> Condition | None:

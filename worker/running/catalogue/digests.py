@@ -1,11 +1,13 @@
 """The digests of the simulators' files as a catalogue publishes them: which runs measured what is installed now.
 
-They are those that a run stores when it opens the simulator. A package that opens its simulator itself has none here.
+They are those that a run stores when it opens the simulator. A package that opens its simulator itself has none here,
+nor has a function whose code cannot be read exactly: nothing rules out that it has changed.
 """
 
 from __future__ import annotations
 
 from campaigns.catalogue import Catalogue
+from worker.engine.systems.simulators.declared.reached import UNREAD
 from worker.engine.systems.simulators.declared.simulator import Program, Simulator
 from worker.running.catalogue.files import PythonFunction, digest_of
 from worker.running.catalogue.installed import simulators
@@ -23,7 +25,8 @@ def _digest(simulator: Simulator | Program | PythonFunction) -> str:
         if isinstance(simulator, Program):
             return simulator.described.digest
         if isinstance(simulator, PythonFunction) and simulator.place:
-            return digest_of(simulator.place)
+            digest = digest_of(simulator.place)
+            return "" if digest.startswith(UNREAD) else digest
     except OSError:  # a file that cannot be read is reported by the run that opens it
         return ""
     return ""

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel, TypeAdapter
 
-from campaigns.catalogue import ComponentEntry, MethodEntry, ParameterEntry, ReachEntry
+from campaigns.catalogue import ComponentEntry, MethodEntry, ParameterEntry, RateEntry, ReachEntry
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 from worker.engine.kernels.component import (
     Avoider,
@@ -19,6 +19,7 @@ from worker.engine.kernels.component import (
     Criterion,
     Declared,
     Obstacle,
+    Rate,
     Vehicle,
     declared,
 )
@@ -41,6 +42,7 @@ def component_entry(component: Component, module: ModuleType) -> ComponentEntry:
         "demands": list(component.command) if isinstance(component, Controller) else [],
         "inputs": [s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
         "reach": _reach(component),
+        "rate": _rate(component),
         "look": _look(component),
         "text": inspect.getdoc(module) or "",
     }
@@ -63,6 +65,18 @@ def _reach(component: Component) -> ReachEntry | None:
     if not isinstance(component, Obstacle) or component.reach is None:
         return None
     return ReachEntry(of=list(component.reach.of), times=component.reach.times)
+
+
+def _rate(component: Component) -> RateEntry | None:
+    """Of one with states 0: they are integrated, and their integration is checked."""
+    if not isinstance(component, Obstacle) or not component.moving:
+        return None
+    rate = Rate(times=0.0) if component.states and component.rate is None else component.rate
+    return None if rate is None else RateEntry.model_validate({k: _plain(v) for k, v in asdict(rate).items()})
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _look(component: Component) -> ObstacleLook | VehicleLook | None:

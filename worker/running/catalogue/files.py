@@ -16,8 +16,8 @@ from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.documents import JsonObject
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.described import Described
-from worker.engine.systems.simulators.declared.descriptor import folders, listed, unusable
-from worker.engine.systems.simulators.declared.folder import digest_of_place
+from worker.engine.systems.simulators.declared.descriptor import listed, unusable
+from worker.engine.systems.simulators.declared.folder import digest_of_place, folders
 from worker.engine.systems.simulators.declared.function import (
     DESCRIBING,
     Declaration,

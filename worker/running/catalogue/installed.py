@@ -47,7 +47,7 @@ def components() -> dict[tuple[Role, str], Component]:
 
 def installed() -> Installed:
     """The installed components as a closed loop needs them."""
-    return Installed(components(), catalogue(), own_modules)
+    return Installed(components(), catalogue())
 
 
 def skipped() -> list[UnusableEntry]:

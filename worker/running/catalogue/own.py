@@ -31,6 +31,8 @@ PACKAGE = "worker.engine.components.own"
 PROCESS = "worker.running.examination"
 LONGEST = 60.0
 """Time for examining a file [s]."""
+PHASES = 3
+"""Parts of it that may each take as much of that time: starting, importing the file, simulating it."""
 TIMEOUT = "CLEARANCE_EXAMINATION_TIMEOUT"
 AGAIN = 600.0
 """A file whose examination took too long is examined again after this time [s]: the machine may have been busy."""
@@ -159,13 +161,14 @@ def _examined(file: Path, vehicles: dict[str, str]) -> dict[str, Any]:
     longest = float(os.environ.get(TIMEOUT) or LONGEST)
     mark = f"examined {secrets.token_hex(8)} "  # what the file prints is no answer
     try:
-        answer: dict[str, Any] = answer_of(PROCESS, [str(file), json.dumps(vehicles), mark], mark, environment, longest)
-        return answer
+        given = [str(file), json.dumps(vehicles), mark, f"{longest / PHASES:g}"]
+        answer: dict[str, Any] = answer_of(PROCESS, given, mark, environment, longest)
+        return answer if not answer.pop("overdue") else {**answer, "until": time.time() + AGAIN}
     except NoAnswer as error:
         if not error.started:
             return {"text": f"it could not be examined: {error}", "until": time.time()}
-        advice = "what runs endlessly when the file is imported" if error.overdue else "what ends it"
-        text = f"examining it {'took ' if error.overdue else ''}{error}: remove {advice}"
+        advice = "look for a loop that does not end" if error.overdue else "remove what ends it"
+        text = f"examining it {'took ' if error.overdue else ''}{error}: {advice}"
         return {"text": text, "until": time.time() + AGAIN}
 
 

@@ -48,6 +48,8 @@ def declared_by(source: Source, module: str) -> Component:
     """The component that a file declares, imported as this module; raises `Mistake`."""
     try:
         loaded = importlib.import_module(module)
+    except Mistake:
+        raise
     except (Exception, SystemExit) as error:
         found = mistake(error, source.file, "the file is imported")
         named = re.match(r"\w+ has no field '(\w+)'", found.text)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from worker.running.examination import reading
+from worker.running.examination.limited import Overdue, limited
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.naming import NAME
 
@@ -26,23 +27,26 @@ class Examined:
     """False for a controller of a vehicle that cannot be used: nothing could be simulated with it."""
     text: str = ""
     line: int = 0
+    overdue: bool = False
+    """Whether it took too long, which may pass."""
 
     def document(self) -> dict[str, Any]:
         return asdict(self)
 
 
-def examine(file: Path, vehicles: Mapping[str, str]) -> Examined:
+def examine(file: Path, vehicles: Mapping[str, str], limit: float = 0.0) -> Examined:
     """Examine a file of the operator's folders; the process may then be unfit for other work.
 
-    vehicles: the modules of the operator's own vehicles, by name.
+    vehicles: the modules of the operator's own vehicles, by name. limit: time for importing it, and for simulating
+    it [s]; 0 for none.
     """
     try:
-        return _examined(file, vehicles)
+        return _examined(file, vehicles, limit)
     except Mistake as mistake:
-        return Examined(text=mistake.text, line=mistake.line)
+        return Examined(text=mistake.text, line=mistake.line, overdue=isinstance(mistake, Overdue))
 
 
-def _examined(file: Path, vehicles: Mapping[str, str]) -> Examined:
+def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined:
     if not NAME.fullmatch(file.stem):
         raise Mistake(
             f"the file is called {file.name}, expected small letters, digits and _ such as my_robot.py: rename it"
@@ -51,6 +55,7 @@ def _examined(file: Path, vehicles: Mapping[str, str]) -> Examined:
     reading.check(source)
     # What follows loads the compiler, which takes a second.
     from worker.engine.kernels.component import Component
+    from worker.running.examination import purity
     from worker.running.examination.compiling import compile_each
     from worker.running.examination.declaring import declared_by
     from worker.running.examination.flying import flown
@@ -63,7 +68,10 @@ def _examined(file: Path, vehicles: Mapping[str, str]) -> Examined:
         return found
 
     module = f"{PACKAGE}.{file.stem}"
-    component = declared_by(source, module)
-    calls = flown(component, source, own)
+    with limited(limit, file, "the file is imported"):
+        component = declared_by(source, module)
+    purity.check(source, module)
+    with limited(limit, file, "it is simulated with the nominal values"):
+        calls = flown(component, source, own)
     compile_each(source, module, calls)
     return Examined(component.role, component.name, component.title, bool(calls))

@@ -1,9 +1,13 @@
-"""Simulates a component for a moment in plain Python and checks what each of its kernels returns."""
+"""Simulates a component in plain Python and checks what each of its kernels returns.
+
+First for a moment, twice, which must give the same results; then for long enough that it moves, meets something, turns.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from types import CodeType, FrameType, FunctionType
 from typing import Any
 
@@ -23,6 +27,8 @@ from worker.running.examination.shapes import wrong
 
 STEP, STEPS = 0.01, 12
 """Step [s] and number of steps."""
+LONG = 3000
+"""Steps of the simulation that shows what goes wrong after some seconds."""
 
 Calls = dict[CodeType, list[tuple[Any, ...]]]
 """The arguments of the first call of each kernel in each scene, by its code."""
@@ -47,13 +53,22 @@ def _fly(component: Component, parts: Parts, source: Source, calls: Calls) -> No
         values = np.array([nominal(parts, loop.sections)])
         done: dict[int, Any] = {}
         fly = rebuilt(loop.filled_template(), done, watch.watched)
-        costs, status, when = np.empty((1, len(parts.criteria))), np.empty(1), np.empty(1)
-        trace = np.full((1, STEPS + 1, loop.n_state + loop.n_held), np.nan)
-        fly(values, STEP, STEPS, 4 if parts.sampled else STEPS + 1, costs, status, when, trace)
+
+        def simulated(steps: int) -> Any:
+            costs, status, when = np.empty((1, len(parts.criteria))), np.empty(1), np.empty(1)
+            trace = np.full((1, steps + 1, loop.n_state + loop.n_held), np.nan)
+            fly(values, STEP, steps, 4 if parts.sampled else steps + 1, costs, status, when, trace)
+            return trace
+
+        with watch.repeated():
+            trace = simulated(STEPS)
+        with watch.repeated():
+            simulated(STEPS)
         observed = rebuilt(loop.kernel("observation"), done, watch.watched)
         state, guidance = trace[0, 0, : loop.n_state], trace[0, 0, loop.n_state :]
         extend = rebuilt(loop.kernel("extend"), done, watch.watched)
         observed(0.0, tuple(map(float, state)), tuple(map(float, guidance)), extend(tuple(map(float, values[0]))))
+        simulated(LONG)
     except Mistake:
         raise
     except UnnamedError as error:
@@ -87,6 +102,27 @@ class Watch:
         self.slots: dict[CodeType, Slot] = {
             _code(slot.function): slot for slot in kernels(component, driven) if not slot.plain
         }
+        self._first: list[tuple[CodeType, str]] = []
+        self._again: Iterator[tuple[CodeType, str]] | None = None
+        self._counted = False
+
+    @contextlib.contextmanager
+    def repeated(self) -> Iterator[None]:
+        """Two blocks in which every call must give the same result; raises `Mistake` in the second one."""
+        self._counted = True
+        yield
+        self._counted, self._again = False, iter(self._first)
+
+    def _compare(self, function: FunctionType, arguments: tuple[Any, ...], result: Any) -> None:
+        found = function.__code__, repr((arguments, result))
+        if self._again is None:
+            self._first.append(found)
+        elif next(self._again, None) != found:
+            raise Mistake(
+                f"{function.__name__} gives another result when the same case is simulated again: a component may keep "
+                "nothing but its state and memory, and nothing in it may be random",
+                _line_of_return(function, arguments),
+            )
 
     def watched(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """The function, checked if it is in the component's file."""
@@ -103,6 +139,8 @@ class Watch:
             found = "" if slot is None or slot.shape is None else wrong(result, slot.shape)
             if found:
                 raise Mistake(_sentence(function, slot, found, arguments), _line_of_return(function, arguments))
+            if self._counted:
+                self._compare(function, arguments, result)
             return result
 
         return called

@@ -199,8 +199,8 @@ def check_names(source: Source) -> None:
         if not isinstance(function, Function | ast.AsyncFunctionDef):
             continue
         scope = source.scope(function)
-        unknown = _globals(scope) - known
-        for node in _loads(function):
+        unknown = globals_of(scope) - known
+        for node in loads(function):
             if node.id in unknown:
                 close = meant(node.id, sorted((source.names | set(scope.get_identifiers())) - unknown))
                 advice = close if close.startswith("did") else "define or import it"
@@ -213,7 +213,7 @@ def _within(scope: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]:
         yield from _within(inner)
 
 
-def _globals(scope: symtable.SymbolTable) -> set[str]:
+def globals_of(scope: symtable.SymbolTable) -> set[str]:
     """The names that a function, or one in it, reads and that are bound in neither."""
     read = [s for each in (scope, *_within(scope)) for s in each.get_symbols() if s.is_referenced()]
     return {s.get_name() for s in read if s.is_global()}
@@ -226,7 +226,7 @@ def _outside_functions(node: ast.AST) -> Iterator[ast.AST]:
             yield from _outside_functions(inner)
 
 
-def _loads(node: ast.AST) -> Iterator[ast.Name]:
+def loads(node: ast.AST) -> Iterator[ast.Name]:
     """The names that the body of a function reads, without annotations, which are not executed."""
     for field, value in ast.iter_fields(node):
         if field in ("annotation", "returns", "decorator_list") or (field == "args" and isinstance(node, Scope)):
@@ -235,7 +235,7 @@ def _loads(node: ast.AST) -> Iterator[ast.Name]:
             if isinstance(inner, ast.Name) and isinstance(inner.ctx, ast.Load):
                 yield inner
             elif isinstance(inner, ast.AST):
-                yield from _loads(inner)
+                yield from loads(inner)
 
 
 def _check_kernel(kernel: Function, source: Source) -> None:
@@ -245,6 +245,12 @@ def _check_kernel(kernel: Function, source: Source) -> None:
                 raise Mistake(f"{kernel.name} contains {_FORBIDDEN[type(node)]}", getattr(node, "lineno", 0))
     if kernel.args.vararg or kernel.args.kwarg or kernel.args.kwonlyargs:
         raise Mistake(f"{kernel.name} takes * arguments, and a kernel is called by position: name each", kernel.lineno)
+    for default in kernel.args.defaults:
+        if what := _mutable(default):
+            raise Mistake(
+                f"{kernel.name} has {what} as a default value, which keeps what a call writes for the next: remove it",
+                default.lineno,
+            )
     if not _returns(kernel.body):
         raise Mistake(
             f"{kernel.name} can end without `return`, and a kernel returns a value in every branch: add it",
@@ -309,8 +315,8 @@ def _counted(length: int) -> str:
 
 def _check_globals(kernel: Function, source: Source) -> None:
     """Kernels read constants only: the compiled form keeps the value that a name had."""
-    read = _globals(source.scope(kernel)) & source.names
-    for node in _loads(kernel):
+    read = globals_of(source.scope(kernel)) & source.names
+    for node in loads(kernel):
         if node.id not in read:
             continue
         bound = [n for n in _outside_functions(source.tree) if _binds(n, node.id)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,9 @@ from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.described import BadDescriptor
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.fmu import DescribedFmu
+from worker.engine.systems.simulators.declared.folder import reached_from
 from worker.engine.systems.simulators.declared.function import declared_in, loaded
+from worker.engine.systems.simulators.declared.reached import Reached
 from worker.engine.systems.simulators.declared.simulator import Opening, Program
 from worker.engine.systems.simulators.declared.simulator import Simulator as Declared
 from worker.engine.systems.simulators.fmus import simulator as fmus
@@ -89,14 +92,16 @@ def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
         except BadFile as error:
             raise CampaignUnusable([Wrong("simulator.name", name, f"it cannot be used any more: {error}")]) from None
         if [f.entry for f in found] != [simulator.entry]:
-            text = "its file has other parameters or results than when this process started: restart the worker"
+            text = "its file has other parameters or results than when this process started: start the run again"
             raise CampaignUnusable([Wrong("simulator.name", name, text)])
         simulator = found[0]
     settings = simulator.declaration.settings
     traced = {"columns": simulator.declaration.trace, "scene": simulator.declaration.drawn}
     digest = digest_of(simulator.place) if simulator.place else ""
+    imports = reached_from(simulator.place) if simulator.place else Reached()
+    unread = imports.unknown
     if settings.isolated:
-        return Isolated(simulator.place, simulator.entry, opening, settings, digest, **traced)
+        return Isolated(simulator.place, simulator.entry, opening, settings, digest, unread=unread, **traced)
     call = simulator.call
     if call is None:
         try:
@@ -104,7 +109,20 @@ def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
         except (Exception, SystemExit) as error:
             text = f"its file cannot be imported: {type(error).__name__}: {error}"
             raise CampaignUnusable([Wrong("simulator.name", name, text)]) from None
-    return InProcess(call, simulator.entry, opening, settings, digest, **traced)
+        if other := _loaded_from_elsewhere(imports.files):
+            raise CampaignUnusable([Wrong("simulator.name", name, other)])
+    return InProcess(call, simulator.entry, opening, settings, digest, unread=unread, **traced)
+
+
+def _loaded_from_elsewhere(files: Mapping[str, Path]) -> str:
+    """A sentence on the first module that this process has loaded from another file than these; empty if none."""
+    for name, path in files.items():
+        file = getattr(sys.modules.get(name), "__file__", None)
+        if file is not None and Path(file).resolve() != path.resolve():
+            return (
+                f"it imports {name} of {path}, but this process has loaded {file}: rename one, or declare isolated=True"
+            )
+    return ""
 
 
 def _program(simulator: Program, opening: Opening) -> CommandSimulator:
@@ -116,7 +134,7 @@ def _program(simulator: Program, opening: Opening) -> CommandSimulator:
         described = read(described.folder)
         if described.entry != simulator.entry:
             changed = (
-                "its descriptor has other parameters or results than when this process started: restart the worker"
+                "its descriptor has other parameters or results than when this process started: start the run again"
             )
     except BadDescriptor as error:
         changed = f"its descriptor cannot be used any more: {error}"

@@ -2,7 +2,7 @@
 
 Request  {"id", "campaign", "simulator", "parameters": {path: value}, "rows"}; missing parameters are nominal;
          `simulator` is the version that the run needs, which this machine must have.
-Response {"id", "status", "reason", "cost", "margin", "seconds", "digest", "untraced", "columns", "data", "meta"}
+Response {"id", "status", "reason", "cost", "margin", "seconds", "untraced", "columns", "data", "meta", "identity"}
          or {"id", "error": sentence}.
 Request  {"id", "kind": "installed", "campaign", "simulator"}
 Response {"id", "missing": sentence}, empty if this machine has the simulator.
@@ -49,6 +49,7 @@ from worker.running.catalogue import installed
 from worker.running.opening import opened
 from worker.running.processes import answering, memory
 from worker.running.processes.answering import finite, plain, within
+from worker.running.runs import provenance
 
 heap.loaded()
 
@@ -69,6 +70,8 @@ class Opened:
 
     system: System
     threshold: float
+    identity: object
+    """Of the code that evaluates, as JSON."""
     evaluated: bool = False
 
 
@@ -149,7 +152,8 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
     inner = system.inner if isinstance(system, Called) else system
     if isinstance(inner, Pooled):
         inner.most_slots, inner.most_seconds = 1, LONGEST
-    systems[campaign.digest] = Opened(system, campaign.criterion.threshold)
+    code = provenance.identified(campaign, simulator=system.digest)
+    systems[campaign.digest] = Opened(system, campaign.criterion.threshold, code)
     return systems[campaign.digest]
 
 
@@ -189,11 +193,11 @@ def _evaluated(case: Opened, values: Mapping[str, float], rows: int) -> CaseRepl
         "cost": head.cost,
         "margin": None if head.cost is None else head.cost - case.threshold,
         "seconds": seconds,
-        "digest": case.system.digest,
         "untraced": found.untraced,
         "columns": [column.model_dump() for column in columns],
         "data": {} if data is None else {column.name: plain(data[keep, k]) for k, column in enumerate(columns)},
         "meta": finite(head.model_dump()),
+        "identity": case.identity,
     }
 
 

@@ -61,7 +61,7 @@ def main() -> None:
         published = with_digests(document).model_copy(
             update={"own": sources.own(sources.own_modules()), "code": identity.code_parts()}
         )
-        write(engine, lambda connection: workers.publish(connection, published, code), PATIENCE)
+        write(engine, lambda connection: workers.publish(connection, published, code, setup["worker"]), PATIENCE)
     here = {"simulators": [s.version for s in document.simulators], "installation": sources.LOADED.digest}
     send(answers, {"ready": True, "fresh": fresh, **here})
     serve(engine, execute, document, requests, answers)

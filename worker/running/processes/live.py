@@ -2,10 +2,12 @@
 
 Request  {"id", "campaign", "parameters": {path: value}, "rows"}; missing parameters are nominal.
          "seed" selects one noise realisation instead of the campaign's.
-Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"} or {"id", "error": sentence}.
+Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta", "identity"} or
+         {"id", "error": sentence}.
 Request  {"id", "kind": "field", "campaign", "parameters", "time", "places": [[x, y], ...]}, as in
 `worker.engine.systems.closed_loop.field`.
-Response {"id", "time", "place", "velocity", "kind", "memory", "unit", "own", "demand": [[x, y, z] or null, ...]}.
+Response {"id", "time", "place", "velocity", "kind", "memory", "unit", "own", "demand": [[x, y, z] or null, ...],
+         "identity"}.
 Response {"stale": true}: nothing was simulated because the code has changed; the process ends and must be restarted.
 Run as `python -m worker.running.processes.live`; it ends when its input is closed.
 """
@@ -24,7 +26,7 @@ from campaigns import heap  # next: loading is not interrupted
 import sys
 from collections import OrderedDict
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,6 +39,7 @@ from worker.engine.systems.closed_loop.trace import simulate, trace
 from worker.running.opening import opened
 from worker.running.processes import answering, memory
 from worker.running.processes.answering import finite, plain, within
+from worker.running.runs import provenance
 
 heap.loaded()
 
@@ -45,7 +48,15 @@ PROBLEMS = 16
 
 ROWS = 400
 
-Problems = OrderedDict[str, Flights]
+
+class Opened(NamedTuple):
+    """The flights of a campaign, and the identity of the code that simulates them, as JSON."""
+
+    flights: Flights
+    identity: object
+
+
+Problems = OrderedDict[str, Opened]
 """By the digest of the campaign."""
 
 
@@ -68,23 +79,27 @@ def answer(line: str | bytes, problems: Problems) -> Mapping[str, object]:
 
 
 def _response(request: Mapping[str, Any], problems: Problems) -> FieldReply | FlightReply:
-    flights = _realised(_flights(request["campaign"], problems), request)
+    known = _opened(request["campaign"], problems)
+    flights = _realised(known.flights, request)
     values = {path: _value(flights, path, value) for path, value in request.get("parameters", {}).items()}
     kind = request.get("kind", "flight")
     if kind == "field":
-        return _field(flights, values, request["time"], request["places"])
+        return _field(flights, values, request["time"], request["places"], known.identity)
     if kind != "flight":
         raise ValueError(f"kind must be 'flight' or 'field', given {kind!r}")
-    return _flight(flights, values, request.get("rows", ROWS))
+    return _flight(flights, values, request.get("rows", ROWS), known.identity)
 
 
-def _flights(document: Any, problems: Problems) -> Flights:
+def _opened(document: Any, problems: Problems) -> Opened:
     campaign = load_document(document, "the campaign of a live simulation")
-    flights = problems.pop(campaign.digest, None) or opened.flights(campaign)
-    problems[campaign.digest] = flights
+    known = problems.pop(campaign.digest, None)
+    if known is None:
+        flights = opened.flights(campaign)
+        known = Opened(flights, provenance.identified(campaign, loop=flights.loop.digest))
+    problems[campaign.digest] = known
     if len(problems) > PROBLEMS:
         problems.popitem(last=False)
-    return flights
+    return known
 
 
 def _realised(flights: Flights, request: Mapping[str, object]) -> Flights:
@@ -95,7 +110,7 @@ def _realised(flights: Flights, request: Mapping[str, object]) -> Flights:
     return flights.under(seed)
 
 
-def _flight(flights: Flights, values: dict[str, float], rows: int) -> FlightReply:
+def _flight(flights: Flights, values: dict[str, float], rows: int, identity: object) -> FlightReply:
     simulated = trace(flights, "live", values, rows)
     head = simulated.meta
     return {
@@ -106,10 +121,11 @@ def _flight(flights: Flights, values: dict[str, float], rows: int) -> FlightRepl
         "columns": [column.model_dump() for column in simulated.columns],
         "data": {column.name: plain(simulated.data[:, k]) for k, column in enumerate(simulated.columns)},
         "meta": finite(head.model_dump()),
+        "identity": identity,
     }
 
 
-def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -> FieldReply:
+def _field(flights: Flights, values: dict[str, float], time: Any, places: Any, identity: object) -> FieldReply:
     if isinstance(time, bool) or not isinstance(time, int | float) or not np.isfinite(time):
         raise TypeError(f"time must be a number of seconds, given {time!r}")
     wanted = np.asarray(places, dtype=np.float64)
@@ -125,6 +141,7 @@ def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -
         "unit": UNITS[found.kind],
         "own": found.own.tolist() if np.isfinite(found.own).all() else None,
         "demand": [row.tolist() if np.isfinite(row).all() else None for row in found.demand],
+        "identity": identity,
     }
 
 

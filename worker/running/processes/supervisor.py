@@ -20,6 +20,7 @@ from backend.db.engine import connect, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
 from worker.running.processes.children import Child, ChildEndedError
 from worker.running.processes.lifeline import Wakeup
+from worker.running.processes.watching import Watch
 
 log = logging.getLogger("clearance.worker")
 
@@ -67,8 +68,10 @@ class Supervisor:
         self.queue = Queue(self.engine, lease)
         self.child: Child | None = None
         self._wakeup = Wakeup()
+        setup = {"database": url, "runner": runner, "worker": name}
+        self._files = Watch(lambda: Child(setup, self._wakeup))
         self.simulators: list[str] = []
-        """The simulators of the child."""
+        """The simulators that were published last."""
         self.installation = ""
         """Digest of the code that the child has loaded."""
         self._next_beat = 0.0
@@ -116,6 +119,9 @@ class Supervisor:
                 if self._cancel_requested(claim):
                     self._drop_child()
                     return Ending("cancelled")
+                published = self._files.look()
+                if published is not None:
+                    self.simulators = published["simulators"]
         except ChildEndedError as ended:
             self.child = None
             return Ending("died", f"the worker process {ended}")
@@ -129,7 +135,7 @@ class Supervisor:
                 return False
             self._next_beat = time.monotonic() + self.queue.lease / 5
             cancelling = self.queue.beat(claim)
-            self._notify(workers.beat, claim.run_id, self.simulators, self.installation)
+            self._notify(workers.beat, claim.run_id, self.simulators, self.installation, self._files.age)
             return cancelling
         except sa.exc.OperationalError as error:
             log.warning("run %d: heartbeat failed, the database did not respond: %s", claim.run_id, error.orig)
@@ -175,10 +181,11 @@ class Supervisor:
 
     def _ready_child(self) -> Child | None:
         """The child, (re)started if there is none or the code has changed; None if it did not start (to be retried)."""
-        if self.child is not None and self.child.alive() and self._is_fresh(self.child):
-            return self.child
+        child, files = self.child, self._files
+        if child and child.alive() and not files.superseded and (not files.due or self._is_fresh(child)):
+            return child
         self._drop_child()
-        child = self.child = Child({"database": self.url, "runner": self.runner}, self._wakeup)
+        child = self.child = self._files.child()
         deadline = time.monotonic() + START
         try:
             while self._wakeup.signal is None and time.monotonic() < deadline:
@@ -203,20 +210,23 @@ class Supervisor:
 
     def _is_fresh(self, child: Child) -> bool:
         """Whether the child's code still equals the files; the child checks this, since it recorded what it loaded."""
-        deadline = time.monotonic() + ANSWER
+        began = time.monotonic()
+        deadline = began + ANSWER
         try:
             child.send({"fresh": True})
             while self._wakeup.signal is None and time.monotonic() < deadline:
                 answer = child.receive(WATCH)
                 if answer is not None:
+                    self._files.compared(began, answer["fresh"])
                     if not answer["fresh"]:
-                        log.info("the code has changed: restarting the worker process")
+                        log.info("the code or a simulator has changed: restarting the worker process")
                     return bool(answer["fresh"])
         except ChildEndedError as ended:
             log.error("the worker process %s while it was idle; restarting it", ended)
         return self._wakeup.signal is not None
 
     def _drop_child(self) -> None:
+        self._files.end()
         if self.child is not None:
             self.child.kill()
             self.child = None
@@ -224,9 +234,9 @@ class Supervisor:
     def _beat_idle(self) -> None:
         if time.monotonic() >= self._next_beat:
             self._next_beat = time.monotonic() + self.queue.lease / 5
-            self._notify(workers.beat, None, self.simulators, self.installation)
+            self._notify(workers.beat, None, self.simulators, self.installation, self._files.age)
 
-    def _notify(self, what: Callable[..., None], *values: int | list[str] | str | None) -> None:
+    def _notify(self, what: Callable[..., None], *values: float | list[str] | str | None) -> None:
         write(self.engine, lambda connection: what(connection, self.name, *values), 0.0)
 
     def _despite_outage(self, work: Callable[[], None]) -> None:

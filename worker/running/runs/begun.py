@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Mapping
 from typing import Protocol
 
 from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
+from campaigns.identity.identity import differences, identity_of
 from campaigns.stored.records import Begun
-from campaigns.versions import OtherCode, Versions, differences, differing
+from campaigns.versions import OtherCode, differing
 from worker.running.runs import identity
 
 
@@ -41,5 +41,5 @@ def _others(begun: Begun, campaign: Campaign) -> list[str]:
     here = identity.code(campaign)
     if begun.versions.code and not here.digest:
         return ["a component, method or stage of it is not installed here"]
-    now = Versions(code=here.digest, python=platform.python_version(), packages=identity.packages(campaign))
-    return differences(begun.versions, now, differing(begun.modules, here.modules) if begun.modules else [])
+    modules = differing(begun.modules, here.modules) if begun.modules else []
+    return differences(identity_of(begun.versions, ""), identity_of(identity.versions(campaign), ""), modules)

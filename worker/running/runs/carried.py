@@ -8,28 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from campaigns.identity.identity import Identity, identity_of, unsound
 from campaigns.stored.records import Begun, Cited, StageRecord
-from campaigns.versions import Versions, differences
 from worker.engine.stages.parts.store import Store
 from worker.running.runs import identity
 
 
-def carry(store: Store, versions: Versions, records: Sequence[StageRecord]) -> None:
-    """Store the sound evaluations of the run that this one continues; nothing if there are none."""
+def carry(store: Store, here: Identity, simulator: str, records: Sequence[StageRecord]) -> None:
+    """Store the sound evaluations of the run that this one continues; nothing if there are none.
+
+    simulator: the name of the one that both evaluate, or empty.
+    """
     cited = store.cited()
-    if cited is not None and not unsound(cited.begun.versions, versions):
+    if cited is not None and not unsound(identity_of(cited.begun.versions, simulator), here):
         for position in _replayed(cited, records):
             store.append(position, 0, cited.evaluations[position])
-
-
-def unsound(then: Versions, now: Versions) -> list[str]:
-    """Why evaluations of other versions may differ from those of these, as clauses; empty if they cannot."""
-    found = differences(then.model_copy(update={"code": None}), now)
-    if then.model is None:
-        found.append("what evaluated them was not stored")
-    elif then.model != now.model:
-        found.append("the code that evaluates has changed")
-    return found
 
 
 def _replayed(cited: Cited, records: Sequence[StageRecord]) -> list[int]:

@@ -18,10 +18,12 @@ from campaigns.asked.spec import MAX_EVALUATIONS, Search
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
+from campaigns.identity.identity import differences, identity_of, simulator_of
+from campaigns.refusals import Refusal, RefusalCode
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
-from campaigns.versions import Versions, differences, differing, other_code
+from campaigns.versions import Versions, differing, other_code
 from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
@@ -30,7 +32,7 @@ from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
 
-class CannotContinue(ValueError):
+class CannotContinue(Refusal, ValueError):
     """The run cannot be extended; the message states why and what to do."""
 
 
@@ -100,7 +102,9 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
     if [(r.plan.kind, r.plan.method) for r in store.stages] != stages or [
         (p.kind, p.method) for p in plan(old)
     ] != stages:
-        raise CannotContinue("its stages were planned by another version of Clearance; run the campaign again")
+        raise CannotContinue(
+            "its stages were planned by another version of Clearance; run the campaign again", RefusalCode.OTHER_PLAN
+        )
     found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if not declared()[kind].of_findings}
     return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
 
@@ -110,10 +114,11 @@ def refuse_other_code(new: Campaign, then: Versions, modules: dict[str, str] | N
 
     `modules` are the digests of its modules, if stored. Fields that were not stored are not compared.
     """
-    here, code = versions(new, opened.system(new)), identity.code(new)
-    others = differences(then, here, differing(modules, code.modules) if modules else None)
+    here, code, simulator = versions(new, opened.system(new)), identity.code(new), simulator_of(new)
+    apart = differing(modules, code.modules) if modules else []
+    others = differences(identity_of(then, simulator), identity_of(here, simulator), apart)
     if others:
-        raise CannotContinue(other_code("it", others))
+        raise CannotContinue(other_code("it", others), RefusalCode.OTHER_CODE)
 
 
 def preloaded(new: Campaign, evaluations: dict[int, Columns], seed: SampleSeed | None) -> MemoryStore:

@@ -7,6 +7,7 @@ verdicts, the audit and what runs processes are not reached.
 from __future__ import annotations
 
 import hashlib
+import platform
 from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib.metadata import EntryPoint
@@ -15,10 +16,11 @@ from typing import NamedTuple
 
 from campaigns import Campaign
 from campaigns.checked.check import parts
-from campaigns.identity.code import CLOSED_LOOP, SIMULATOR, code_of, component_key
+from campaigns.identity.code import CLOSED_LOOP, SIMULATOR, code_of, component_key, model_of
+from campaigns.identity.identity import PYTHON
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
-from campaigns.versions import Code, CodeParts
+from campaigns.versions import Code, CodeParts, Versions
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.reference import Reference
@@ -73,10 +75,24 @@ def packages(campaign: Campaign) -> dict[str, str]:
     return {name: v for name, v in sources.LOADED.packages.items() if name in reached.packages | guests}
 
 
+def versions(campaign: Campaign) -> Versions:
+    """The code and packages of this installation that a run of the campaign uses, as known without opening its
+    system."""
+    used = [installed.components().get((role, part.component)) for *_, role, part in parts(campaign)]
+    return Versions(
+        code=code(campaign).digest or None,
+        model=model_of(campaign, code_parts()),
+        python=platform.python_version(),
+        packages=packages(campaign),
+        components=sources.own(installed.own_modules(component for component in used if component is not None)),
+    )
+
+
 @cache
 def code_parts() -> CodeParts:
-    """The digests of this installation by part."""
+    """The digests of this installation by part, and the versions of its packages."""
     return CodeParts(
+        packages={PYTHON: platform.python_version()} | sources.LOADED.packages,
         systems={kind: _digest(roots) for kind, roots in _systems().items()},
         stages={kind: _digest(_of_stage(kind)) for kind in stages()},
         methods={name: _digest([installed.source_of(m).__name__]) for name, m in installed.methods().items()},

@@ -13,12 +13,12 @@ from pathlib import Path
 from llvmlite import binding
 
 from campaigns.asked.spec import Campaign
-from campaigns.identity.code import model_of
+from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.versions import Processor, Versions
 from worker.engine.kernels.numba_internals import processor_features
 from worker.engine.stages.parts.store import StageRecord, Store
 from worker.engine.systems.base import System, slotted
-from worker.running.runs import identity, sources
+from worker.running.runs import identity
 from worker.running.runs.added import added
 from worker.running.runs.carried import carry
 
@@ -30,7 +30,8 @@ def begin(store: Store, system: System, campaign: Campaign, records: Sequence[St
     """
     here = versions(campaign, system)
     store.record_versions(here, identity.code(campaign))
-    carry(store, here, records)
+    simulator = simulator_of(campaign)
+    carry(store, identity_of(here, simulator), simulator, records)
     found = added(campaign)
     if found is not None:
         store.record_sources(*found)
@@ -40,23 +41,26 @@ def versions(campaign: Campaign, system: System) -> Versions:
     """The versions of the code and packages that a run of the campaign uses, the processor, the system."""
     settings = system.settings
     called = None if settings.integrator else slotted(system)
-    return Versions(
-        clearance=version("clearance"),
-        python=platform.python_version(),
-        code=identity.code(campaign).digest or None,
-        model=model_of(campaign, identity.code_parts()),
-        packages=identity.packages(campaign),
-        system=f"{platform.system()} {platform.machine()}",
-        cpu=_processor(),
-        lanes=settings.lanes,
-        step=settings.step,
-        integrator=settings.integrator,
-        loop=system.digest if called is None else None,
-        components=sources.own(settings.own),
-        simulator=None if called is None else called.digest,
-        evaluator=(called and called.elsewhere) or None,
-        command=(called and called.given) or None,
-    )
+    system_values = {
+        "clearance": version("clearance"),
+        "system": f"{platform.system()} {platform.machine()}",
+        "cpu": _processor(),
+        "lanes": settings.lanes,
+        "step": settings.step,
+        "integrator": settings.integrator,
+        "loop": system.digest if called is None else None,
+        "simulator": None if called is None else called.digest,
+        "evaluator": (called and called.elsewhere) or None,
+        "command": (called and called.given) or None,
+    }
+    return identity.versions(campaign).model_copy(update=system_values)
+
+
+def identified(campaign: Campaign, loop: str | None = None, simulator: str | None = None) -> object:
+    """The identity of a simulation in this process as JSON, with the digest of its compiled loop or simulator."""
+    machine = {"system": f"{platform.system()} {platform.machine()}", "cpu": _processor()}
+    here = identity.versions(campaign).model_copy(update={**machine, "loop": loop, "simulator": simulator})
+    return identity_of(here, simulator_of(campaign)).model_dump(mode="json")
 
 
 def _processor() -> Processor:

@@ -26,6 +26,7 @@ from worker.evidence.verdicts.evidence import Evidence
 from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
 from worker.running.opening import opened
+from worker.running.runs import repeated
 from worker.running.runs.provenance import begin, versions
 
 __all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
@@ -48,6 +49,7 @@ def execute(
     """
     problem = problem or opened.problem(campaign)
     problem.system.warm()
+    repeated.check(campaign, problem)
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
     begin(store, problem.system, campaign, records)
     evaluate = InProcess(problem, threads)

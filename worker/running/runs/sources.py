@@ -1,7 +1,8 @@
 """The source files of this installation: their content when loaded, and whether they have changed since.
 
 Imported first in every process that simulates: it records the files before they are loaded, so that an edit while they
-load shows. Packages that add components or methods by entry points are covered too.
+load shows. Packages that add components or methods by entry points are covered too, and the operator's simulators,
+whose digests are published.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, v
 from pathlib import Path
 
 from worker.engine.components.own import folders, listed
+from worker.engine.systems.simulators.declared.folder import watched
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "pymoo", "SALib")
 """Third-party packages that can change a number, where a run uses them."""
@@ -42,10 +44,13 @@ class Noted:
     """Of both, byte by byte."""
     paths: tuple[str, ...]
     """Files and folders whose change may make another digest."""
+    simulators: _Stamp
+    """Of the files of the operator's simulators, which may be large: their content is not read here."""
 
 
 def note() -> Noted:
     """Read all files now."""
+    simulators = _stamp(watched())
     files: dict[str, bytes] = {}
     paths: list[str] = []
     added = added_places()
@@ -63,19 +68,24 @@ def note() -> Noted:
     sink = hashlib.sha256(repr(sorted(packages.items())).encode())
     for module in sorted(files):
         sink.update(f"{module}:{hashlib.sha256(files[module]).hexdigest()};".encode())
-    return Noted(files, packages, sink.hexdigest(), (*paths, *sys.path, *map(str, listed())))
+    return Noted(files, packages, sink.hexdigest(), (*paths, *sys.path, *map(str, listed())), simulators)
 
 
 def stale() -> bool:
     """Whether the files or package versions have changed since this process loaded them."""
-    global _same
-    stamp = _stamp(LOADED.paths)  # before the files are read: an edit meanwhile shows the next time
-    if stamp == _same:
-        return False
-    if note().digest != LOADED.digest:
-        return True
-    _same = stamp  # they were touched, or something else appeared next to them
-    return False
+    return present() != (LOADED.digest, LOADED.simulators)
+
+
+def present() -> tuple[str, _Stamp]:
+    """Digest of the files and stamp of those of simulators as they are now; files are read only if they may differ."""
+    global _read
+    simulators = _stamp(watched())
+    paths, stamp, _ = _read
+    if not stamp or _stamp(paths) != stamp:
+        stamp = _stamp(paths)  # before the files are read: an edit meanwhile shows the next time
+        noted = note()
+        _read = noted.paths, stamp if noted.paths == paths else (), noted.digest
+    return _read[2], simulators
 
 
 def own(modules: Iterable[str]) -> dict[str, str]:
@@ -149,12 +159,12 @@ def _version(name: str) -> str:
         return "not installed"
 
 
-def _stamp(paths: tuple[str, ...]) -> _Stamp:
+def _stamp(paths: Iterable[str | Path]) -> _Stamp:
     found = []
     for path in paths:
         with suppress(OSError):
             at = os.stat(path)
-            found.append((path, at.st_mtime_ns, at.st_ctime_ns, at.st_size, at.st_ino))
+            found.append((str(path), at.st_mtime_ns, at.st_ctime_ns, at.st_size, at.st_ino))
     return tuple(found)
 
 
@@ -171,5 +181,6 @@ def _drop_old_bytecode(paths: tuple[str, ...]) -> None:
 LOADED = note()
 """The files as they were before this process loaded them."""
 
-_same: _Stamp | None = None
+_read: tuple[tuple[str, ...], _Stamp, str] = (LOADED.paths, (), "")
+"""What `present` read last: paths, their stamp before they were read (empty: read them again), digest."""
 _drop_old_bytecode(LOADED.paths)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.engine.kernels.component import Obstacle, ObstacleLook, Parameter, Reach
+from worker.engine.kernels.component import Obstacle, ObstacleLook, Parameter, Rate, Reach
 from worker.engine.kernels.maths import TWO_PI, kernel, norm2, sincos
 from worker.engine.kernels.views import Body
 
@@ -43,5 +43,6 @@ component = Obstacle(
     body=body,
     moving=True,
     reach=Reach(("radius",)),  # from its centre to the farthest point of its surface
+    rate=Rate(per=("period",), times=TWO_PI),  # how fast it turns [rad/s]
     look=ObstacleLook(shape="circle", radius="radius"),
 )

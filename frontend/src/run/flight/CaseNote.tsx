@@ -48,9 +48,6 @@ export function CaseNote({ answer, busy, follows, stale, seconds, evaluate, miss
         <p className="small sec">The result is that of other values; evaluate to update it.</p>
       )}
       {isCase(answer) && answer.untraced && <p className="small sec">No trace of it: {answer.untraced}.</p>}
-      {isCase(answer) && answer.changed && (
-        <p className="small sec">The files of the simulator have changed since this run.</p>
-      )}
       <p className="small mut">One call on the machine of the service. It is not stored and is no evidence.</p>
     </div>
   )

@@ -15,7 +15,7 @@ import { NOMINAL } from '../data/chosen'
 import { InstalledNote } from './CaseNote'
 import type { RunData, UncertainParameter } from '../data/data'
 import type { WhatIfState } from './useWhatIf'
-import { baseOf, STEPS, stepped, valuesOf, type WhatIf, within, withValue } from './whatif'
+import { baseOf, otherCodeOf, STEPS, stepped, valuesOf, type WhatIf, within, withValue } from './whatif'
 import { Select } from '../../ui/Select'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
@@ -116,6 +116,11 @@ function Outcome({ data, state }: Omit<Props, 'className'>) {
         </p>
       ) : (
         <p className="small sec">{flies || answer ? wordsOf(answer, whatIf) : busy ? 'Evaluating …' : 'Not evaluated yet.'}</p>
+      )}
+      {answer && otherCodeOf(answer) && (
+        <p className={styles.whatIfWhy} data-testid="what-if-code">
+          <IconAlertTriangle className="i s" aria-hidden /> {otherCodeOf(answer)}
+        </p>
       )}
       {!flies && <InstalledNote run={run.id} {...state} />}
       {answer && answer.criteria.length > 1 && (

@@ -6,7 +6,7 @@ import { caseOf } from './whatif'
 
 const state = { answer: null, busy: false, follows: false, stale: true, seconds: null, evaluate: () => undefined }
 const shown = (more: object) => renderToStaticMarkup(<CaseNote {...state} {...more} />)
-const answer = { seconds: 4.2, untraced: '', changed: false }
+const answer = { seconds: 4.2, untraced: '' }
 
 it('gives times as they decide whether to wait', () => {
   expect([0.0004, 0.0123, 0.24, 4.26, 42.4, 59.96].map(aboutOf)).toEqual([
@@ -39,8 +39,7 @@ it('cannot be evaluated where the simulator is not installed, and says so before
 it('says of which values the result is, and that it is no evidence', () => {
   expect(shown({ answer, seconds: 4.2 })).toContain('The result is that of other values')
   expect(shown({ answer, seconds: 4.2, stale: false })).not.toContain('other values')
-  expect(shown({ answer: { ...answer, untraced: 'it has 1 row', changed: true } })).toContain('No trace of it: it has 1 row.')
-  expect(shown({ answer: { ...answer, changed: true } })).toContain('have changed since this run')
+  expect(shown({ answer: { ...answer, untraced: 'it has 1 row' } })).toContain('No trace of it: it has 1 row.')
   expect(shown({})).toContain('is no evidence')
 })
 

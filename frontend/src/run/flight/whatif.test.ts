@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest'
 import type { FindingDetail } from '../../client'
 import type { UncertainParameter } from '../data/data'
-import { baseOf, readWhatIf, requestOf, stepped, valuesOf, withValue, written } from './whatif'
+import { baseOf, otherCodeOf, readWhatIf, requestOf, stepped, valuesOf, withValue, written } from './whatif'
 
 const mass: UncertainParameter = { path: 'vehicle.m', symbol: 'm', unit: 'kg', text: 'Mass', nominal: 5, low: 4, high: 6 }
 const inertia: UncertainParameter = { path: 'vehicle.J', symbol: 'J', unit: 'kg m2', text: '', nominal: 0.05, low: 0.04, high: 0.06 }
@@ -58,4 +58,12 @@ it('steps through the range and stops at its ends', () => {
   expect(stepped(mass, 5, 20)).toBeCloseTo(5.1)
   expect(stepped(mass, 5.99, 20)).toBe(6)
   expect(stepped(mass, 4, -1)).toBe(4)
+})
+
+describe('the code of the answer', () => {
+  it('is named where it is not that of the run', () => {
+    expect(otherCodeOf({ code_changes: [], code_known: true })).toBe('')
+    expect(otherCodeOf({ code_changes: ['simulators/pendulum'], code_known: true })).toBe('Simulated by other code than this run: simulators/pendulum.')
+    expect(otherCodeOf({ code_changes: [], code_known: false })).toBe('Whether this run had the code installed now is not known.')
+  })
 })

@@ -1,6 +1,7 @@
 // The what-if in the address: reference parameters, changed values, noise seed.
 // Start reading at `readWhatIf` and `valuesOf`.
-import type { CaseRequest, FlightRequest } from '../../client'
+import type { CaseRequest, FlightAnswer, FlightRequest } from '../../client'
+import { namesOf } from '../../trends/code'
 import type { ChosenSearch } from '../data/chosen'
 import { NOMINAL } from '../data/chosen'
 import type { RunData, UncertainParameter } from '../data/data'
@@ -94,3 +95,9 @@ export const STEPS = 400
 /** A value moved by a number of steps, as by arrow keys. */
 export const stepped = ({ low, high }: UncertainParameter, value: number, steps: number): number =>
   Math.min(high, Math.max(low, value + (steps * (high - low)) / STEPS))
+
+/** What has changed in the code since the run, as a sentence; empty if nothing has. */
+export const otherCodeOf = ({ code_changes: names, code_known: known }: Pick<FlightAnswer, 'code_changes' | 'code_known'>): string => {
+  if (names.length > 0) return `Simulated by other code than this run: ${namesOf(names)}.`
+  return known ? '' : 'Whether this run had the code installed now is not known.'
+}

@@ -4,6 +4,7 @@ import { useQuery } from '@tanstack/react-query'
 import { lazy, Suspense, useState } from 'react'
 import { componentsQuery } from '../../api/queries'
 import type { RunComponents, RunDetail } from '../../client'
+import { namesOf, unreadOf } from '../../trends/code'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Digest } from '../../ui/Digests'
@@ -41,47 +42,42 @@ export function Components({ run, className }: { run: RunDetail; className: stri
 }
 
 /** Equal descriptions do not imply equal code. */
-const sameCode = ({ code, code_installed, code_changes }: RunComponents) =>
-  code !== null && code === code_installed && code_changes.length === 0
+const sameCode = ({ code, code_installed, code_changes, unidentified }: RunComponents) =>
+  code !== null && code_installed !== null && code_changes.length === 0 && unidentified.length === 0
 
 function Code({ record }: { record: RunComponents }) {
-  const { code, code_installed: installed, code_changes: modules } = record
-  if (!code)
-    return <p className="sec">No code digest is stored with this run, so its code cannot be compared with the installed one.</p>
-  if (!installed)
+  const { code, code_changes: names, unidentified } = record
+  if (names.length > 0)
     return (
-      <p className="sec">
-        Simulated by code <Digest of={code} first={12} />. No worker has published the code that is installed now.
-      </p>
+      <div className={clsx(cards.note, cards.warn)}>
+        <div>
+          <p className="m">
+            The code installed now is not the one that simulated this run
+            {code && (
+              <>
+                , <Digest of={code} first={12} />
+              </>
+            )}
+            . The same campaign may give other results.
+          </p>
+          <p className="small">What differs: {namesOf(names, MOST)}.</p>
+        </div>
+      </div>
     )
   if (sameCode(record))
     return (
       <p className="sec">
-        Simulated by code <Digest of={code} first={12} />, the code installed now.
+        Simulated by code <Digest of={code ?? ''} first={12} />, the code installed now.
       </p>
     )
-  return (
-    <div className={clsx(cards.note, cards.warn)}>
-      <div>
-        <p className="m">
-          {code === installed ? (
-            'The components have changed since this run. '
-          ) : (
-            <>
-              The code differs: <Digest of={code} first={12} /> simulated this run, <Digest of={installed} first={12} /> is installed now.{' '}
-            </>
-          )}
-          The same campaign may give other results.
-        </p>
-        {modules.length > 0 && (
-          <p className="small">
-            {code === installed ? 'Files' : 'Modules'} that differ: {modules.slice(0, MOST).join(', ')}
-            {modules.length > MOST && ` and ${modules.length - MOST} more`}.
-          </p>
-        )}
-      </div>
-    </div>
-  )
+  if (code)
+    return (
+      <p className="sec">
+        Simulated by code <Digest of={code} first={12} />. No worker has published the code that is installed now
+        {unidentified.length > 0 && ` completely: ${unidentified.join(', ')}`}.
+      </p>
+    )
+  return <p className="sec">The code of this run cannot be compared with the installed one: {unreadOf(record)}.</p>
 }
 
 const MOST = 8

@@ -5,10 +5,11 @@ import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { getRunText } from '../../api/calls'
-import type { Provenance as Origin, RunDetail, Versions } from '../../client'
+import type { Identity, Provenance as Origin, RunDetail, Versions } from '../../client'
 import { plain } from '../../format/numbers'
 import { moment } from '../../format/time'
 import { idOfComponent } from '../../help/links'
+import { unreadOf } from '../../trends/code'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { CopyButton, save } from '../../ui/files'
@@ -27,6 +28,7 @@ export function Provenance({ data, className }: { data: RunData; className: stri
     run: run.id,
     campaign_digest: run.campaign_digest,
     ...origin,
+    identity: run.identity,
     worker: run.worker,
     started: run.started,
     finished: run.finished,
@@ -103,8 +105,7 @@ function flightRows(data: RunData, origin: Origin): Rows {
   const { run, campaign } = data
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
-    ['Source digest', <span key="o">{run.flown?.code && 'sha256 '}{hash(run.flown?.code)}</span>],
-    [campaign.simulator ? 'Simulator digest' : 'Loop digest', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
+    ...codeRows(run.identity),
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
     ['Sample seed', sampleSeed(data)],
     ...(campaign.simulator ? [partRow(data, 'simulator', campaign.simulator.name)] : loopRows(data, origin)),
@@ -119,6 +120,17 @@ function sampleSeed({ stages }: RunData): string {
   if (!certified) return 'no sample'
   if (certified.seed === null) return 'that of the campaign'
   return `${certified.seed}, ${certified.drawn_at_launch ? 'drawn' : 'stated'} at launch`
+}
+
+/** One digest of all code, then that of the engine and of each own file. */
+function codeRows(identity: Identity | null): Rows {
+  const engine: [string, string][] = identity?.engine ? [['engine', identity.engine]] : []
+  const loop: [string, string][] = identity?.loop ? [['compiled loop', identity.loop]] : []
+  const files = Object.entries(identity?.files ?? {})
+  return [
+    ['Code', <span key="o">{identity?.digest ? <>sha256 {hash(identity.digest)}</> : unreadOf(identity)}</span>],
+    ...[...engine, ...loop, ...files].map(([name, digest]): Rows[number] => [name, <span key={name}>{hash(digest)}</span>]),
+  ]
 }
 
 type PartRole = 'vehicle' | 'controller' | 'avoider' | 'simulator'

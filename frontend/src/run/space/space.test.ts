@@ -127,13 +127,14 @@ it('goes from value to value, those without one last', () => {
 it('compares a simulation with the stored evaluation by every bit', () => {
   const stored = { cost: 0.75, fate: 'ok' } as const
   const lost = { cost: Number.NaN, fate: 'failed' } as const
-  expect(againOf({ cost: 0.75, status: 'ok', reason: '' }, stored)).toBe('identical to the stored value')
-  expect(againOf({ cost: 0.75 + 2 ** -53, status: 'ok', reason: '' }, stored)).toBe('differs from the stored value by 1.11e-16')
-  expect(againOf({ cost: null, status: 'failed', reason: 'It fell.' }, stored)).toBe('failed: It fell, unlike the stored evaluation')
-  expect(againOf({ cost: null, status: 'failed', reason: 'It fell.' }, lost)).toBe('failed: It fell, as stored')
-  expect(againOf({ cost: null, status: 'timeout', reason: '' }, lost)).toBe('timeout, as stored')
-  expect(againOf({ cost: null, status: 'excluded', reason: '' }, lost)).toBe('excluded, unlike the stored evaluation')
-  expect(againOf({ cost: 0.7, status: 'ok', reason: '' }, lost)).toBe('ok, unlike the stored evaluation')
+  expect(againOf({ cost: 0.75, status: 'ok', reason: '', code_changes: [] }, stored)).toBe('identical to the stored value')
+  expect(againOf({ cost: 0.75 + 2 ** -53, status: 'ok', reason: '', code_changes: [] }, stored)).toBe('differs from the stored value by 1.11e-16')
+  expect(againOf({ cost: 0.7, status: 'ok', reason: '', code_changes: ['components/my_way.py'] }, stored)).toContain('(other code than the run: components/my_way.py)')
+  expect(againOf({ cost: null, status: 'failed', reason: 'It fell.', code_changes: [] }, stored)).toBe('failed: It fell, unlike the stored evaluation')
+  expect(againOf({ cost: null, status: 'failed', reason: 'It fell.', code_changes: [] }, lost)).toBe('failed: It fell, as stored')
+  expect(againOf({ cost: null, status: 'timeout', reason: '', code_changes: [] }, lost)).toBe('timeout, as stored')
+  expect(againOf({ cost: null, status: 'excluded', reason: '', code_changes: [] }, lost)).toBe('excluded, unlike the stored evaluation')
+  expect(againOf({ cost: 0.7, status: 'ok', reason: '', code_changes: [] }, lost)).toBe('ok, unlike the stored evaluation')
 })
 
 it('thins evenly and keeps the lowest', () => {

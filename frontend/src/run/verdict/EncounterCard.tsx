@@ -1,5 +1,6 @@
 // Evidence that the avoidance was exercised: closest approaches, motion, the case without avoidance, influence.
-import type { ClosestApproach, Encounter } from '../../client'
+import type { ReactNode } from 'react'
+import type { Beyond, ClosestApproach, Encounter } from '../../client'
 import { count, decimalsFor, fixed, NONE, plain } from '../../format/numbers'
 import { HelpLink } from '../../help/links'
 import { Card } from '../../ui/Card'
@@ -22,7 +23,7 @@ interface EncounterProps {
 
 export function EncounterCard({ data, encounter, className }: EncounterProps) {
   const { run, findings, parameters } = data
-  const { closest, moved, unseen, spread, influence } = encounter
+  const { closest, beyond, moved, unseen, spread, influence } = encounter
   const quantity = <Sign text={run.quantity || 'value'} />
   const largest = Math.max(...Object.values(influence), 0)
   return (
@@ -36,6 +37,7 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
       <dl className={lists.kv}>
         {unseen && <Closest name="nominal" approach={closest} />}
         {findings.map((each) => each.closest && <Closest key={each.label} name={each.label} approach={each.closest} />)}
+        {beyond && <Later beyond={beyond} quantity={quantity} unit={run.unit} />}
         {unseen && (
           <>
             <dt>Path of the nominal case</dt>
@@ -80,6 +82,27 @@ function Closest({ name, approach: { time, at, obstacle } }: { name: string; app
         {time !== null && `${fixed(time, 2)} s, `}
         <span className={at === 'inside' ? undefined : 'unk-t'}>{AT[at]}</span>
         {obstacle !== null && <span className="mut">, obstacle {obstacle + 1}</span>}
+      </dd>
+    </>
+  )
+}
+
+function Later({ beyond, quantity, unit }: { beyond: Beyond; quantity: ReactNode; unit: string }) {
+  const { closer, flights, lowest } = beyond
+  return (
+    <>
+      <dt>Beyond the horizon</dt>
+      <dd data-testid="beyond">
+        <span className={closer ? 'unk-t' : undefined}>
+          {count(closer)} of {count(flights)} flights come closer
+        </span>
+        {lowest && (
+          <span className="mut">
+            ; lowest {quantity} {plain(lowest.value, 4)} {unit}, {lowest.name}, obstacle {lowest.obstacle + 1},{' '}
+            {plain(lowest.distance, 4)} m away at the last sample, closing at {plain(lowest.closing, 4)} m/s;{' '}
+            {lowest.simulated ? 'reached' : 'extrapolated'} {plain(lowest.time, 4)} s later
+          </span>
+        )}
       </dd>
     </>
   )

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from backend.db.chain import COVERED, FIRST, MOST, Head, digest, head, verify
+from tests.given.chain_faults import rows_of
 
 Rows = list[dict[str, Any]]
 
@@ -47,7 +48,7 @@ def test_a_row_read_back_from_json_has_the_same_hash() -> None:
 def test_a_change_of_any_column_is_found(column: str) -> None:
     rows = made()
     changed(rows, 2, **{column: {"other": 1} if column == "detail" else 5.0 if column == "at" else "other"})
-    assert verify(rows).faults == ["row 3 was changed: its hash is not that of its content"]
+    assert rows_of(verify(rows).faults) == [[3]]
 
 
 BREAKS: list[tuple[Callable[[Rows], Any], list[str]]] = [
@@ -76,9 +77,9 @@ def test_what_is_broken_is_named(broken: Callable[[Rows], Any], statement: list[
 def test_two_rows_that_swapped_their_contents_are_found() -> None:
     rows = made()
     rows[2], rows[3] = {**rows[3], "id": 3}, {**rows[2], "id": 4}
-    faults = verify(rows).faults
-    assert any(fault.startswith("row 3 does not follow row 2") for fault in faults)
-    assert "row 3 was changed: its hash is not that of its content" in faults
+    found = rows_of(verify(rows).faults)
+    assert [3, 2] in found, "it does not follow"
+    assert [3] in found, "it was changed"
 
 
 def test_rows_missing_at_the_end_are_found_by_a_head_only() -> None:
@@ -86,13 +87,9 @@ def test_rows_missing_at_the_end_are_found_by_a_head_only() -> None:
     last = Head(6, rows[-1]["hash"])
     del rows[4:]
     assert verify(rows).faults == [], "the chain alone cannot show it"
-    assert verify(rows, stored=last).faults == [
-        "the last 2 rows are missing: the database's own head names row 6, the trail ends with row 4"
-    ]
-    assert verify(rows, noted=last).faults == [
-        "the last 2 rows are missing: the noted head names row 6, the trail ends with row 4"
-    ]
-    assert "the last row is missing" in verify(rows, noted=Head(5, FIRST)).faults[0]
+    assert rows_of(verify(rows, stored=last).faults) == [[2, 6, 4]]
+    assert rows_of(verify(rows, noted=last).faults) == [[2, 6, 4]]
+    assert rows_of(verify(rows, noted=Head(5, FIRST)).faults) == [[5, 4]], "one is missing"
 
 
 def test_a_chain_that_was_computed_again_is_found_by_a_noted_head_only() -> None:
@@ -104,7 +101,33 @@ def test_a_chain_that_was_computed_again_is_found_by_a_noted_head_only() -> None
         row["hash"] = before = digest(row)
     assert verify(rows).faults == [], "whoever may write the database can do this"
     assert verify(rows, noted=Head(1, honest[0]["hash"])).faults == [], "row 1 is the same"
-    assert "row 4 has another hash than the noted head" in verify(rows, noted=Head(4, honest[3]["hash"])).faults[0]
+    assert rows_of(verify(rows, noted=Head(4, honest[3]["hash"])).faults) == [[4]]
+
+
+def test_every_fault_has_its_sentence() -> None:
+    changed_row, without_a_form, short = made(), made(), made(4)
+    changed(changed_row, 2, user="eve")
+    changed(without_a_form, 2, detail={"n": float("nan")})
+    orders = [[0, 1, 1, 3], [0, 1, 4], [0, 1, 5]]
+    repeated, gap, gaps = ([copy.deepcopy(made()[k]) for k in order] for order in orders)
+    unlinked, last = made(), Head(6, made()[-1]["hash"])
+    changed(unlinked, 2, again=True, previous=FIRST)
+    faults = [verify(rows).faults for rows in (changed_row, without_a_form, repeated, gap, gaps, unlinked)]
+    heads = [verify(short, stored=last), verify(short, noted=last), verify(short, noted=Head(5, FIRST))]
+    heads += [verify(short, noted=Head(4, FIRST)), verify(short, stored=Head(3, FIRST))]
+    assert [found[0] for found in (*faults, *(head.faults for head in heads))] == [
+        "row 3 was changed: its hash is not that of its content",
+        "row 3 was changed: its content has no canonical form",
+        "row 2 follows row 2: the rows were reordered or repeated",
+        "rows 3 to 4 are missing before row 5",
+        "rows 3 to 5 are missing before row 6",
+        "row 3 does not follow row 2: one of the two was replaced, or they were reordered",
+        "the last 2 rows are missing: the database's own head names row 6, the trail ends with row 4",
+        "the last 2 rows are missing: the noted head names row 6, the trail ends with row 4",
+        "the last row is missing: the noted head names row 5, the trail ends with row 4",
+        "row 4 has another hash than the noted head: it or a row before it was changed",
+        "the database's own head names row 3 with another hash than the trail, which ends with row 4",
+    ]
 
 
 def test_numbers_with_gaps_are_no_fault_while_the_rows_link() -> None:

@@ -20,6 +20,8 @@ from clearance.cli import WRONG_INPUT, invoke
 from tests.faults.cases import campaign
 from tests.migrated import migrated
 
+OLDEST, TRIAL = "long ago", "a trial"
+
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -27,7 +29,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("stored")
     engine = connect(migrated(folder))
     with engine.begin() as writer:
-        for name in ("long ago", "lately", "kept"):
+        for name in (OLDEST, "lately", "kept"):
             submit(writer, campaign(), name=name, tags=[], owner="", planned=1)
     for _ in range(3):
         claim = Queue(engine).claim("w")
@@ -41,7 +43,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
         Queue(engine).fail(claim, "it was stopped")
     with engine.begin() as writer:
         for run_id, days in ((1, 100), (2, 10)):
-            values = {"removed": Run.created - days * 86400, "removed_by": "ada", "removed_reason": "a trial"}
+            values = {"removed": Run.created - days * 86400, "removed_by": "ada", "removed_reason": TRIAL}
             writer.execute(sa.update(Run).where(Run.id == run_id).values(**values))
     engine.dispose()
     return folder
@@ -67,9 +69,11 @@ def test_a_dry_run_and_a_no_delete_nothing(
 ) -> None:
     assert invoke(["purge", "--dry-run", "--data", str(data)]) == 0
     statement = capsys.readouterr().out
-    assert re.search(r"R-0001  removed \S+ by ada  100,000 evaluations, 3\.3 MB  long ago: a trial", statement)
-    assert "R-0002" not in statement
-    assert "1 run, 3.3 MB of evaluations and trajectories." in statement
+    (line,) = [line for line in statement.splitlines() if line.startswith("R-")]
+    run, removed, size, why = line.split("  ")
+    assert (run, removed.split()[-1], why) == ("R-0001", "ada", f"{OLDEST}: {TRIAL}")
+    assert re.findall(r"\d[\d,.]+", size) == ["100,000", "3.3"]
+    assert "1 run, 3.3 MB" in statement
     assert "dry run" in statement
     monkeypatch.setattr("typer.confirm", lambda _: False)
     assert invoke(["purge", "--data", str(data)]) == 0
@@ -100,7 +104,7 @@ def test_old_runs_are_purged_and_their_space_is_freed(data: Path, capsys: pytest
     assert left(data) == [3]
     capsys.readouterr()
     assert invoke(["purge", "--older-than", "0d", "--data", str(data)]) == 0
-    assert "There is no run to purge that was removed more than 0d ago." in capsys.readouterr().out
+    assert left(data) == [3]
 
 
 def test_a_file_that_is_in_use_is_made_smaller_another_time(
@@ -118,11 +122,12 @@ def test_a_file_that_is_in_use_is_made_smaller_another_time(
 
     monkeypatch.setattr(purge, "reclaim", while_somebody_writes)
     assert invoke(["purge", "--yes", "--data", str(data)]) == 0
-    assert "run `clearance purge` again" in capsys.readouterr().err
+    assert "`clearance purge`" in capsys.readouterr().err
     monkeypatch.setattr(purge, "reclaim", real)
     assert left(data) == [2, 3]
+    size = (data / "clearance.sqlite3").stat().st_size
     assert invoke(["purge", "--yes", "--data", str(data)]) == 0
-    assert "The file was reduced from" in capsys.readouterr().out
+    assert (data / "clearance.sqlite3").stat().st_size < size - 3e6
 
 
 @pytest.mark.parametrize("given", ["90", "d", "-1d", "1.5d", "90 d", "90m"])

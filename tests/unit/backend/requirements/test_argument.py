@@ -24,6 +24,7 @@ def run(number: int, verdict: str | None = "cleared", **changes: Any) -> Require
         "id": f"R-{number:04d}", "name": "x", "state": "done" if verdict else "failed", "verdict": verdict,
         "error": None,
         "campaign_name": f"Campaign {number}", "campaign_digest": f"{number:x}" * 64, "seed": 1, "code": "c" * 64,
+        "unidentified": [],
         "clearance": "0.1.0", "quantity": "d_min", "unit": "m", "threshold": 0.5, "worst_cost": 0.84, "margin": 0.34,
         "upper_bound": None, "violations": None, "samples": None, "confidence": None, "created": 1.0, "finished": 2.0,
         "removed": False, "part": "evidence", "signed": True, "suspect": False, "changes": [],
@@ -40,7 +41,8 @@ def row(key: str, status: Any, *runs: RequirementRun, text: str = "Keep clear") 
 
 
 UNSIGNED: dict[str, Any] = {"signed": False, "signoffs": []}
-SUSPECT: dict[str, Any] = {"suspect": True, "changes": ["the code has changed (sha256 aa, now bb)"]}
+CHANGE = "the code has changed (sha256 aa, now bb)"
+SUSPECT: dict[str, Any] = {"suspect": True, "changes": [CHANGE]}
 ROWS = [
     row("MET", "met", run(1), run(2)),
     row("UN SIGNED", "unsigned", run(1), run(3, **UNSIGNED)),
@@ -108,8 +110,8 @@ def test_every_leaf_has_claim_digest_and_link_and_shows_what_is_suspect() -> Non
     solution = nodes["Sn-MET-R-0001"]
     assert solution["claim"] == "Cleared: d_min stays above 0.5 m."
     assert solution["url"] == "https://c.example/runs/R-0001"
-    assert "signed off by Ada: #1 (Lead)" in solution["text"]
-    assert nodes["C-UN_SIGNED-R-0004"]["text"].endswith(". SUSPECT: the code has changed (sha256 aa, now bb)")
+    assert "Ada: #1 (Lead)" in solution["text"]
+    assert nodes["C-UN_SIGNED-R-0004"]["text"].endswith(f". SUSPECT: {CHANGE}")
 
 
 def test_the_document_is_a_tree_that_starts_at_one_goal() -> None:

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
+from backend.scenes.base.setting import Setting
 from backend.scenes.panel.again import _Cases
+from campaigns.identity.identity import Identity
+
+
+class _Of:
+    """What is needed of a setting."""
+
+    identity = Identity(engine="a", files={"simulators/wind": "d"})
+    other_code = Setting.other_code
 
 
 def answer(cost: float | None = 1.0, digest: str = "d", reason: str = "", untraced: str = "") -> dict[str, Any]:
-    return {"cost": cost, "digest": digest, "reason": reason, "untraced": untraced}
+    code = {"engine": "a", "files": {"simulators/wind": digest}}
+    return {"cost": cost, "identity": code, "reason": reason, "untraced": untraced}
 
 
 @pytest.mark.parametrize(
@@ -23,11 +33,11 @@ def answer(cost: float | None = 1.0, digest: str = "d", reason: str = "", untrac
         (1, [(answer(None, reason="it crashed"), 1.0, False)], "it crashed. 1 result differs"),
         (1, [(answer(untraced="its trace lacks x"), 1.0, False)], "cannot be drawn: its trace lacks x."),
         (1, [(answer(), 1.0, False)], "cannot be drawn: its trace has no positions."),
-        (1, [(answer(digest="e"), 1.0, True)], "The files of the simulator have changed since the run."),
+        (1, [(answer(digest="e"), 1.0, True)], "Simulated by other code than that of the run: simulators/wind."),
     ],
 )
 def test_the_sentence(size: int, answers: list[tuple[dict[str, Any], float | None, bool]], expected: str) -> None:
-    told = _Cases("certify", size, "d")
+    told = _Cases("certify", size, cast(Setting, _Of()))
     for given in answers:
         told.count(*given)
     assert expected in told.words()

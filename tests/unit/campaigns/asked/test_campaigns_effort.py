@@ -69,7 +69,7 @@ def test_a_long_text_is_read_or_refused_soon(name: str) -> None:
 def test_too_many_values_are_refused_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "more than 60,000 values" in told(LARGE["yaml list"])
     monkeypatch.setattr(reading, "MOST_VALUES", 1000)
-    assert "line 1, column 1999: not readable as YAML: more than" in told("a: [" + "1," * 998 + "]")
+    assert "line 1, column 1999: " in told("a: [" + "1," * 998 + "]")
     assert len(parse("a: [" + "1," * 997 + "]")["a"]) == 997
 
 
@@ -90,7 +90,7 @@ def test_of_very_many_unreadable_texts_only_the_first_are_described() -> None:
     with pytest.raises(CampaignError) as caught:
         load_document({"name": ["\ud800"] * 100_000})
     assert len(caught.value.problems) == 50
-    assert caught.value.problems[-1].message == "and more problems; correct these first"
+    assert [bool(p.field) for p in caught.value.problems] == [True] * 49 + [False], "the last one counts the others"
 
 
 def test_as_many_starts_as_a_campaign_can_have_are_read() -> None:

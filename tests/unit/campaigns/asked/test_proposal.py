@@ -23,11 +23,8 @@ proposed = partial(proposal.proposed, METHODS)
 GRID = list(itertools.product([1e-6, 1e-3, 0.03, 1.0, 12.0, 900.0], [1, 4, 25], [1, 4, 300], [0.5, 10.0, 1200.0, 1e6]))
 
 
-def test_the_sentence_of_a_simulator_of_twelve_seconds() -> None:
+def test_a_simulator_of_twelve_seconds() -> None:
     found = proposed(12.0, 4, slots=4, patience=1200.0)
-    assert found.sentence == (
-        "One evaluation takes about 12 s: 400 evaluations take about 20 min on 4 slots; use lq-CMA-ES and TuRBO"
-    )
     assert [(s.method, s.evaluations, s.options) for s in found.searches] == [
         ("lq_cma_es", 200, {"at_once": 4}), ("turbo", 200, {"batch": 4})
     ]  # fmt: skip
@@ -59,7 +56,7 @@ def test_the_start_of_the_processes_is_part_of_the_time(start: float) -> None:
             assert found.seconds == pytest.approx(start + rounds * cost)
             assert found.seconds <= patience * (1 + 1e-9)
         elif start > cost:
-            assert f"the start of its process {lasting(start)}, longer than the {lasting(patience)}" in found.sentence
+            assert all(f" {lasting(seconds)}" in found.sentence for seconds in (cost, start, patience))
 
 
 @pytest.mark.parametrize(
@@ -76,8 +73,8 @@ def test_processes_that_are_replaced_or_fresh_take_their_start(
     assert cost.again(at_once, calls) == pytest.approx(fresh)
     seconds, known = cost.lasts(10 * at_once, calls, again=2 * at_once)
     assert seconds == pytest.approx(3.0 + 10 * each + 2 * fresh)
-    assert "and the start of a process 3 s" in known
-    assert known.endswith(f", on 4 slots; {2 * at_once} more, each in a fresh process, confirm results.")
+    assert known.startswith(cost.sentence(calls))
+    assert f"; {2 * at_once} more{cost.fresh} " in known
 
 
 def test_two_methods_each_get_enough_to_count_as_a_search() -> None:
@@ -92,10 +89,34 @@ def test_two_methods_each_get_enough_to_count_as_a_search() -> None:
 def test_where_two_methods_do_not_fit_the_sentence_names_what_is_missing() -> None:
     found = proposed(60.0, 5, patience=1800.0)
     assert [(s.method, s.evaluations) for s in found.searches] == [("turbo", 30)]
-    assert found.sentence.endswith("a second method, without which nothing is cleared, fits if you allow 4.2 h")
+    assert found.note.endswith(" 4.2 h")
     assert len(proposed(60.0, 5, patience=4.2 * 3600).searches) == 2
-    none = proposed(7200.0, 5, patience=600.0)
-    assert none.sentence.endswith("about 2 h, longer than the 10 min that are available: allow more time")
+    assert not proposed(7200.0, 5, patience=600.0).searches
+
+
+def test_every_outcome_has_its_sentence() -> None:
+    """Two methods, one with what is missing, none, and none because processes start slowly; where the time is from."""
+    cost = Cost("R-0001", 2.0, 4, 15, start=3.0, recycle=3)
+    assert [
+        *(found.sentence for found in (
+            proposed(12.0, 4, slots=4, patience=1200.0), proposed(60.0, 5, patience=1800.0),
+            proposed(7200.0, 5, patience=600.0), proposed(10.0, 5, patience=600.0, start=900.0),
+        )),
+        cost.lasts(20, 5, again=2)[1], Cost("R-0001", 2.0, 1, 15, failed=3).lasts(20)[1],
+        cost.proposed(METHODS, 4, 600.0).sentence,
+    ] == [
+        "One evaluation takes about 12 s: 400 evaluations take about 20 min on 4 slots; use lq-CMA-ES and TuRBO",
+        "One evaluation takes about 60 s: 30 evaluations take about 30 min; use TuRBO; a second method, without which "
+        "nothing is cleared, fits if you allow 4.2 h",
+        "One evaluation takes about 2 h, longer than the 10 min that are available: allow more time",
+        "One evaluation takes about 10 s and the start of its process 15 min, longer than the 10 min that are "
+        "available: allow more time",
+        "One call took 2 s (R-0001, 15 evaluations) and the start of a process 3 s; an evaluation of 5 calls takes "
+        "about 6 s, on 4 slots; 2 more, each in a fresh process, confirm results.",
+        "One evaluation took 2 s (R-0001, 15 evaluations, 3 of them failed), on 1 slot.",
+        "In 10 min on 4 slots: about 800 evaluations. Proposed: lq-CMA-ES and TuRBO with 396 each, about 9.9 min in "
+        "all",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -121,7 +142,7 @@ def test_lengths_of_time(seconds: float, text: str) -> None:
 def test_the_command_prints_stages_of_a_campaign(capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["propose", "--cost", "12", "--parameters", "4", "--slots", "4", "--patience", "1200"]) == 0
     shown = capsys.readouterr().out
-    assert shown.startswith("# One evaluation takes about 12 s: 400 evaluations")
+    assert shown.startswith(f"# {proposed(12.0, 4, slots=4, patience=1200.0).sentence}")
     stages = yaml.safe_load(shown)["stages"]["search"]
     assert stages[1] == {"method": "turbo", "evaluations": 200, "options": {"batch": 4}}
     assert check(searching(*stages), catalogue()) == []

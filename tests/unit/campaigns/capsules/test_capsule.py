@@ -16,10 +16,12 @@ import pytest
 from campaigns.capsules import packing
 from campaigns.capsules.capsule import digest_of
 from campaigns.capsules.packing import CapsuleError, read, unpacked
+from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
-from clearance.cli._capsule import write_capsules
+from clearance.cli._capsule import of_capsule, sentence, write_capsules
 from tests.given.capsule_files import few_checks, files_of, written, zipped
 from tests.given.corrupted_records import ran
+from tests.given.refused_commands import refusal
 
 Document = dict[str, Any]
 
@@ -62,10 +64,7 @@ def test_a_capsule_replays_to_the_same_bits_without_a_service(
     assert (statement["executed"], statement["origin"]["verdict"]) == (False, "violated")
     assert invoke(["replay", str(capsule), "F1"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1] == (
-        "Evaluated by the components of this installation; nothing of the capsule was executed. Their descriptions are "
-        "those in the capsule."
-    )
+    assert lines[1] == sentence(of_capsule(capsule, allow_code=False), [])
     assert lines[2].endswith("It agrees.")
 
 
@@ -105,10 +104,11 @@ def test_other_components_are_reported(capsule: Path, capsys: pytest.CaptureFixt
         document["components_digest"] = packing.described_digest(document["components"])
 
     capsule.write_bytes(altered(capsule, another))
+    code, statement = replayed(capsys, str(capsule))
+    assert (code, len(statement["component_changes"]), len(statement["differences"])) == (0, 1, 1)
+    assert " 000000000000, " in statement["differences"][0]
     assert invoke(["replay", str(capsule)]) == 0
-    statement = capsys.readouterr().out
-    assert "Other than in the capsule: the text of the " in statement
-    assert "the loop digest was 000000000000, here it is " in statement
+    assert f"{statement['component_changes'][0]}." in capsys.readouterr().out
 
 
 def _text(key: str, value: Any) -> Callable[[Document], object]:
@@ -208,7 +208,7 @@ def test_what_is_no_capsule_is_a_sentence(data: bytes, tmp_path: Path, capsys: p
     file.write_bytes(data)
     assert invoke(["replay", str(file)]) == WRONG_INPUT
     statement = capsys.readouterr().err
-    assert "is no capsule that can be replayed" in statement
+    assert refusal(statement) == RefusalCode.NO_CAPSULE
     assert "Traceback" not in statement
 
 

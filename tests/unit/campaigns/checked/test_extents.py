@@ -16,6 +16,7 @@ from campaigns.claims.spans import words
 from clearance.cli import invoke
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign, document
+from tests.given.stated_facts import facts
 from worker.evidence.scopes.distances import clause, overlooked
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, continued
@@ -146,15 +147,19 @@ def test_a_verdict_can_state_which_point_distances_end_at() -> None:
     def of(**changes: Any) -> Problem:
         return Problem(campaign(**changes), compiled=False)
 
-    assert words(clause(of().system)) == "distances measured to the obstacles' centres, not their surfaces"
     assert words(overlooked(of().system)) == ""
     wall = of(scenario__obstacles=[WALL])
-    assert words(clause(wall.system)).endswith("; a vehicle inside obstacles.0 may count as clear")
-    assert "obstacles.0, whose surface extends to 8.00062 m" in words(overlooked(wall.system))
+    assert facts(overlooked(wall.system)) == ["d_min", wall.threshold, 8.00062]
     assert words(overlooked(of(scenario__obstacles=[WALL], criterion__from_centre=True).system)) == ""
     surface = {"criterion__component": "surface_separation"}
-    assert words(clause(of(**surface).system)) == "distances measured to the obstacles' surfaces"
     body = surface | {"criterion__parameters": {"body_radius": 0.2}}
-    assert words(clause(of(**body).system)).endswith("surfaces, less the radius of the vehicle's body of 0.2 m")
     uncertain = document()["uncertain"] | {"criterion.body_radius": {"low": 0.0, "high": 0.2}}
-    assert words(clause(of(**surface, uncertain=uncertain).system)).endswith("surfaces, less criterion.body_radius")
+    unknown = of(**surface, uncertain=uncertain)
+    assert [words(clause(p.system)) for p in (of(), wall, of(**surface), of(**body), unknown)] == [
+        "distances measured to the obstacles' centres, not their surfaces",
+        "distances measured to the obstacles' centres, not their surfaces; a vehicle inside obstacles.0 may count as "
+        "clear",
+        "distances measured to the obstacles' surfaces",
+        "distances measured to the obstacles' surfaces, less the radius of the vehicle's body of 0.2 m",
+        "distances measured to the obstacles' surfaces, less criterion.body_radius",
+    ]

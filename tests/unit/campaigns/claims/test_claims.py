@@ -49,7 +49,7 @@ def test_a_sentence_is_its_spans() -> None:
 
 
 def test_a_clause_becomes_a_sentence() -> None:
-    assert words(sentence(say("half the step agrees"))) == "Half the step agrees."
+    assert words(sentence(say("it agrees"))) == "It agrees."
     assert words(sentence(say(named("d_min"), " varies."))) == "d_min varies."
     assert words(capital(say(count(3), " of them"))) == "3 of them"
     assert words(listed([])) == "nothing"
@@ -122,7 +122,7 @@ def test_an_earlier_verdict_states_the_same() -> None:
     for read in (Verdict.model_validate(stored), Verdict.model_validate(earlier.spoken(stored, lambda: TERMS))):
         assert (read.sentence, read.scope) == (stored["sentence"], stored["scope"])
         assert words(read.holds_for) == "one obstacle."
-        assert read.reason == "d_min stayed above 0.5 m. Scope: one obstacle."
+        assert read.reason == f"{stored['sentence']} {stored['scope']}"
         assert Verdict.model_validate(json.loads(read.model_dump_json())) == read
 
 

@@ -28,7 +28,7 @@ def test_checks_of_values_are_open_where_evaluations_failed() -> None:
     for name in of_values:
         assert told[name].ok
         assert told[name].standing == "open"
-        assert told[name].but == "2 evaluations failed and have no value"
+        assert told[name].but.startswith("2 ")
     assert told["evaluations"].standing == "fails"
     assert told["motion"].standing == "holds"
     assert {check.standing for check in described(concluded().checks, 0)} == {"holds"}
@@ -40,11 +40,11 @@ def test_a_check_of_an_earlier_version_is_titled_by_its_name() -> None:
 
 
 def test_a_case_is_described_by_what_was_stored() -> None:
-    assert validated(case(agrees=None, violates=None)) == "confirmed"
-    assert validated(None) == "not validated"
-    assert validated(case()) == "integrations agree"
-    assert validated(case(agrees=False, violates=True)) == "violation confirmed, beyond tolerance"
-    assert validated(case(confirmed=False)) == "integrations disagree"
+    cases = (None, case(agrees=None, violates=None), case(), case(agrees=False, violates=True), case(confirmed=False))
+    assert [validated(one) for one in cases] == [
+        "not validated", "confirmed", "integrations agree", "violation confirmed, beyond tolerance",
+        "integrations disagree",
+    ]  # fmt: skip
 
 
 def test_a_shared_symbol_is_never_shown() -> None:
@@ -57,7 +57,8 @@ def test_a_shared_symbol_names_the_part_it_belongs_to() -> None:
     paths = ["obstacles.0.position.y", "start.y", "faults.2.y", "vehicle.y", "vehicle.b", "sim.y"]
     found = labels(paths, dict.fromkeys(paths, "y"))
     assert found["obstacles.0.position.y"] == "y of obstacle 1"
-    assert (found["start.y"], found["faults.2.y"]) == ("y of the start", "y of fault 3")
+    assert found["start.y"] == "y of the start"
+    assert found["faults.2.y"] == "y of fault 3"
     # Names that would not distinguish two parameters, and parts without a name: the path.
     assert [found[path] for path in paths[3:]] == ["vehicle.y", "vehicle.b", "sim.y"]
     assert len(set(found.values())) == len(paths)

@@ -10,10 +10,13 @@ from typing import Any
 import pytest
 import yaml
 
-from campaigns import CampaignError
+from campaigns import CampaignError, load_file
+from campaigns.refusals import RefusalCode
 from clearance.cli import WRONG_INPUT, invoke
 from clearance.cli import _code as code
+from clearance.cli._code import HOW
 from clearance.local.results import read_folder
+from tests.given.refused_commands import fields, refusal, refused
 from tests.simulators import package
 from tests.simulators.adversaries import adversary
 from worker.engine.stages.parts import offered
@@ -66,9 +69,9 @@ def test_without_the_option_it_is_refused_and_never_started(
 ) -> None:
     file = written(tmp_path, command=["sh", "-c", f"touch {tmp_path}/made"])
     assert invoke([command, str(file)]) == WRONG_INPUT
-    statement = " ".join(capsys.readouterr().err.split())
-    assert "simulator.command: a campaign contains no code and no settings of a program" in statement
-    assert "--allow-code permits its command" in statement
+    errors = capsys.readouterr().err
+    assert "simulator.command" in fields(errors)
+    assert HOW in errors
     assert not (tmp_path / "made").exists()
 
 
@@ -80,7 +83,7 @@ def test_the_option_changes_nothing_of_any_other_campaign(tmp_path: Path, capsys
     file = tmp_path / "campaign.json"
     file.write_text(json.dumps(package.campaign(simulator={"name": "drop", "python": "x"})), encoding="utf-8")
     assert invoke(["validate", str(file), "--allow-code"]) == WRONG_INPUT
-    assert "a campaign contains no code" in capsys.readouterr().err
+    assert fields(capsys.readouterr().err) == ["simulator.python"]
     file.write_text("a: [1", encoding="utf-8")
     assert invoke(["validate", str(file), "--allow-code"]) == WRONG_INPUT
 
@@ -157,8 +160,9 @@ def test_a_description_that_cannot_be_used_is_refused_by_its_key(
 
 
 def test_it_does_not_take_the_place_of_an_installed_simulator(tmp_path: Path) -> None:
-    with adversary(), pytest.raises(CampaignError, match="this installation has a simulator of that name"):
+    with adversary(), pytest.raises(CampaignError) as refused:
         code.read(written(tmp_path, name="adversary"), allowed=True)
+    assert [(p.field, p.given) for p in refused.value.problems] == [("simulator.name", "adversary")]
 
 
 def test_another_file_takes_the_place_of_an_earlier_one(tmp_path: Path) -> None:
@@ -177,18 +181,16 @@ def test_it_evaluates_on_this_machine(
     system = opened.system(code.read(file, allowed=True))
     assert (system.elsewhere, system.slots) == ("", 1)
     system.close()
-    assert invoke(["run", str(file), "--allow-code", "--evaluator", "local:2"]) == WRONG_INPUT
-    assert (
-        "the command of the campaign file is installed on no other machine; leave --evaluator out"
-        in capsys.readouterr().err
-    )
+    assert refused(capsys, "run", file, "--allow-code", "--evaluator", "local:2") == RefusalCode.NOT_THERE
 
 
 def test_a_library_and_a_file_that_is_not_there_are_as_without_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert invoke(["run", str(tmp_path / "none.yaml"), "--allow-code"]) == WRONG_INPUT
-    assert "the file cannot be read" in capsys.readouterr().err
+    with pytest.raises(CampaignError) as unreadable:
+        load_file(tmp_path / "none.yaml")
+    assert str(unreadable.value.problems[0]) in capsys.readouterr().err
 
 
 def test_files_that_cannot_be_read_are_not_in_the_digest(tmp_path: Path) -> None:
@@ -226,9 +228,9 @@ def test_a_run_of_a_command_is_extended_where_that_is_permitted(
 ) -> None:
     more = tmp_path / "more"
     assert extended(ended, "--out", str(more)) == WRONG_INPUT
-    statement = " ".join(capsys.readouterr().err.split())
-    assert "its campaign file gave the command of the simulator, '{python}' -S '{folder}/bowl.py'" in statement
-    assert "--allow-code permits it" in statement
+    errors = capsys.readouterr().err
+    assert refusal(errors) == RefusalCode.CODE_NOT_PERMITTED
+    assert "'{python}' -S '{folder}/bowl.py'" in errors
     assert extended(ended, "--allow-code", "--out", str(more)) == 2
     before, after = (json.loads((folder / "result.json").read_text()) for folder in (ended, more))
     assert after["continues"] == {"run": str(ended), "digest": before["digest"]}
@@ -246,21 +248,21 @@ def test_a_run_of_a_command_is_extended_where_that_is_permitted(
 def test_a_run_of_a_command_that_is_not_as_it_was_is_not_extended(
     ended: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def refused() -> str:
+    def again() -> str:
         assert extended(ended, "--allow-code") == WRONG_INPUT
         forgotten()
-        return " ".join(capsys.readouterr().err.split())
+        return capsys.readouterr().err
 
     program = (tmp_path / "bowl.py").read_text()
     (tmp_path / "bowl.py").write_text(program + "# changed")
-    assert "the simulator digest was" in refused()
+    assert refusal(again()) == RefusalCode.OTHER_CODE
     (tmp_path / "bowl.py").write_text(program)
     description = (ended / "simulator.yaml").read_text()
     for content, why in (("a: [1", "simulator.yaml in it cannot be read"), ("name: bowl", "this key is required")):
         (ended / "simulator.yaml").write_text(content)
-        assert why in refused()
+        assert why in again()
     (ended / "simulator.yaml").unlink()
-    assert "simulator.yaml" in refused()
+    assert "simulator.yaml" in again()
     (ended / "simulator.yaml").write_text(description)
     result = json.loads((ended / "result.json").read_text())
     for given, why in (
@@ -269,9 +271,8 @@ def test_a_run_of_a_command_that_is_not_as_it_was_is_not_extended(
         ({"command_given": [1]}, "does not state where its campaign file was"),
     ):
         (ended / "result.json").write_text(json.dumps(result | given))
-        assert why in refused()
+        assert why in again()
 
 
 def test_a_stored_run_has_no_command_to_permit(capsys: pytest.CaptureFixture[str]) -> None:
-    assert invoke(["run", "--continue", "R-0001", "--budget", "+20", "--allow-code"]) == WRONG_INPUT
-    assert "a stored run has no command" in " ".join(capsys.readouterr().err.split())
+    assert refused(capsys, "run", "--continue", "R-0001", "--budget", "+20", "--allow-code") == RefusalCode.OPTIONS

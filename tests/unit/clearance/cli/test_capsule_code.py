@@ -17,11 +17,13 @@ import pytest
 from campaigns.asked.load import load_document
 from campaigns.capsules.capsule import digest_of
 from campaigns.capsules.packing import CapsuleError, read, read_sources, unpacked
+from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from clearance.cli._capsule_code import _written
 from tests.given.capsule_files import few_checks, files_of, written, zipped
 from tests.given.corrupted_records import ran
 from tests.given.guest_packages import package
+from tests.given.refused_commands import refusal, refused
 from worker.engine.components.avoiders import potential_field
 from worker.running.runs import added as recorded
 from worker.running.runs.meaning import meaning
@@ -75,9 +77,9 @@ def test_source_in_a_capsule_does_not_run_unless_permitted(
     module: str, trace: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert invoke(["replay", str(with_source(tmp_path, module, TEXT))]) == WRONG_INPUT
-    refused = capsys.readouterr().err
-    assert "nothing of it was executed; for a file that you trust, --allow-code permits it" in refused
-    assert f"({module.rpartition('.')[2]}.py), which is code" in refused
+    errors = capsys.readouterr().err
+    assert refusal(errors) == RefusalCode.CODE_NOT_PERMITTED
+    assert f"({module.rpartition('.')[2]}.py)" in errors
     assert not trace.exists()
 
 
@@ -130,8 +132,7 @@ def test_text_that_was_changed_is_refused_and_not_run(
         document["modules"][module] = "0" * 16
 
     capsule = with_source(tmp_path, module, TEXT, sealed)
-    assert invoke(["replay", str(capsule), "--allow-code"]) == WRONG_INPUT
-    assert "is not the one that the run recorded" in capsys.readouterr().err
+    assert refused(capsys, "replay", capsule, "--allow-code") == RefusalCode.OTHER_SOURCE
     assert not trace.exists()
 
 
@@ -176,9 +177,9 @@ def test_source_that_does_not_evaluate_the_finding_is_not_claimed_to(
 
     capsule = with_source(tmp_path, OWN, TEXT, shipped)
     assert invoke(["replay", str(capsule), "--allow-code"]) == WRONG_INPUT
-    assert "is not evaluated by exactly the source in it" in capsys.readouterr().err
-    assert invoke(["replay", str(capsule)]) == 0
-    assert "nothing of the capsule was executed" in capsys.readouterr().out
+    assert refusal(capsys.readouterr().err) == RefusalCode.UNUSED_SOURCE
+    assert invoke(["replay", str(capsule), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["executed"] is False
 
 
 def _module(name: str) -> Callable[[Document], object]:

@@ -10,7 +10,9 @@ import pytest
 from backend.db.access import hashed
 from backend.db.engine import connect, default_url, read
 from backend.db.tables import LoginLink, Token
+from campaigns.refusals import RefusalCode
 from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
+from tests.given.refused_commands import refused
 
 
 @pytest.mark.parametrize(
@@ -91,8 +93,7 @@ def test_a_token_is_shown_once_and_stored_as_its_hash(tmp_path: Path, capsys: py
     assert (row.name, row.hash, row.revoked) == ("ci", hashed(secret), None)
     assert secret.encode() not in b"".join(file.read_bytes() for file in tmp_path.iterdir())
 
-    assert invoke(["token", "create", "ci", *data]) == WRONG_INPUT
-    assert "a token named 'ci' exists or existed" in capsys.readouterr().err
+    assert refused(capsys, "token", "create", "ci", *data) == RefusalCode.NAME_TAKEN
     assert invoke(["token", "revoke", "ci", *data]) == 0
     assert invoke(["token", "list", *data]) == 0
     *_, line = capsys.readouterr().out.splitlines()
@@ -104,8 +105,7 @@ def test_a_token_is_shown_once_and_stored_as_its_hash(tmp_path: Path, capsys: py
 
 def test_a_login_link_for_the_service_of_that_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     data = ["--data", str(tmp_path)]
-    assert invoke(["login-link", *data]) == WRONG_INPUT
-    assert "there is no database at" in capsys.readouterr().err
+    assert refused(capsys, "login-link", *data) == RefusalCode.NO_DATABASE
     invoke(["token", "create", "ci", *data])
     (tmp_path / "service-address").write_text("http://127.0.0.1:8123\n")
     capsys.readouterr()

@@ -18,10 +18,12 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign, load_file
-from clearance.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
+from campaigns.refusals import RefusalCode
+from clearance.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, NOT_A_RESULT, VIOLATED, WRONG_INPUT, invoke
 from tests.audited import audited_summary
 from tests.faults.processes import until
 from tests.given.case_campaigns import campaign, document, searching
+from tests.given.refused_commands import refusal
 from worker.engine.problem.problem import Problem
 from worker.running.opening import opened
 
@@ -82,22 +84,19 @@ def test_violated_is_1(file: Write, tmp_path: Path, capsys: pytest.CaptureFixtur
     place = results[0]["locations"][0]["physicalLocation"]
     assert place["artifactLocation"] == {"uri": Path(given).as_uri()}
     assert results[0]["properties"]["margin"] <= 0
-    out = capsys.readouterr().out
-    assert "✗ Violated" in out
-    assert "d_min falls to or below 0.943 m" in out
+    assert "✗ Violated" in capsys.readouterr().out
 
 
 def test_inconclusive_is_2(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["run", file(searching(DIRECT, scenario__horizon=1.0))]) == INCONCLUSIVE == 2
-    out = capsys.readouterr().out
-    assert "? Inconclusive" in out
-    assert "a method of another family must confirm it" in out
+    assert "? Inconclusive" in capsys.readouterr().out
 
 
 def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["validate", "unicycle_static"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith(f"Unicycle, static obstacle: can be run here. Digest {campaign().digest[:16]}\n")
+    assert out.startswith(f"{campaign().name}: ")
+    assert f" {campaign().digest[:16]}\n" in out
     assert "2 uncertain parameters, about 13543 evaluations:" in out
     assert "  search by direct: 3000\n" in out
 
@@ -155,12 +154,12 @@ def test_a_failure_of_clearance_itself_is_4(
     out, err = capsys.readouterr()
     assert out == ""
     assert "ZeroDivisionError" in err
-    assert err.rstrip().endswith("Internal error in Clearance; this is not a result of your campaign.")
+    assert err.endswith(f"{NOT_A_RESULT}\n")
 
 
 KEYS = {
     "verdict", "reason", "nominal", "worst", "stages", "comparison", "checks", "statistics", "findings", "evaluations",
-    "digest", "seed", "versions", "sentence", "scope", "statement", "holds_for", "values",
+    "digest", "identity", "seed", "versions", "sentence", "scope", "statement", "holds_for", "values",
 }  # fmt: skip
 
 
@@ -211,8 +210,11 @@ def test_json_when_no_flight_is_possible(file: Write, capsys: pytest.CaptureFixt
 def test_the_report_when_no_flight_is_possible(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
     uncertain = {"vehicle.m": {"plus_minus": "20%"}}
     asked = searching(DIRECT, scenario__vehicle__parameters__J=0.001, uncertain=uncertain)
+    assert invoke(["run", file(asked), "--json"]) == INCONCLUSIVE
+    found = json.loads(capsys.readouterr().out)
+    assert (found["worst"], found["findings"]) == (None, [])
     assert invoke(["run", file(asked)]) == INCONCLUSIVE
-    assert "No flight could be evaluated" in capsys.readouterr().out
+    assert found["sentence"] in capsys.readouterr().out
 
 
 def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -325,8 +327,8 @@ def test_a_run_that_needs_more_memory_than_it_may_take_ends_with_a_sentence(
     monkeypatch.setattr("worker.running.runs.runner.execute", greedy)
     monkeypatch.setenv("CLEARANCE_CHILD_MEMORY", "1")
     before = resource.getrlimit(resource.RLIMIT_AS)
-    assert invoke(["run", "unicycle_static"]) == 3
-    assert "the simulation needs more than the limit of 1 GiB per process: lower the" in capfd.readouterr().err
+    assert invoke(["run", "unicycle_static"]) == WRONG_INPUT == 3
+    assert refusal(capfd.readouterr().err) == RefusalCode.TOO_LITTLE_MEMORY
     assert resource.getrlimit(resource.RLIMIT_AS) == before
 
 

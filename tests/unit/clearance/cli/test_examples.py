@@ -14,8 +14,10 @@ from pathlib import Path
 
 import pytest
 
+from campaigns.refusals import RefusalCode
 from clearance.cli import WRONG_INPUT, invoke
 from clearance.cli.examples import KINDS, WHERE, shipped
+from tests.given.refused_commands import fields, refused
 from worker.running.catalogue.installed import forget_simulators
 
 REPOSITORY = Path(__file__).parents[4]
@@ -55,8 +57,7 @@ def test_they_are_copied_where_the_guides_name_them(empty: Path, capsys: pytest.
 
 def test_nothing_is_overwritten(empty: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (empty / "mine").mkdir()
-    assert invoke(["examples", "mine"]) == WRONG_INPUT
-    assert "mine exists and is not overwritten" in capsys.readouterr().err
+    assert refused(capsys, "examples", "mine") == RefusalCode.EXISTS
     assert list((empty / "mine").iterdir()) == []
 
 
@@ -120,7 +121,9 @@ def test_without_simulators_the_message_states_where_they_are_named(
     monkeypatch.delenv("CLEARANCE_SIMULATORS")
     forget_simulators()
     assert invoke([command, "docs/examples/campaigns/drop.yaml"]) == WRONG_INPUT
-    assert "it has none: name the folder" in capsys.readouterr().err
+    errors = capsys.readouterr().err
+    assert fields(errors) == ["simulator.name"]
+    assert "CLEARANCE_SIMULATORS" in errors
 
 
 @pytest.mark.parametrize("command", ["run", "validate"])
@@ -129,7 +132,9 @@ def test_a_simulator_that_was_not_built_is_named_with_the_reason(
 ) -> None:
     assert invoke(["examples"]) == 0
     assert invoke([command, "docs/examples/campaigns/fmu_drop.yaml"]) == WRONG_INPUT
-    assert "there is no file model.fmu" in capsys.readouterr().err
+    errors = capsys.readouterr().err
+    assert fields(errors) == ["simulator.name"]
+    assert "model.fmu" in errors
 
 
 @pytest.mark.nightly

@@ -11,10 +11,13 @@ import pytest
 
 from backend.db.engine import connect
 from backend.db.queue import submit
+from campaigns.refusals import RefusalCode
 from campaigns.results.base import EXCLUDED
 from campaigns.versions import Processor, Versions
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from clearance.cli.replay import _closing
 from tests.given.corrupted_records import CERTIFY, RUNS, Folder, write_called, written
+from tests.given.refused_commands import refusal, refused
 from tests.migrated import migrated
 from tests.simulators.adversaries import adversary
 from worker.engine.stages.parts import offered
@@ -50,7 +53,7 @@ def test_findings_have_the_same_bits(tmp_path: Path, capsys: pytest.CaptureFixtu
     line, closing = capsys.readouterr().out.splitlines()
     assert line.startswith("F1: stored d_min 0.")
     assert line.endswith(" m: same bits")
-    assert closing == "Installation and machine are the same as those that made the run. It agrees."
+    assert closing == _closing([True], [], [], "")
 
 
 def test_a_sample_is_simulated_with_its_own_noise(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -83,7 +86,9 @@ def test_a_simulator_that_does_not_repeat_is_reported_as_such(
         assert invoke(["replay", str(folder), "F1"]) == code
     assert statement in capsys.readouterr().out
     assert invoke(["replay", str(folder), "F1"]) == WRONG_INPUT
-    assert "cannot be evaluated by this installation: simulator.name: no such simulator" in capsys.readouterr().err
+    errors = capsys.readouterr().err
+    assert refusal(errors) == RefusalCode.NOT_EVALUABLE
+    assert " simulator.name: " in errors
 
 
 @pytest.mark.parametrize(("factor", "here", "elsewhere"), [(1 + 2e-16, VIOLATED, 0), (1 + 1e-7, VIOLATED, VIOLATED)])
@@ -97,15 +102,17 @@ def test_a_changed_cost_is_noticed(
     assert capsys.readouterr().out.splitlines()[-1].endswith("1 of 1 do not agree.")
     folder.result["versions"]["cpu"]["target"] = "another"
     folder.write()
-    assert invoke(["replay", str(folder.path), f"{SEARCH}:3"]) == elsewhere
-    assert "the processor was another, here it is " in capsys.readouterr().out
+    assert invoke(["replay", str(folder.path), f"{SEARCH}:3", "--json"]) == elsewhere
+    (difference,) = json.loads(capsys.readouterr().out)["differences"]
+    assert "another" in difference
 
 
 def test_an_evaluation_without_a_cost_agrees_by_its_status(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = Folder(written(tmp_path / "out", "excluded"))
     row = int(np.flatnonzero(folder.arrays[f"status_{SEARCH}"] == EXCLUDED)[0])
-    assert invoke(["replay", str(folder.path), f"{SEARCH}:{row}"]) == 0
-    assert capsys.readouterr().out.splitlines()[0] == f"evaluation {row} of monte_carlo: excluded then and now"
+    code, found = replayed(capsys, str(folder.path), f"{SEARCH}:{row}")
+    (case,) = found["cases"]
+    assert (code, case["stored"]["status"], case["now"]["status"], case["agrees"]) == (0, "excluded", "excluded", True)
     folder.arrays[f"status_{SEARCH}"][row] = 0
     folder.arrays[f"costs_{SEARCH}"][row] = 1.0
     folder.write()
@@ -132,8 +139,7 @@ def test_an_unknown_case_is_a_sentence(name: str, why: str, tmp_path: Path, caps
 
 
 def test_what_is_not_a_run_is_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert invoke(["replay", str(tmp_path)]) == WRONG_INPUT
-    assert "cannot be replayed: it contains no campaign.json" in capsys.readouterr().err
+    assert refused(capsys, "replay", tmp_path) == RefusalCode.NO_RUN
     folder = written(tmp_path / "out", "violated")
     for name, text in (("evidence.json", '{"results": [3]}'), ("evidence.json", "[]"), ("result.json", "[]")):
         (folder / name).write_text(text)
@@ -146,10 +152,8 @@ def test_a_run_that_has_not_begun_has_nothing_to_replay(tmp_path: Path, capsys: 
     with engine.begin() as connection:
         submit(connection, RUNS["violated"](), name="a", tags=[], owner="ada", planned=1)
     engine.dispose()
-    assert invoke(["replay", "R-0001", "--data", str(tmp_path)]) == WRONG_INPUT
-    assert "it has no finding; name an evaluation: it has no stored evaluations" in capsys.readouterr().err
-    assert invoke(["replay", "R-0002", "--data", str(tmp_path)]) == WRONG_INPUT
-    assert "there is no R-0002 in this database" in capsys.readouterr().err
+    assert refused(capsys, "replay", "R-0001", "--data", tmp_path) == RefusalCode.NO_SUCH_CASE
+    assert refused(capsys, "replay", "R-0002", "--data", tmp_path) == RefusalCode.NO_RUN
 
 
 def test_a_machine_is_of_the_same_kind_only_where_that_is_known() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
-from clearance.local.failures import MOST, failures, lines
+from clearance.local.failures import MOST, OUTPUT, UNKNOWN, failures, lines
 from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
 from worker.running.runs.store import MemoryStore
 
@@ -20,25 +20,25 @@ def store(*stages: tuple[list[int], dict[int, str]]) -> MemoryStore:
 
 
 def test_what_failed_is_counted_by_reason_and_status() -> None:
-    crash = "its process was killed by SIGSEGV"
+    crash, late = "its process was killed by SIGSEGV", "no answer within 5 s"
     found = failures(
         store(
             ([OK, FAILED, EXCLUDED], {1: f"{crash}; its last output: working on 3", 2: "it starts inside"}),
-            ([TIMEOUT, FAILED, FAILED, OK], {0: "no answer within 5 s", 1: crash, 3: "succeeded when tried again: x"}),
+            ([TIMEOUT, FAILED, FAILED, OK], {0: late, 1: crash, 3: "succeeded when tried again: x"}),
         )
     )
     assert [(f.evaluations, f.status, f.stage, f.index, f.reason) for f in found] == [
         (2, "failed", 0, 1, crash),
-        (1, "timeout", 1, 0, "no answer within 5 s"),
-        (1, "failed", 1, 2, "no reason was stored"),
+        (1, "timeout", 1, 0, late),
+        (1, "failed", 1, 2, UNKNOWN),
     ]
     assert found[0].output == "working on 3"
 
 
 def test_lines_for_the_terminal() -> None:
     assert lines(store(([OK, OK], {}))) == []
-    one = lines(store(([FAILED], {0: "it crashed; its last output: a\nb"})))
-    assert one[1:] == ["  1 failed (0:0): it crashed; its last output: a b"]
+    one = lines(store(([FAILED], {0: f"it crashed{OUTPUT}a\nb"})))
+    assert one[1:] == [f"  1 failed (0:0): it crashed{OUTPUT}a b"]
     many = lines(store(([FAILED] * 20, {k: f"reason {k}" for k in range(20)})))
     assert len(many) == 1 + MOST + 1
     assert many[-1].startswith(f"  and {20 - MOST} further reasons")

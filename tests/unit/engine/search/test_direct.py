@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from campaigns.codes import StopCode
 from clearance.testing.searching import Searched, batch, run, space
 from tests.given.case_campaigns import campaign, case1
+from tests.given.ended_searches import ending
 from tests.given.functions_with_minima import PUBLISHED, on_unit_cube
 from worker.engine.search.base import Batch, Floats, Method
 from worker.engine.search.methods import direct, direct_l
@@ -130,8 +132,8 @@ def test_rules_by_which_it_stops() -> None:
     assert ten.text == "completed the 10 iterations"
     assert len(ten.batches) == 11
     small = run(method, bowl, 2, 10_000, options={"smallest": 0.01})
-    assert small.text is not None
-    assert small.text.startswith("the best rectangle is smaller than 0.01 after ")
+    code, numbers = ending(small.text)
+    assert (code, numbers["smallest"]) == (StopCode.RESOLUTION, 0.01)
     budget = run(method, bowl, 2, 100)
     assert budget.text is None
     assert sum(map(len, budget.batches[:-1])) < 100

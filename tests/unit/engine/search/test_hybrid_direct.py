@@ -10,6 +10,7 @@ import pytest
 from campaigns.codes import StopCode
 from campaigns.results.base import EXCLUDED, FAILED
 from clearance.testing.searching import run
+from tests.given.ended_searches import ending
 from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Ended, Floats
 from worker.engine.search.methods import direct, direct_l, hybrid_direct
@@ -31,7 +32,9 @@ def test_it_begins_with_directs_points(biased: bool) -> None:
     assert len(hybrid.batches) > len(plain.batches)
     for mine, his in zip(hybrid.batches, plain.batches, strict=False):
         assert np.array_equal(mine, his)
-    assert hybrid.text.startswith("DIRECT: completed the 15 iterations; SQP from 5 centres, from the best of them: ")
+    code, values = ending(hybrid.text)
+    assert (code, values["centres"]) == (StopCode.MEMBERS, 5)
+    assert ending(values["direct"]) == ending(plain.text) == (StopCode.ITERATIONS, {"iterations": 15})
     assert hybrid.lowest < plain.lowest
 
 
@@ -95,7 +98,9 @@ def test_it_never_descends_from_a_point_without_a_value(status: int) -> None:
 
 def test_it_reports_that_no_centre_has_a_value() -> None:
     hybrid = run(method, lambda x: np.full(len(x), np.nan), 2, 10_000, options={"iterations": 5})
-    assert hybrid.text == "DIRECT: completed the 5 iterations; no centre had a value"
+    code, values = ending(hybrid.text)
+    assert code == StopCode.NO_VALUE
+    assert ending(values["direct"]) == (StopCode.ITERATIONS, {"iterations": 5})
     assert hybrid.minima == []
 
 
@@ -105,7 +110,8 @@ def test_options_of_the_descents_and_of_direct(options: dict[str, Any]) -> None:
     hybrid = run(method, f, 3, 5000, options=options)
     assert hybrid.text is not None
     if "smallest" in options:
-        assert hybrid.text.startswith("DIRECT: the best rectangle is smaller than 0.05 after ")
+        code, values = ending(ending(hybrid.text)[1]["direct"])
+        assert (code, values["smallest"]) == (StopCode.RESOLUTION, 0.05)
     if "gradients" in options:
         assert {m.text.code for m in hybrid.minima if isinstance(m.text, Ended)} == {StopCode.ITERATIONS}
         assert all(isinstance(m.text, Ended) for m in hybrid.minima)

@@ -9,10 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from campaigns.codes import StopCode
 from clearance.testing.searching import run, space
 from tests.given.sampled_stages import PROBABILITY, THRESHOLD, asked, context, evaluate
+from tests.given.stated_facts import facts
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import monte_carlo
+from worker.engine.search.methods.monte_carlo import NO_SAMPLE
 from worker.engine.stages import search
 from worker.engine.stages.parts.claims import bound
 
@@ -105,7 +108,7 @@ def test_it_stops_at_the_first_interim_analysis_with_a_narrow_interval() -> None
     columns = run.store.evaluations(0)
     assert columns is not None
     assert found.stop.kind == "rule"
-    assert found.stop.text.startswith("P(violation) is known to within 0.02")
+    assert found.stop.code == StopCode.PRECISE
     violated = np.cumsum(columns.costs[:, 0] <= THRESHOLD)
     widths = []
     for looks in range(1, 20):
@@ -121,7 +124,7 @@ def test_it_stops_at_the_first_interim_analysis_with_a_narrow_interval() -> None
     assert told is not None
     assert told.looks == len(widths)
     assert told.upper_bound == bound(told.violations, told.samples, level)
-    assert "early stopping spends the error over interim analyses (alpha spending)" in told.text
+    assert facts(told.statement)[-2:] == [told.looks, pytest.approx(level, abs=1e-6)]
 
 
 @pytest.mark.parametrize("seeds", [150, pytest.param(400, marks=pytest.mark.nightly)])
@@ -166,4 +169,4 @@ def test_points_that_are_no_independent_sample_bound_nothing(sampling: str, poin
     assert told.upper_bound is None
     assert told.violations == pytest.approx(1000 * PROBABILITY, abs=6)
     assert points in told.text
-    assert "they are not an independent sample, so they give no bound on P(violation)" in told.text
+    assert NO_SAMPLE in told.text

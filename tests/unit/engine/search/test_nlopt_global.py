@@ -7,7 +7,9 @@ from typing import get_args, get_type_hints
 import numpy as np
 import pytest
 
+from campaigns.codes import StopCode
 from clearance.testing.searching import batch, run, space
+from tests.given.ended_searches import ending
 from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Floats, side_by_side
 from worker.engine.search.methods import nlopt_global
@@ -63,7 +65,7 @@ def test_too_many_parameters_for_ags_is_a_sentence() -> None:
     search = method.search(space(11, 100), Options(algorithm="ags"))
     with pytest.raises(StopIteration) as ended:
         next(search)
-    assert ended.value.value == "ags takes at most 10 parameters, this campaign has 11: choose another"
+    assert ending(ended.value.value) == (StopCode.UNSUITED, {"most": 10, "parameters": 11})
 
 
 def test_the_known_minimum_is_found() -> None:

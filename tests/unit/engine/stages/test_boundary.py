@@ -7,9 +7,11 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 
+from campaigns.claims.stages.surroundings import NOMINAL_BEYOND
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.given.case_campaigns import campaign, case1
 from tests.given.sampled_stages import THRESHOLD, context, evaluate
+from tests.given.stated_facts import facts
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages.parts import boundary
 from worker.engine.stages.parts.base import Asking, drive
@@ -77,8 +79,7 @@ def test_distances_to_the_boundary() -> None:
     assert result.line.way == pytest.approx(0.75, abs=1e-4)
     assert result.line.parameters is not None
     assert result.line.parameters["vehicle.m"] == pytest.approx(4.4, abs=1e-4)
-    assert result.text.startswith("the nearest boundary along a single parameter is at vehicle.m = 4.")
-    assert "on the straight line to the worst case it is crossed at 75 % of the distance" in result.text
+    assert facts(result.statement) == ["vehicle.m", pytest.approx(4.4, abs=1e-4), 0.3, 0.75]
     assert evaluations <= boundary.most(2)
 
 
@@ -87,7 +88,7 @@ def test_a_violation_that_no_parameter_reaches_alone() -> None:
     assert all(ray.share is None for ray in result.rays)
     assert result.line is not None
     assert result.line.way == pytest.approx(0.8, abs=1e-4)
-    assert result.text.startswith("no violation was found along any single parameter, sampled in 20 steps; on the")
+    assert facts(result.statement) == [boundary.SAMPLES, 0.8]
 
 
 def test_a_failed_flight_ends_a_ray_and_an_excluded_one_does_not() -> None:
@@ -105,7 +106,7 @@ def test_a_failed_flight_ends_a_ray_and_an_excluded_one_does_not() -> None:
 def test_a_nominal_flight_that_violates_has_no_distance() -> None:
     result, evaluations = driven(boundary.boundary(case1(), WORST), flown(lambda u: np.zeros(len(u))))
     assert (result.rays, result.line) == ([], None)
-    assert result.text == "the nominal case itself violates the criterion or fails"
+    assert result.statement == NOMINAL_BEYOND
     assert evaluations == 1 + 5 * boundary.SAMPLES
 
 

@@ -8,6 +8,7 @@ import pytest
 from clearance.testing.searching import Function, batch, run
 from tests.given.case_campaigns import case1
 from tests.given.sampled_stages import asked, context, evaluate
+from tests.given.stated_facts import facts
 from worker.engine.search.base import Floats, Method
 from worker.engine.search.methods import direct, direct_l, sqp
 from worker.engine.stages import search
@@ -69,7 +70,7 @@ def test_rectangles_without_a_value_are_ignored_and_reported() -> None:
     found = gap.estimate(case1(), direct.method, direct.Options(), columns)
     assert found is not None
     assert found.without_value > 0
-    assert f"{found.without_value} rectangles whose centre has no value are ignored" in found.text
+    assert facts(found.statement)[-1] == found.without_value
     assert found.slopes["vehicle.m"] == pytest.approx(1.0)
 
 
@@ -86,4 +87,5 @@ def test_a_search_stage_reports_it_as_an_estimate() -> None:
     found = search.run(context(asked({"search": [{"method": "direct", "evaluations": 200}]}), evaluate()), 0).result.gap
     assert found is not None
     assert found.lower_bound == pytest.approx(0.3)
-    assert found.text.startswith("estimate, not a bound: if the steepest slopes observed between the centres of")
+    assert [fact for fact in facts(found.statement) if isinstance(fact, str)] == ["d_min"]
+    assert facts(found.statement)[2] == pytest.approx(0.3)

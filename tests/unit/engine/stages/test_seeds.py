@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns.asked.spec import MAX_SEED
+from campaigns.claims.stages.sample import DRAWN
 from campaigns.results import CertifyResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.draws import of_draws
@@ -80,7 +81,7 @@ def test_the_sample_draws_a_realisation_with_every_flight() -> None:
     assert columns is not None
     assert result.drawn_realisations == len(columns.status) == 120
     assert result.sample.noise == "drawn"
-    assert "each with its own noise realisation" in result.sample.text
+    assert DRAWN.drawn in result.sample.text
     own = of_draws(problem.campaign.seed, 0, 120)
     again = problem.evaluate(columns.points, own)[0]
     assert np.array_equal(again.costs, columns.costs, equal_nan=True)
@@ -91,11 +92,11 @@ def test_the_sample_draws_a_realisation_with_every_flight() -> None:
 
 
 def test_what_one_mild_realisation_hides_the_sample_shows() -> None:
-    _, conclusion, _ = ran()
+    store, conclusion, _ = ran()
     _, result = certified()
     assert result.sample.violations > 20
     assert conclusion.verdict == "violated"
-    assert "with the noise realisation of seed" in conclusion.reason
+    assert f" seed {store.findings[0].realisation}" in conclusion.reason
 
 
 def test_a_finding_under_its_own_noise_has_its_seed_and_its_flight() -> None:

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 import yaml
 
-from worker.engine.systems.simulators.declared.descriptor import FOLDERS, BadDescriptor, listed, read, unusable
+from worker.engine.systems.simulators.declared.descriptor import BadDescriptor, listed, read, unusable
+from worker.engine.systems.simulators.declared.folder import FOLDERS
 
 GOOD: dict[str, Any] = {
     "name": "drop",

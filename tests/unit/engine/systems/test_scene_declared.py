@@ -120,15 +120,15 @@ def test_a_function_declares_one(tmp_path: Path) -> None:
     assert isinstance(found, PythonFunction)
     assert found.declaration.drawn.vehicle.position == ["x", 2]
     file.write_text(SOURCE.replace("FAR", "'y'"), encoding="utf-8")
-    with pytest.raises(BadFile, match="the trace has no column y; it has time, x"):
+    with pytest.raises(BadFile, match=r" y; .* time, x"):
         read_file(file)
     file.write_text(SOURCE.replace("FAR", "{1, 2}"), encoding="utf-8")
-    with pytest.raises(BadFile, match=r"scene\.vehicle\.position\.1: the name of a column or a number"):
+    with pytest.raises(BadFile, match=r"scene\.vehicle\.position\.1: "):
         read_file(file)
 
 
 def test_in_a_script_a_wrong_one_is_refused_at_once() -> None:
-    with pytest.raises(ValueError, match="the trace has no column h"):
+    with pytest.raises(ValueError, match=r" column h\b"):
 
         @clearance.simulator(
             parameters={"v": (0.0, 1.0)},

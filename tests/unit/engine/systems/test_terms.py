@@ -41,6 +41,9 @@ OPENING = Opening({"simulator.x": 0.5, "simulator.y": 0.45}, "separation")
 BAR = ("rig", say("the rig was not calibrated"))
 
 
+TYRES = "The tyres were new."
+
+
 class Extended(two_basins.TwoBasins):
     """States more than the usual, and has other words for it."""
 
@@ -50,7 +53,7 @@ class Extended(two_basins.TwoBasins):
 
     @property
     def caveat(self) -> str:
-        return f"{super().caveat} The tyres were new."  # type: ignore[misc]
+        return f"{super().caveat} {TYRES}"  # type: ignore[misc]
 
 
 class Rig(System):
@@ -101,9 +104,7 @@ def test_a_package_extends_the_usual_terms() -> None:
     usual = terms(two_basins.TwoBasins(two_basins.ENTRY, OPENING))
     own = Extended(two_basins.ENTRY, OPENING)
     for _ in range(2):
-        assert terms(own) == replace(
-            usual, words=replace(usual.words, one="drive"), caveat=f"{usual.caveat} The tyres were new."
-        )
+        assert terms(own) == replace(usual, words=replace(usual.words, one="drive"), caveat=f"{usual.caveat} {TYRES}")
     assert terms(Called(own, Simulator(name="two_basins", retries=1))) == terms(own)
 
 

@@ -18,6 +18,7 @@ from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
+from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.audited import audited, recorded
 from tests.given.case_campaigns import searching
@@ -33,11 +34,12 @@ from tests.given.corrupted_records import (
     write_called,
     written,
 )  # fmt: skip
+from tests.given.refused_commands import refused
 from tests.migrated import migrated
 from worker.engine.stages.parts import claims, offered
 from worker.evidence.audit import judge
 from worker.evidence.audit.binomial import cumulative, upper_bound
-from worker.evidence.audit.judge import audit, closing
+from worker.evidence.audit.judge import Item, audit, closing
 from worker.evidence.audit.record import MISSING, UnreadableError, of_folder
 from worker.running.catalogue.installed import catalogue
 
@@ -96,7 +98,7 @@ def test_it_follows_where_words_alone_are_stored(name: str, tmp_path: Path) -> N
 def test_it_follows_in_a_database(database: sa.Engine, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert len(audited(database)) > len(audited(ran("cleared")[1], ran("cleared")[0]))
     assert invoke(["audit", "R-0001", "--data", str(tmp_path)]) == 0
-    assert capsys.readouterr().out.endswith("The verdict follows from the stored evaluations.\n")
+    assert capsys.readouterr().out.lower().endswith(f"{closing([])[1]}.\n")
 
 
 @pytest.mark.parametrize(("name", "change", "item"), [c[1:] for c in CORRUPTIONS], ids=[c[0] for c in CORRUPTIONS])
@@ -130,8 +132,9 @@ def test_a_corrupted_record_of_calls_does_not_follow(
 def test_a_record_of_another_structure_is_refused(name: str, change: Callable[[Folder], Any], tmp_path: Path) -> None:
     folder = Folder(written(tmp_path / "out", name))
     change(folder)
-    with pytest.raises(UnreadableError, match="is not that of a run"):
+    with pytest.raises(UnreadableError) as refusal:
         folder.items()
+    assert refusal.value.code == RefusalCode.UNREADABLE
 
 
 @pytest.mark.parametrize(("name", "change"), [c[1:] for c in UNKNOWN], ids=[c[0] for c in UNKNOWN])
@@ -140,9 +143,21 @@ def test_without_its_evidence_a_verdict_does_not_follow(
 ) -> None:
     folder = Folder(written(tmp_path / "out", name))
     change(folder)
-    follows, sentence = closing(folder.items())
-    assert not follows
-    assert sentence.startswith("it is not known whether the verdict follows; ")
+    items = {item.name: item.agrees for item in folder.items()}
+    assert (items["verdict"], False in items.values()) == (None, False)
+    assert not closing(folder.items())[0]
+
+
+def test_the_closing_sentence_counts_what_disagrees_and_what_is_unknown() -> None:
+    right, wrong, unknown, verdict = (
+        Item("a", 1, 1), Item("b", 1, 2), Item("c", 1, MISSING), Item("verdict", MISSING, "cleared"),
+    )  # fmt: skip
+    assert [closing(items) for items in ([right], [right, unknown], [wrong, right, unknown], [right, verdict])] == [
+        (True, "the verdict follows from the stored evaluations"),
+        (True, "the verdict follows from the stored evaluations; 1 of 2 items could not be audited"),
+        (False, "the verdict does not follow from what the run stored: b disagree; 1 of 3 items could not be audited"),
+        (False, "it is not known whether the verdict follows; 1 of 2 items could not be audited"),
+    ]
 
 
 def _document(connection: sa.Connection, **changes: Any) -> None:
@@ -179,12 +194,10 @@ def test_what_is_not_stored_is_not_auditable_and_never_agrees(tmp_path: Path) ->
     folder = written(tmp_path / "out", "violated")
     (folder / "evidence.json").unlink()
     items = audit(of_folder(folder))
-    follows, sentence = closing(items)
     unknown = [i for i in items if i.agrees is None]
-    assert follows, "the finding itself holds what its validation was"
+    assert closing(items)[0], "the finding itself holds what its validation was"
     assert {"results", "checks.motion"} <= {i.name for i in unknown}
     assert all(MISSING in (i.given, i.recomputed) for i in unknown)
-    assert sentence.endswith(f"; {len(unknown)} of {len(items)} items could not be audited")
 
 
 def test_a_cleared_verdict_whose_evidence_is_not_stored_cannot_be_recomputed(
@@ -195,8 +208,8 @@ def test_a_cleared_verdict_whose_evidence_is_not_stored_cannot_be_recomputed(
     assert invoke(["audit", str(folder), "--json"]) == VIOLATED == 1
     answer = json.loads(capsys.readouterr().out)
     assert not answer["follows"]
-    assert answer["sentence"].startswith("it is not known whether the verdict follows; ")
     assert {i["agrees"] for i in answer["items"]} == {True, None}
+    assert answer["sentence"] == closing(audit(of_folder(folder)))[1]
 
 
 def test_the_command_prints_the_given_and_the_recomputed_verdict(
@@ -237,11 +250,11 @@ def test_a_run_without_a_verdict_is_wrong_input(tmp_path: Path, capsys: pytest.C
     engine = connect(migrated(tmp_path))
     with engine.begin() as connection:
         submit(connection, searching(DIRECT), name="a", tags=[], owner="", planned=1)
-    with pytest.raises(UnreadableError, match="it is queued and has no verdict"):
+    with pytest.raises(UnreadableError, match="queued") as refusal:
         recorded(engine)
+    assert refusal.value.code == RefusalCode.NO_VERDICT
     engine.dispose()
-    assert invoke(["audit", "R-0009", "--data", str(tmp_path)]) == WRONG_INPUT
-    assert "there is no such run in this database" in capsys.readouterr().err
+    assert refused(capsys, "audit", "R-0009", "--data", tmp_path) == RefusalCode.NO_RUN
     assert invoke(["audit", "R-0009", "--data", str(tmp_path / "nowhere")]) == WRONG_INPUT
     shutil.rmtree(tmp_path, ignore_errors=True)
 
@@ -254,7 +267,7 @@ def test_its_earlier_name_runs_it_for_one_version(tmp_path: Path, capsys: pytest
     verified = capsys.readouterr()
     assert verified.out == audited_output.out
     assert (audited_output.err, verified.err.count("\n")) == ("", 1)
-    assert verified.err.startswith("Note: `clearance verify` is now `clearance audit`")
+    assert "`clearance audit`" in verified.err
     assert invoke(["verify", str(tmp_path)]) == WRONG_INPUT
 
 

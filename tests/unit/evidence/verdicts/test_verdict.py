@@ -74,7 +74,6 @@ def test_a_verdict_contains_nominal_worst_case_provenance_and_statistics() -> No
 def test_violated_when_a_validated_finding_violates() -> None:
     conclusion = concluded(**violation())
     assert conclusion.verdict == "violated"
-    assert conclusion.reason.startswith("d_min falls to or below 0.5 m. The worst case found has d_min = 0.49 m")
     assert facts(conclusion.statement)[:5] == ["d_min", 0.5, "d_min", 0.49, -0.01]
     assert facts(check_of("no violation", conclusion).statement) == ["F1", 0.01]
 
@@ -139,7 +138,7 @@ def test_violated_needs_validation() -> None:
     conclusion = concluded(**violation(finding=finding(0.49, False), validation=validation(ok=False, text=text)))
     assert conclusion.verdict == "inconclusive"
     assert conclusion.values["violated_by"] == pytest.approx(0.01)
-    assert "F1 violates the criterion by 0.01 m; validation did not confirm it" in conclusion.reason
+    assert facts(check_of("no violation", conclusion).statement)[:2] == ["F1", 0.01]
     assert text in conclusion.reason
 
 
@@ -149,7 +148,7 @@ def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
     given = violation(finding=finding(0.49, False), others=[milder], validation=validation(ok=False, text=text))
     conclusion = concluded(**given)
     assert conclusion.verdict == "violated"
-    assert "It is F2; F1, evaluated as 0.49 m, was not confirmed; both were found" in conclusion.reason
+    assert [fact for fact in facts(conclusion.statement) if fact in ("F1", "F2", 0.49)] == ["F2", "F1", 0.49]
     harmless = finding(0.6, label="F2")
     assert concluded(**given | {"others": [harmless]}).verdict == "inconclusive"
 
@@ -169,9 +168,10 @@ def test_nothing_that_bars_cleared_bars_a_validated_violation(changes: dict[str,
 
 
 def test_a_failed_nominal_flight() -> None:
-    conclusion = concluded(nominal=nominal(None, "the simulation diverged at t = 3 s"))
+    diverged = "the simulation diverged at t = 3 s"
+    conclusion = concluded(nominal=nominal(None, diverged))
     assert conclusion.verdict == "inconclusive"
-    assert check_of("nominal", conclusion).text.endswith(": the simulation diverged at t = 3 s")
+    assert check_of("nominal", conclusion).text.endswith(f": {diverged}")
     assert check_of("nominal", conclusion).text in conclusion.reason
     assert conclusion.nominal == NominalCost(cost=None, margin=None)
 
@@ -188,9 +188,7 @@ def test_no_flight_at_all() -> None:
     searches = [search("direct", None), search("sqp", None)]
     conclusion = concluded(nominal=nominal(None, "it diverged"), searches=searches, finding=None, failed=3343)
     assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
-    assert conclusion.reason.startswith(
-        "No flight could be evaluated: the nominal case was not evaluated: it diverged."
-    )
+    assert f": {check_of('nominal', conclusion).text}." in conclusion.reason
 
 
 ONE_METHOD = "only DIRECT reached the worst case; a method of another family must confirm it"
@@ -381,7 +379,8 @@ def test_a_flat_campaign_agrees_up_to_rounding() -> None:
     conclusion = concluded(campaign(encounter={"intended": {"influence": "a drill"}}), **flat)
     assert conclusion.verdict == "cleared"
     assert facts(check_of("agreement", conclusion).statement) == ["direct", "ga", 3343]
-    assert "No uncertain parameter changes d_min, which the author states is intended: a drill." in conclusion.reason
+    assert facts(check_of("influence", conclusion).statement) == ["d_min"]
+    assert "a drill." in conclusion.reason
 
 
 def test_only_parameters_with_slices_are_reported_as_without_effect() -> None:

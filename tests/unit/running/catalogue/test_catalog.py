@@ -138,18 +138,17 @@ def test_what_a_package_breaks_is_skipped_with_its_sentence(kind: Kind, known: K
     entries = {how: known.skipped(f"{how}_{kind}") for how in BREAKS}
     assert {entry["kind"] for entry in entries.values()} == {kind}
     texts = {how: entry["text"] for how, entry in entries.items()}
-    of = f"the package {{}}_{kind}: it"
-    assert texts["raising"] == of.format("raising") + " cannot be loaded (ValueError: not today)"
-    assert texts["leaving"] == of.format("leaving") + " cannot be loaded (SystemExit: bye)"
-    assert texts["missing"].startswith(of.format("missing") + " cannot be loaded (ModuleNotFoundError: ")
-    assert texts["empty"].startswith(of.format("empty") + " ")
+    assert [how for how, text in texts.items() if text.startswith(f"the package {how}_{kind}: ")] == list(texts)
+    assert texts["raising"].endswith("(ValueError: not today)")
+    assert texts["leaving"].endswith("(SystemExit: bye)")
+    assert "(ModuleNotFoundError: " in texts["missing"]
+    assert "Error" not in texts["empty"]
 
 
 def test_a_method_with_the_name_of_a_shipped_one_is_skipped(known: Known) -> None:
-    assert known.skipped("some_direct")["text"] == (
-        "the package some_direct: worker.engine.search.methods.direct already declares the method 'direct': "
-        "rename one of them"
-    )
+    text = known.skipped("some_direct")["text"]
+    assert text.startswith("the package some_direct: worker.engine.search.methods.direct ")
+    assert " method 'direct'" in text
 
 
 SIMULATED: dict[str, Any] = {
@@ -174,12 +173,10 @@ def test_a_campaign_that_names_what_is_broken_is_refused_with_its_sentence(
 ) -> None:
     """And of what is broken under the same name, only the sentence of its kind."""
     every: list[Kind] = ["component", "method", "simulator"]
-    broken = [
-        UnusableEntry(file="", line=None, name="broken", text=f"the {k} is broken: mend it", kind=k) for k in every
-    ]
+    broken = [UnusableEntry(file="", line=None, name="broken", text=f"broken {k}", kind=k) for k in every]
     known: Catalogue = catalogue().model_copy(update={"unusable": broken})
     found = [p for p in check(load_document(given, "test"), known) if p.field == field]
-    assert [p.message for p in found] == [f"it cannot be used: the {kind} is broken: mend it"]
+    assert [p.message.rpartition(": ")[2] for p in found] == [f"broken {kind}"]
 
 
 @pytest.mark.parametrize(("given", "expected"), [("3", 3), ("0", None), ("", None), ("many", None), ("-2", None)])

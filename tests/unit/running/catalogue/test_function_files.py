@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 from campaigns.asked.load import load_document
 from tests.simulators import isolated
 from worker.engine.systems.base import CampaignUnusable
-from worker.engine.systems.simulators.declared.descriptor import FOLDERS
+from worker.engine.systems.simulators.declared.folder import FOLDERS
 from worker.running.catalogue import files
 from worker.running.catalogue.files import BadFile, PythonFunction, digest_of, listed_files, unusable_files
 from worker.running.catalogue.installed import _simulators_of, catalogue
@@ -69,7 +70,7 @@ def test_an_endless_file_is_stopped(folder: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(files, "LONGEST", 0.5)
     (folder / "endless.py").write_text("import clearance\nwhile True: pass")
     (line,) = unusable_files()
-    assert "loading it took more than 0.5 s" in line
+    assert "more than 0.5 s" in line
 
 
 def test_a_name_is_declared_once(folder: Path) -> None:
@@ -77,7 +78,8 @@ def test_a_name_is_declared_once(folder: Path) -> None:
         (folder / name).write_text(GOOD)
     (line,) = unusable_files()
     assert line.startswith(str(folder / "second.py"))
-    assert "first.py already declares a simulator drop; rename one of them" in line
+    assert "first.py " in line
+    assert " simulator drop;" in line
 
 
 def test_the_digest_is_that_of_the_python_files(folder: Path) -> None:
@@ -124,10 +126,10 @@ def test_a_declaration_that_changed_is_refused(folder: Path) -> None:
     file.write_text(GOOD + "# a remark\n")
     assert opened.simulated(campaign, listed, known).digest != before.digest
     file.write_text(GOOD.replace("(1, 3", "(1, 4"))
-    with pytest.raises(CampaignUnusable, match="restart the worker"):
+    with pytest.raises(CampaignUnusable, match="start the run"):
         opened.simulated(campaign, listed, known)
     file.unlink()
-    with pytest.raises(CampaignUnusable, match=r"it cannot be used any more: .*No such file"):
+    with pytest.raises(CampaignUnusable, match=rf"good\.py: {os.strerror(errno.ENOENT)}"):
         opened.simulated(campaign, listed, known)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,8 +11,11 @@ import yaml
 
 from campaigns.asked.load import load_document
 from tests.simulators import package
+from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.reached import UNREAD
 from worker.engine.systems.simulators.declared.simulator import Program
+from worker.evidence.scopes.simulators import terms
 from worker.running.catalogue import installed
 from worker.running.catalogue.digests import with_digests
 from worker.running.catalogue.files import read_file
@@ -31,6 +35,7 @@ def undone() -> Iterator[None]:
     yield
     for name in ("a_program", "a_function"):
         installed.simulators().pop(name, None)
+    sys.modules.pop("same_helper", None)
     installed.catalogue.cache_clear()
 
 
@@ -72,6 +77,41 @@ def test_they_are_those_of_the_opened_simulators_and_follow_their_files(tmp_path
     after = with_digests(installed.catalogue()).digests
     assert all(before[name] != after[name] for name in names)
     assert "digests" not in installed.catalogue().model_dump(mode="json")
+
+
+@pytest.mark.parametrize("isolated", [True, False])
+def test_code_that_cannot_be_read_has_none_and_its_scope_states_why(tmp_path: Path, isolated: bool) -> None:
+    """So that no verdict of it is reused, and no requirement rests on it."""
+    add_function(tmp_path / "functions")
+    file = tmp_path / "functions" / "function.py"
+    settings = "" if isolated else ", isolated=False"
+    dynamic = f"import importlib\njson = importlib.import_module('js' + 'on')\n{FUNCTION}"
+    file.write_text(dynamic.replace('unit="m")}', f'unit="m")}}{settings}'), encoding="utf-8")
+    (installed.simulators()["a_function"],) = read_file(file)
+    installed.catalogue.cache_clear()
+    assert "a_function" not in with_digests(installed.catalogue()).digests
+    system = opened.system(load_document(package.campaign(simulator={"name": "a_function"})))
+    assert system.digest.startswith(UNREAD)
+    scope = terms(system).scope.version
+    system.close()
+    assert "computed name, line 2 of function.py" in scope
+
+
+def test_a_function_is_never_called_with_the_helper_of_another(tmp_path: Path) -> None:
+    """Of two folders with a module of the same name; the digest would be that of the one, the numbers of the other."""
+    text = FUNCTION.replace('unit="m")}', 'unit="m")}, isolated=False').replace("x + y", "x + y + OFFSET")
+    for name, offset in (("one", 1.0), ("two", 2.0)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "same_helper.py").write_text(f"OFFSET = {offset}", encoding="utf-8")
+        (tmp_path / name / "function.py").write_text(f"from same_helper import OFFSET\n{text}", encoding="utf-8")
+    (installed.simulators()["a_function"],) = read_file(tmp_path / "one" / "function.py")
+    installed.catalogue.cache_clear()
+    campaign = load_document(package.campaign(simulator={"name": "a_function"}))
+    system = opened.system(campaign)
+    assert system.evaluate(system.nominal[None, :])[0].costs[0, 0] == 2.0
+    (installed.simulators()["a_function"],) = read_file(tmp_path / "two" / "function.py")
+    with pytest.raises(CampaignUnusable, match=r"two/same_helper\.py, .*one/same_helper\.py"):
+        opened.system(campaign)
 
 
 def test_files_that_cannot_be_read_have_none_and_prevent_nothing(tmp_path: Path) -> None:

@@ -182,8 +182,10 @@ def test_an_unreadable_request_is_an_error(systems: Systems) -> None:
 
 
 def test_a_change_of_the_descriptor_shows_with_the_next_simulator(folder: Path, systems: Systems) -> None:
-    before = ask(systems, a=0.2)["digest"]
+    before = ask(systems, a=0.2)["identity"]["files"]
     describe(folder, text="Another text")
     close(systems)
-    assert ask(systems, a=0.2)["digest"] != before
+    after = ask(systems, a=0.2)["identity"]["files"]
+    assert after.keys() == before.keys()
+    assert after != before
     assert cases.IDLE > 0

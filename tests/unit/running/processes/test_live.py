@@ -9,15 +9,17 @@ from typing import Any
 import pytest
 
 from campaigns import library, load_file
+from campaigns.asked.scenario import MAX_SEED
 from campaigns.results.draws import of_draws
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import CASE1, document
 from tests.given.live_process import Live
+from worker.running.processes import memory
 
 
 def test_a_flight(live: Live) -> None:
     answer = live.ask(id=7, campaign=CASE1, parameters={"vehicle.m": 6.0, "vehicle.J": 0.06}, rows=100)
-    assert set(answer) == {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"}
+    assert set(answer) == {"id", "status", "reason", "cost", "margin", "columns", "data", "meta", "identity"}
     assert (answer["id"], answer["status"], answer["reason"]) == (7, "ok", "")
     assert answer["cost"] == pytest.approx(0.9417402, abs=2e-6)
     assert answer["margin"] == answer["cost"] - 0.5
@@ -51,14 +53,14 @@ def test_answers_come_in_order_with_their_ids(live: Live) -> None:
 def test_a_failed_flight_has_a_reason(live: Live) -> None:
     answer = live.ask(id=1, campaign=CASE1, parameters={"vehicle.J": 0.001})
     assert (answer["status"], answer["cost"], answer["margin"]) == ("failed", None, None)
-    assert answer["reason"].startswith("the vehicle left the model's envelope at t = 0.005 s")
+    assert " t = 0.005 s" in answer["reason"]
     assert answer["data"]["t"] == [0.0, 0.005]
 
 
 def test_an_excluded_flight_has_a_reason(live: Live) -> None:
     answer = live.ask(id=1, campaign=CASE1, parameters={"start.x": 4.0, "start.y": 4.0})
     assert (answer["status"], answer["cost"]) == ("excluded", None)
-    assert "at or below the threshold" in answer["reason"]
+    assert " 0.5 m" in answer["reason"]
 
 
 @pytest.mark.parametrize(
@@ -125,13 +127,16 @@ def test_many_campaigns_in_turn(live: Live) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")
-def test_a_simulation_beyond_its_memory_limit_is_an_error_and_the_next_one_runs() -> None:
+def test_a_simulation_beyond_its_memory_limit_is_an_error_and_the_next_one_runs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """And the process ends with its input, even in the middle of a line."""
     small = Live(CLEARANCE_CHILD_MEMORY="0.25", CLEARANCE_THREADS="1")
     assert small.hear() == {"ready": True}
     long = document(scenario__horizon=2000, scenario__step=0.001)
     answer = small.ask(id=1, campaign=long, parameters={})
-    assert answer["error"].startswith("the simulation needs more than the limit of 0.25 GiB per process: lower the")
+    monkeypatch.setenv("CLEARANCE_CHILD_MEMORY", "0.25")
+    assert answer["error"] == memory.sentence()
     assert small.ask(id=2, campaign=CASE1, parameters={})["status"] == "ok"
     assert small.process.stdin is not None
     small.process.stdin.write(b'{"id": 3')
@@ -142,10 +147,8 @@ def test_a_simulation_beyond_its_memory_limit_is_an_error_and_the_next_one_runs(
 def test_a_memory_bound_that_is_no_number_ends_the_process_with_a_sentence() -> None:
     wrong = Live(CLEARANCE_CHILD_MEMORY="lots")
     status, errors = wrong.end()
-    assert (status, errors.decode().strip()) == (
-        1,
-        "invalid CLEARANCE_CHILD_MEMORY 'lots': give a number of GiB such as 8, or 0 for no bound",
-    )
+    assert status == 1
+    assert errors.startswith(b"invalid CLEARANCE_CHILD_MEMORY 'lots': ")
 
 
 def test_a_flight_has_its_own_noise(live: Live) -> None:
@@ -164,4 +167,4 @@ def test_a_flight_has_its_own_noise(live: Live) -> None:
 @pytest.mark.parametrize("given", [-1, 2**20, 1.5, True, "3"])
 def test_noise_that_does_not_exist_is_refused(live: Live, given: Any) -> None:
     error = live.ask(id=1, campaign=CASE1, seed=given)["error"]
-    assert "seed must be a whole number from 0 to " in error
+    assert error.endswith(f" from 0 to {MAX_SEED - 1}, given {given!r}")

@@ -18,11 +18,13 @@ from backend.db.queue import LostLease, Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Run
 from campaigns import Campaign
+from campaigns.refusals import RefusalCode
 from campaigns.stages.plan import plan
 from clearance.cli import INTERRUPTED, WRONG_INPUT, invoke
 from clearance.local.results import read_folder
 from tests.audited import audited
 from tests.given.case_campaigns import searching
+from tests.given.refused_commands import refused
 from tests.migrated import migrated
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.stages.parts.store import StagePlan
@@ -158,8 +160,9 @@ def test_extending_a_run_without_an_extendable_search_names_the_methods_that_can
 
 def test_another_plan_is_refused() -> None:
     store = MemoryStore()
-    with pytest.raises(CannotContinue, match="planned by another version"):
+    with pytest.raises(CannotContinue) as refusal:
         carried(asked(), continued(asked(), Budget(10, more=True)), store)
+    assert refusal.value.code == RefusalCode.OTHER_PLAN
 
 
 @pytest.fixture(scope="module")
@@ -230,7 +233,7 @@ def test_an_interrupt_states_what_is_stored(
     assert 0 < done < 300, "those of the earlier run are in its folder"
     calls = 0
     assert invoke(["run", "--continue", "R-0001", "--budget", "+300", "--data", str(data)]) == INTERRUPTED
-    assert "interrupted: R-0002 and its completed evaluations are stored; " in capsys.readouterr().err
+    assert "interrupted: R-0002 " in capsys.readouterr().err
     engine = connect(default_url(data))
     with read(engine) as connection:
         found = connection.execute(sa.select(Run.state, Run.evaluations).where(Run.id == 2)).one()
@@ -267,8 +270,7 @@ def test_a_folder_of_other_code_is_not_extended(
     assert result["versions"]["code"]
     result["versions"]["code"] = "e" * 64
     (folder / "result.json").write_text(json.dumps(result), encoding="utf-8")
-    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
-    assert "the code digest was eeeeeeeeeeee" in capsys.readouterr().err
+    assert extended(folder, capsys) == RefusalCode.OTHER_CODE
 
 
 @pytest.fixture
@@ -277,10 +279,9 @@ def folder(first: Path, tmp_path: Path) -> Path:
     return shutil.copytree(first, tmp_path / "copy")
 
 
-def refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> str:
-    """What is said of a folder that is not extended."""
-    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
-    return capsys.readouterr().err
+def extended(folder: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    """Why a folder is not extended."""
+    return refused(capsys, "run", "--continue", folder, "--budget", "+10")
 
 
 def bounds(campaign: dict[str, Any]) -> None:
@@ -304,7 +305,7 @@ def test_a_folder_whose_campaign_was_changed_is_not_extended(
     campaign = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
     change(campaign)
     (folder / "campaign.json").write_text(json.dumps(campaign), encoding="utf-8")
-    assert "its campaign.json is not the campaign of its results" in refused(folder, capsys)
+    assert extended(folder, capsys) == RefusalCode.OTHER_CAMPAIGN
 
 
 def test_a_folder_of_other_components_is_not_extended(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -312,7 +313,7 @@ def test_a_folder_of_other_components_is_not_extended(folder: Path, capsys: pyte
     vehicle = next(c for c in evidence["components"]["components"] if c["role"] == "vehicle")
     vehicle["parameters"][0]["unit"] = "t"
     (folder / "evidence.json").write_text(json.dumps(evidence), encoding="utf-8")
-    assert "its evaluations used different components" in refused(folder, capsys)
+    assert extended(folder, capsys) == RefusalCode.OTHER_COMPONENTS
 
 
 @pytest.mark.parametrize("file", ["result.json", "evidence.json"])
@@ -320,12 +321,12 @@ def test_a_folder_with_unreadable_results_is_not_extended(
     folder: Path, file: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / file).write_text("{", encoding="utf-8")
-    assert "its results cannot be read" in refused(folder, capsys)
+    assert extended(folder, capsys) == RefusalCode.UNREADABLE
 
 
 def test_a_folder_without_results_is_not_extended(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "result.json").unlink()
-    assert "it contains no result.json" in refused(folder, capsys)
+    assert extended(folder, capsys) == RefusalCode.NO_RUN
 
 
 def test_only_a_run_that_has_ended_can_be_extended(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -359,8 +360,8 @@ def test_any_worker_resumes_it_when_this_process_is_gone(data: Path) -> None:
 
 def test_a_database_that_is_not_there_is_not_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     nowhere = tmp_path / "nowhere"
-    assert invoke(["run", "--continue", "R-0001", "--budget", "+10", "--data", str(nowhere)]) == WRONG_INPUT
-    assert "there is no database at" in capsys.readouterr().err
+    options = ("--budget", "+10", "--data", nowhere)
+    assert refused(capsys, "run", "--continue", "R-0001", *options) == RefusalCode.NO_DATABASE
     assert not nowhere.exists()
 
 
@@ -373,5 +374,4 @@ def test_evaluations_that_are_not_what_the_search_asks_for_are_refused(
         arrays = dict(held)
     arrays["points_2"][5] += 0.01
     np.savez(folder / "evaluations.npz", **arrays)
-    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
-    assert "no longer requests the point stored as evaluation" in capsys.readouterr().err
+    assert extended(folder, capsys) == RefusalCode.OTHER_POINTS

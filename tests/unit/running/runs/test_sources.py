@@ -232,7 +232,7 @@ def test_every_shipped_campaign_is_identified(name: str) -> None:
 
 def test_a_process_is_stale_once_a_file_changed_or_came(added: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sources, "LOADED", sources.note())
-    monkeypatch.setattr(sources, "_same", None)
+    monkeypatch.setattr(sources, "_read", (sources.LOADED.paths, (), ""))
     assert not sources.stale()
     post = added / "post.py"
     os.utime(post)

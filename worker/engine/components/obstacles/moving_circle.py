@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
+from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.views import Body
 from worker.engine.physics.paths import leg
@@ -65,5 +65,6 @@ component = Obstacle(
     moving=True,
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
+    rate=Rate(("speed",), legs=("position", "goal")),
     look=ObstacleLook(shape="circle", radius="radius", way="goal"),
 )

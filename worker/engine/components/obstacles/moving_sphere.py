@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
+from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.views import Body3
 from worker.engine.physics.space import Vector, ball, velocity_vector
@@ -56,6 +56,7 @@ component = Obstacle(
     moving=True,
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
+    rate=Rate(times=0.0),
     frame="ned",
     look=ObstacleLook(shape="sphere", radius="radius", way="heading"),
 )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach, extended
+from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach, extended
 from worker.engine.kernels.maths import kernel, sincos
 from worker.engine.kernels.views import Body
 from worker.engine.physics.shapes import disc
@@ -24,11 +24,11 @@ class OrbitingCircle(NamedTuple):
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 0.5
 
 
-class Rate(NamedTuple):
+class Turning(NamedTuple):
     rate: float
 
 
-Constants = extended("Constants", OrbitingCircle, Rate)
+Constants = extended("Constants", OrbitingCircle, Turning)
 
 
 @kernel
@@ -51,5 +51,6 @@ component = Obstacle(
     moving=True,
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
+    rate=Rate(("speed",), ("way",)),
     look=ObstacleLook(shape="circle", radius="radius", way="orbit"),
 )

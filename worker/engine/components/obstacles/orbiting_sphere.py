@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach, extended
+from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach, extended
 from worker.engine.kernels.maths import kernel, sincos
 from worker.engine.kernels.views import Body3
 from worker.engine.physics.space import Vector, ball
@@ -27,11 +27,11 @@ class OrbitingSphere(NamedTuple):
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 25.0
 
 
-class Rate(NamedTuple):
+class Turning(NamedTuple):
     rate: float
 
 
-Constants = extended("Constants", OrbitingSphere, Rate)
+Constants = extended("Constants", OrbitingSphere, Turning)
 
 
 @kernel
@@ -55,5 +55,6 @@ component = Obstacle(
     moving=True,
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
+    rate=Rate(("speed",), ("way",)),
     look=ObstacleLook(shape="sphere", radius="radius", way="orbit"),
 )

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import namedtuple
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
+from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.views import Body, Body3
 from worker.engine.physics.paths import Point, elapsed, leg, under_way
@@ -102,5 +102,6 @@ component = Obstacle(
     moving=True,
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
+    rate=Rate(("speed",), legs=("position", "waypoint1", "waypoint2", "waypoint3", "waypoint4"), used="legs"),
     look=ObstacleLook(shape="circle", radius="radius", way="waypoints"),
 )

@@ -1,34 +1,62 @@
 """Encounter: evidence that the avoidance was tested at all, as values; the verdict draws the conclusions.
 
-The evidence: when the closest approach of the nominal case and the findings took place, how far the vehicle moved, the
-nominal case with an avoider that sees no obstacle (if the system supports these), and the effect of each uncertain
-parameter on the criterion.
+The evidence: when the closest approach of the nominal case and the findings took place, what they and the sample meet
+beyond the horizon, how far the vehicle moved, the nominal case with an avoider that sees no obstacle (if the system
+supports these), and the effect of each uncertain parameter on the criterion.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from campaigns.limits import ROUNDING
+from campaigns.results import CertifyResult
 from campaigns.results.base import OK
-from campaigns.results.finding import ClosestApproach
+from campaigns.results.finding import ClosestApproach, Finding
 from campaigns.results.slices import Curve
-from campaigns.results.validate import Encounter, Spread
-from worker.engine.stages.parts.base import Context, all_columns
+from campaigns.results.validate import Beyond, Encounter, Spread
+from worker.engine.stages.parts.base import Cancelled, Context, all_columns
+from worker.engine.stages.parts.seeds import drawn
 from worker.engine.stages.parts.store import Trace
 
 
-def encounter(context: Context, position: int, nominal: Trace | None, curves: Iterable[Curve]) -> Encounter:
+def encounter(
+    context: Context, position: int, nominal: Trace | None, findings: Sequence[Finding], curves: Iterable[Curve]
+) -> Encounter:
     """The evidence of the run. curves: all slices, through the nominal point and the findings."""
     shown = context.problem.system.encounter(nominal)
+    spread = _spread(context, position)
     return Encounter(
         closest=ClosestApproach() if shown is None else shown.closest,
         moved=None if shown is None else shown.moved,
         unseen=None if shown is None else shown.unseen,
-        spread=_spread(context, position),
+        spread=spread,
         influence=influence(curves),
+        beyond=None if spread.lowest is None else _beyond(context, findings, spread.lowest),
     )
+
+
+def _beyond(context: Context, findings: Sequence[Finding], lowest: float) -> Beyond | None:
+    """What the nominal case, the findings and every evaluation of the sample meet after the horizon."""
+    problem = context.problem
+    certified = [at for at, result in context.results.items() if isinstance(result, CertifyResult)]
+    own = {at: seeds for at, _, seeds in drawn(context, certified)}
+    names = ["nominal", *(f.label for f in findings)]
+    points = [problem.nominal_point, *(np.array(f.point) for f in findings)]
+    realised = [None, *(f.realisation for f in findings)]
+    for at, columns in all_columns(context, certified):
+        succeeded = np.flatnonzero(columns.status == OK)
+        names += [f"evaluation {i} of the sample" for i in succeeded]
+        points += [*columns.points[succeeded]]
+        realised += [int(own[at][i]) if i < len(own.get(at, ())) else None for i in succeeded]
+    below = lowest - ROUNDING * max(abs(lowest), abs(problem.threshold))
+    vectors = problem.vectors(np.array(points))
+    found = problem.system.beyond(names, vectors, realised, below, context.cancelled)
+    if context.cancelled():
+        raise Cancelled
+    return found
 
 
 def _spread(context: Context, position: int) -> Spread:

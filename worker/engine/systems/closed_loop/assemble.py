@@ -119,11 +119,12 @@ class Loop:
         """Compile, or load from the disk cache, so that this time is not counted as evaluation time."""
         self.simulate(np.zeros((1, self.size)), 1.0, 1, traced=1)
 
-    def observe(self, states: Floats, params: Floats, step: float) -> Floats:
-        """The columns of `signals` for traced states (rows, ...) of one simulation with params (size,)."""
+    def observe(self, states: Floats, params: Floats, step: float, first: int = 0) -> Floats:
+        """The columns of `signals` for traced states (rows, ...), from step `first` on, of one simulation with params
+        (size,)."""
         seen = np.empty((len(states), len(self.signals)))
         with np.errstate(all="ignore"):
-            self._observe(np.ascontiguousarray(states), np.ascontiguousarray(params), step, seen)
+            self._observe(np.ascontiguousarray(states), np.ascontiguousarray(params), step, first, seen)
         return seen
 
     def part(self, name: str) -> Function:

@@ -5,7 +5,7 @@ Start reading at `Flights.simulate_vectors`; the loop itself is `worker.engine.k
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from typing import Self
@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from campaigns import Campaign
 from campaigns.checked.check import simulation_problems
+from campaigns.checked.rates import fastest
+from campaigns.limits import TURN
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.engine.kernels import loop as closed_loop
 from worker.engine.search.base import Batch
@@ -90,6 +92,16 @@ class Flights:
         """The numbers of steps in the horizon and per guidance sample."""
         scenario = self.campaign.given_scenario
         return round(scenario.horizon / step), max(1, round(scenario.guidance.period / step))
+
+    def look(self, p: Sequence[float]) -> float:
+        """The longest interval between two looks that follow every obstacle [s], with these parameters."""
+        highest = 0.0
+        for i, obstacle in enumerate(self.parts.obstacles):
+            entry = self.installed.catalogue.component("obstacle", obstacle.name)
+            if entry is not None and entry.rate is not None:
+                values = {q.name: p[self.paths[f"obstacles.{i}.{q.name}"]] for q in entry.parameters}
+                highest = max(highest, fastest(entry.rate, {name: (v, v) for name, v in values.items()}))
+        return TURN / highest if highest > 0.0 else np.inf
 
     def judge(self, codes: Floats, when: Floats) -> tuple[NDArray[np.uint8], dict[int, str]]:
         """The loop's codes as evaluation status, with the reason of every failed or excluded one."""

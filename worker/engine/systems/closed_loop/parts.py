@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,11 +18,10 @@ from worker.engine.systems.base import CampaignUnusable, Floats, Result
 
 
 class Installed(NamedTuple):
-    """What is installed: the components by role and name, the same described as data, and the modules of own ones."""
+    """What is installed: the components by role and name, and the same described as data."""
 
     components: Mapping[tuple[Role, str], Component]
     catalogue: Catalogue
-    own_modules: Callable[[Iterable[Component]], tuple[str, ...]]
 
 
 def parts_of(campaign: Campaign, known: Mapping[tuple[Role, str], Component]) -> Parts:

@@ -8,6 +8,7 @@ from pathlib import Path
 from numba.core.errors import NumbaError
 
 from campaigns import Campaign
+from campaigns.results.validate import Beyond
 from campaigns.stored.records import Trace
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import (
@@ -20,9 +21,10 @@ from worker.engine.systems.base import (
     Seeds,
     Settings,
     Shown,
+    Stopping,
     System,
 )
-from worker.engine.systems.closed_loop import confirm, encounter, refused
+from worker.engine.systems.closed_loop import beyond, confirm, encounter, refused
 from worker.engine.systems.closed_loop.assemble import LANES
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.parts import Installed
@@ -51,7 +53,7 @@ class ClosedLoop(Flights, System):
             Parameter(path, p.unit, float(self.nominal[k]), p.low, p.high, p.text, p.symbol)
             for k, (path, p) in enumerate(declared)
         )
-        self.settings = Settings(lanes, self.step, "RK4", installed.own_modules(self.parts.named.values()))
+        self.settings = Settings(lanes, self.step, "RK4")
 
     @property
     def digest(self) -> str:
@@ -81,6 +83,11 @@ class ClosedLoop(Flights, System):
 
     def encounter(self, nominal: Trace | None) -> Shown | None:
         return None if nominal is None else encounter.shown(self, nominal)
+
+    def beyond(
+        self, names: Sequence[str], vectors: Floats, seeds: Sequence[int | None], below: float, cancelled: Stopping
+    ) -> Beyond | None:
+        return beyond.met(self, names, vectors, seeds, below, cancelled)
 
     def warm(self) -> None:
         """Compile; a component that the compiler refuses raises `CampaignUnusable` with file, line and sentence."""

@@ -25,6 +25,7 @@ from worker.engine.systems.simulators.cluster.work import Files
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.folder import files_of_place
 from worker.engine.systems.simulators.declared.function import Settings
+from worker.engine.systems.simulators.declared.reached import UNREAD
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.identity import identified
 from worker.engine.systems.simulators.simulated import Simulated
@@ -36,13 +37,17 @@ from worker.engine.systems.threads import usual_threads
 
 
 class _OfFunction(Simulated):
-    """What both have in common: the names, the deciding result, and where the digest comes from."""
+    """What both have in common: the names, the deciding result, and where the digest comes from.
+
+    unread: what cannot be read of the code that the function uses, so that nothing identifies it; usually empty.
+    """
 
     def __init__(
         self, entry: SimulatorEntry, opening: Opening, settings: Settings, files_digest: str,
-        columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
+        columns: Mapping[str, Column] | None = None, scene: Scene | None = None, unread: str = "",
     ) -> None:  # fmt: skip
         super().__init__(entry, opening)
+        self.unread = unread
         self.of = settings
         self.columns, self.scene = columns or {}, scene
         self.files_digest = files_digest
@@ -71,12 +76,14 @@ class InProcess(_OfFunction):
 
     def __init__(
         self, call: Callable[..., Any], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str = "",
-        columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
+        columns: Mapping[str, Column] | None = None, scene: Scene | None = None, unread: str = "",
     ) -> None:  # fmt: skip
-        self.identity = None if digest else identified(call)
-        unknown = self.identity is not None and self.identity.unknown
-        found = digest or (f"unidentified-{uuid.uuid4().hex}" if unknown or self.identity is None else "")
-        super().__init__(entry, opening, settings, found or getattr(self.identity, "digest", ""), columns, scene)
+        self.from_files = bool(digest)
+        if not digest:
+            identity = identified(call)
+            digest = f"{UNREAD}{uuid.uuid4().hex}" if identity.unknown else identity.digest
+            unread = identity.unknown
+        super().__init__(entry, opening, settings, digest, columns, scene, unread)
         self.call = call
 
     def fresh(self) -> InProcess:
@@ -163,8 +170,9 @@ class Isolated(_OfFunction, Spread):
         self,
         place: Mapping[str, str], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str,
         alone: bool = False, columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
+        unread: str = "",
     ) -> None:  # fmt: skip
-        super().__init__(entry, opening, settings, digest, columns, scene)
+        super().__init__(entry, opening, settings, digest, columns, scene, unread)
         self.place = place
         self._alone = alone
         self._spread_over(chosen())

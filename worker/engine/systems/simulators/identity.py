@@ -1,22 +1,27 @@
-"""What identifies a function: a digest of its compiled code, its values, and the functions that it uses.
+"""What identifies a function: a digest of its compiled code, its values, and the functions and modules that it uses.
 
 The compiled code and not the source text: a file may have been edited since, and an interactive function may have no
-text. What cannot be read exactly (an object, a generator of random numbers) is named instead: then nothing identifies
-the function, and a verdict must state that.
+text. Of a module of one's own what the function uses counts; of an installed package its version. What cannot be read
+exactly (an object, a generator of random numbers, an import of a computed name) is named instead: then nothing
+identifies the function, and a verdict must state that.
 """
 
 from __future__ import annotations
 
-import dis
 import functools
 import hashlib
+import importlib
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import BuiltinFunctionType, CellType, CodeType, FunctionType, MethodType, ModuleType
 from typing import Any
 
 import numpy as np
+
+from worker.engine.systems.simulators.declared.reached import OURS, distribution, where
+from worker.engine.systems.simulators.declared.statements import EXECUTING, IMPORTING, LOADING
+from worker.engine.systems.simulators.uses import Chain, Import, uses
 
 DEEPEST = 40
 
@@ -92,7 +97,7 @@ class _Reader:
 
     def _callable(self, value: Any, name: str, depth: int) -> None:
         if isinstance(value, ModuleType):
-            self._module(value.__name__)
+            self._module(value, [()])
         elif isinstance(value, FunctionType):
             self._function(value, depth)
         elif isinstance(value, functools.partial):
@@ -113,13 +118,16 @@ class _Reader:
         """Something of an installed package or of C, by its name and the version of the package; not of a file here."""
         module = str(getattr(value, "__module__", "") or "builtins")
         version, owner = _installed(module), getattr(value, "__self__", None)
-        if version is None or not (owner is None or isinstance(owner, ModuleType)):
+        loads = getattr(value, "__name__", "") in {*EXECUTING, *IMPORTING, *LOADING}
+        if version is None or loads or not (owner is None or isinstance(owner, ModuleType)):
             self.miss(name)
         else:
             self.put("name", module, getattr(value, "__qualname__", getattr(value, "__name__", name)), version)
 
     def _function(self, function: FunctionType, depth: int) -> None:
         if depth > 1 and (version := _installed(str(function.__module__ or ""))) is not None:
+            if function.__name__ in {*IMPORTING, *LOADING}:
+                self.miss(f"what {function.__name__} imports")
             self.put("library", function.__module__, function.__qualname__, version)
             return
         self.put("function")
@@ -128,20 +136,65 @@ class _Reader:
             self.take(defaults, f"the defaults of {function.__name__}", depth)
         cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=False)
         used = {name: cell.cell_contents for name, cell in cells if not _empty(cell)}
-        names, imported = _globals(function.__code__)
-        used |= {name: function.__globals__[name] for name in names if name in function.__globals__}
+        found = uses(function.__code__)
+        known = function.__globals__
+        used |= {name: known[name] for name in found.names if name in known}
         for name in sorted(used):
             self.put(name)
-            self.take(used[name], name, depth)
-        for module in sorted(imported):
-            self._module(module)
+            if isinstance(used[name], ModuleType):
+                self._module(used[name], found.chains(name), depth)
+            else:
+                self.take(used[name], name, depth)
+        for name in sorted({*EXECUTING, "__import__"} & found.names.keys() - known.keys()):
+            self.miss(f"what {name} executes")
+        for one in found.imports:
+            chains = [(*one.taken, *chain) for chain in found.chains(one.name) or [()]]
+            self._import(one, chains, str(known.get("__package__") or ""), depth)
+        if found.unread:
+            self.miss(f"an import in {function.__name__}")
 
-    def _module(self, name: str) -> None:
-        version = _installed(name)
-        if version is None:
-            self.miss(f"the module {name or '.'}")
+    def _import(self, one: Import, chains: Sequence[Chain], package: str, depth: int) -> None:
+        """What the function imports when it is called."""
+        dots = "." * one.level
+        try:
+            importlib.import_module(dots + one.module, package or None)
+            base = importlib.import_module(dots + one.base, package or None)
+            if one.taken and not hasattr(base, one.taken[0]):  # a module of a package
+                importlib.import_module(f"{base.__name__}.{one.taken[0]}")
+        except Exception:  # whatever its file raises; so will the call
+            self.miss(f"the module {one.module or '.'}")
         else:
-            self.put("module", name, version)
+            self._module(base, chains, depth)
+
+    def _module(self, module: ModuleType, chains: Sequence[Chain], depth: int = 0) -> None:
+        """What these chains of attributes lead to; of an installed package the version counts."""
+        version = _installed(module.__name__)
+        if version is not None:
+            self.put("module", module.__name__, version)
+        for chain in chains:
+            self.put(*chain)
+            name = ".".join([module.__name__, *chain])
+            if version is not None and {*chain} & {*EXECUTING, *IMPORTING, *LOADING}:
+                self.miss(name)
+            elif version is None:
+                self._attribute(module, chain, name, depth)
+
+    def _attribute(self, module: ModuleType, chain: Chain, name: str, depth: int) -> None:
+        """What a chain leads to, from a module of one's own to the first value or to an installed package."""
+        value: Any = module
+        for k, attribute in enumerate(chain):
+            if not isinstance(value, ModuleType):
+                break
+            if _installed(value.__name__) is not None:
+                self._module(value, [chain[k:]], depth)
+                return
+            value = getattr(value, attribute, None)
+        if not isinstance(value, ModuleType):
+            self.take(value, name, depth)
+        elif _installed(value.__name__) is None:
+            self.miss(f"the module {value.__name__}")
+        else:
+            self._module(value, [], depth)
 
     def _code(self, code: CodeType) -> None:
         self.put(code.co_code, code.co_names, code.co_varnames, code.co_freevars, code.co_flags, code.co_argcount)
@@ -153,28 +206,16 @@ class _Reader:
 
 
 def _installed(module: str) -> str | None:
-    """The version of the package that a module belongs to; None for one that has none, as those of a user."""
+    """The version of the package that a module belongs to; None for a module of one's own."""
     top = module.partition(".")[0]
-    if top in sys.stdlib_module_names:
-        return sys.version
-    version = "" if top == "__main__" else getattr(sys.modules.get(top), "__version__", "")
-    return str(version) if version else None
-
-
-def _globals(code: CodeType) -> tuple[set[str], set[str]]:
-    """The global names that code loads, and the modules that it imports, those of functions inside it included."""
-    names, imported = set[str](), set[str]()
-    for instruction in dis.get_instructions(code):
-        if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
-            names.add(str(instruction.argval))
-        elif instruction.opname == "IMPORT_NAME":
-            imported.add(str(instruction.argval))
-    for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            inner = _globals(constant)
-            names |= inner[0]
-            imported |= inner[1]
-    return names, imported
+    if top in OURS:
+        return distribution("clearance")
+    loaded = sys.modules.get(top)
+    origin = getattr(loaded, "__file__", None) or next(iter(getattr(loaded, "__path__", ())), "")
+    if not origin:
+        return sys.version if top in sys.stdlib_module_names else None
+    kind = where(str(origin))
+    return None if kind == "own" else sys.version if kind == "standard" else distribution(top)
 
 
 def _empty(cell: CellType) -> bool:

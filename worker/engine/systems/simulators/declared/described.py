@@ -13,8 +13,6 @@ from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import SimulatorEntry
 from worker.engine.systems.simulators.declared.folder import digest_of, files_of
 
-FILE = "simulator.yaml"
-
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 

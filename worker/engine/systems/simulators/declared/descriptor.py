@@ -7,7 +7,6 @@ docs/your-own-simulator.md shows one.
 from __future__ import annotations
 
 import operator
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,11 +19,11 @@ from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.results.scene import Scene
 from worker.engine.systems.simulators.declared import fmu
-from worker.engine.systems.simulators.declared.described import FILE, BadDescriptor, Basics, Described, Finite
+from worker.engine.systems.simulators.declared.described import BadDescriptor, Basics, Described, Finite
 from worker.engine.systems.simulators.declared.fmu_model import Unusable
+from worker.engine.systems.simulators.declared.folder import FILE, FOLDERS, folders
 from worker.engine.systems.simulators.declared.scene import scene_of
 
-FOLDERS = "CLEARANCE_SIMULATORS"
 NAMES = "give lower-case letters from a to z, digits and underscores, beginning with a letter"
 
 
@@ -210,11 +209,6 @@ def read(folder: Path) -> Described:
         raise
     except (OSError, yaml.YAMLError, ValueError) as error:  # such as a date that does not exist
         raise BadDescriptor(f"{file}: {' '.join(str(error).split())[:LONGEST]}") from None
-
-
-def folders() -> list[Path]:
-    """The folders that the operator lists."""
-    return [Path(folder) for folder in os.environ.get(FOLDERS, "").split(os.pathsep) if folder]
 
 
 def listed() -> Iterator[Described | BadDescriptor]:

@@ -2,10 +2,34 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import importlib.util
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+
+from worker.engine.systems.simulators.declared.reached import UNREAD, Reached, reached
+
+FOLDERS = "CLEARANCE_SIMULATORS"
+"""The environment variable that lists the operator's folders."""
+FILE = "simulator.yaml"
+"""The descriptor in the folder of a simulator."""
+
+
+def folders() -> list[Path]:
+    """The folders that the operator lists."""
+    return [Path(folder) for folder in os.environ.get(FOLDERS, "").split(os.pathsep) if folder]
+
+
+def watched() -> Iterator[Path]:
+    """The files of the operator's folders that decide which simulators there are, and their digests."""
+    for folder in folders():
+        with contextlib.suppress(OSError):  # a folder that has just been removed
+            for file in sorted(folder.glob("*.py")):
+                yield from files_of_place({"file": str(file)})
+            for descriptor in sorted(folder.glob(f"*/{FILE}")):
+                yield from files_of(descriptor.parent)
 
 
 def files_of(folder: Path) -> list[Path]:
@@ -18,8 +42,8 @@ def digest_of(folder: Path) -> str:
     return _digest((str(path.relative_to(folder)), path) for path in files_of(folder))
 
 
-def _digest(named: Iterable[tuple[str, Path]]) -> str:
-    sink = hashlib.sha256()
+def _digest(named: Iterable[tuple[str, Path]], begun: str = "") -> str:
+    sink = hashlib.sha256(begun.encode())
     for name, path in named:
         content = path.read_bytes()
         sink.update(f"{name}\0{len(content)}\0".encode())
@@ -28,20 +52,52 @@ def _digest(named: Iterable[tuple[str, Path]]) -> str:
 
 
 def digest_of_place(place: Mapping[str, str]) -> str:
-    """SHA-256 over the file of a function and the other Python files of its folder, or over its package."""
-    folder = _folder_of(place)
+    """SHA-256 over the file of a function and the other Python files of its folder, or over its package, and over what
+    it imports besides; it begins with `UNREAD` if not all of that can be read."""
+    folder, besides = _folder_of(place), reached_from(place)
     if folder is not None:
-        return _digest(_python_files(folder, ""))
-    return hashlib.sha256(b"".join(path.read_bytes() for path in files_of_place(place))).hexdigest()
+        digest = _digest(_python_files(folder, ""))
+    else:
+        digest = hashlib.sha256(b"".join(path.read_bytes() for path in _within(place))).hexdigest()
+    others = _outside(place, besides)
+    if others or besides.packages:
+        digest = _digest(others.items(), "".join(f"{name};" for name in (digest, *sorted(besides.packages))))
+    return f"{UNREAD}{digest}" if besides.unknown else digest
 
 
 def files_of_place(place: Mapping[str, str]) -> list[Path]:
     """The files that the digest of a place covers."""
+    return [*_within(place), *_outside(place, reached_from(place)).values()]
+
+
+def reached_from(place: Mapping[str, str]) -> Reached:
+    """What the file of a function imports."""
+    if "file" in place:
+        file = Path(place["file"])
+        return reached(file, search=(str(file.parent),))
+    folder, inner = _folder_of(place), place["module"].split(".")[1:]
+    if folder is None:
+        return reached(_within(place)[0]) if _within(place) else Reached()
+    path = folder.joinpath(*inner, "__init__.py")
+    if not path.is_file():
+        path = folder.joinpath(*inner).with_suffix(".py")
+    package = place["module"] if path.name == "__init__.py" else place["module"].rpartition(".")[0]
+    return reached(path, package)
+
+
+def _within(place: Mapping[str, str]) -> list[Path]:
+    """The Python files of the folder of a place, or its only file."""
     folder = _folder_of(place)
     if folder is not None:
         return [path for _, path in _python_files(folder, "")]
     spec = importlib.util.find_spec(place["module"].partition(".")[0])
     return [Path(spec.origin)] if spec and spec.origin else []
+
+
+def _outside(place: Mapping[str, str], besides: Reached) -> dict[str, Path]:
+    """The files that it imports from elsewhere, by module."""
+    inside = {path.resolve() for path in _within(place)}
+    return {name: path for name, path in sorted(besides.files.items()) if path.resolve() not in inside}
 
 
 def _folder_of(place: Mapping[str, str]) -> Path | None:

@@ -8,8 +8,8 @@ import json
 import sqlalchemy as sa
 from alembic import op
 
-revision = "0023"
-down_revision = "0022"
+revision = "0024"
+down_revision = "0023"
 
 _ASKED = ("scenario", "simulator", "uncertain", "correlations", "criterion")
 _STATED = ("requirements", "threshold", "from_centre")

@@ -1,0 +1,63 @@
+"""The identity of stored runs, and what differs between two of them, or from what is installed. Read `of_run`."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.catalog.service import published
+from backend.db import codes
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run
+from campaigns import Campaign
+from campaigns.identity.identity import Change, Identity, changes, identity_of, installed
+from campaigns.versions import Versions, differing
+
+CHUNK = 500
+"""Runs that are read in one statement."""
+COLUMNS = (
+    Run.flown,
+    Run.summary["provenance"].label("provenance"),
+    CampaignRow.document["simulator"]["name"].as_string().label("simulator"),
+)
+"""What `of_row` needs, of runs joined with their campaigns."""
+
+
+def of_row(row: Any) -> Identity | None:
+    """The identity of a run from its `COLUMNS`; None if it has not begun, or if nothing was stored when it began."""
+    stored = row.flown or row.provenance
+    return identity_of(Versions.of(stored), row.simulator or "") if stored else None
+
+
+def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Identity]:
+    """Those of the runs that have one."""
+    ordered, found = sorted(run_ids), {}
+    for first in range(0, len(ordered), CHUNK):
+        of = sa.select(Run.id, *COLUMNS).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+        for row in reader.execute(of.where(Run.id.in_(ordered[first : first + CHUNK]))):
+            if (identity := of_row(row)) is not None:
+                found[int(row.id)] = identity
+    return found
+
+
+def of_run(reader: sa.Connection, run_id: int) -> Identity | None:
+    return of_runs(reader, [run_id]).get(run_id)
+
+
+def of_installed(reader: sa.Connection, campaign: Campaign, then: Identity) -> Identity | None:
+    """What a run of the campaign would have now; None if no worker has published its code. then: see `installed`."""
+    catalogue = published(reader)
+    return None if catalogue is None or catalogue.code is None else installed(campaign, catalogue, then)
+
+
+def apart(reader: sa.Connection, then: Identity, now: Identity) -> list[Change]:
+    """What is known to differ between two identities, with the modules of the engine that differ, if stored."""
+    before, after = codes.modules(reader, then.engine), codes.modules(reader, now.engine)
+    return changes(then, now, differing(before, after) if before and after else ())
+
+
+def names(found: Collection[Change]) -> list[str]:
+    """The files and packages of changes, own files first."""
+    return [name for change in sorted(found, key=lambda one: bool(one.modules)) for name in change.names]

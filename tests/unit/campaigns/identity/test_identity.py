@@ -1,0 +1,91 @@
+"""What an identity covers: a change of any part of it is named and is another digest, whatever the part."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from campaigns.identity.identity import (
+    UNREAD,
+    UNSTORED,
+    changes,
+    differences,
+    identity_of,
+    may_equal,
+    same,
+    unsound,
+)
+from campaigns.stored.records import Begun
+from campaigns.versions import OtherCode, Versions
+from tests.given.case_campaigns import campaign
+from worker.running.runs import begun, identity, sources
+
+VERSIONS = Versions(
+    code="a" * 64,
+    model="b" * 64,
+    loop="c" * 16,
+    simulator="d" * 64,
+    components={"my_robot.py": "1", "my_way.py": "2"},
+    packages={"numpy": "2.4.6", "scipy": "1.17.1"},
+    python="3.11.7",
+)
+PARTS: list[tuple[str, dict[str, Any], str]] = [
+    ("engine", {"code": "e" * 64, "model": "f" * 64}, "the code digest was aaaaaaaaaaaa, here it is eeeeeeeeeeee"),
+    ("compiled loop", {"loop": "0" * 16}, "the loop digest was cccccccccccc, here it is 000000000000"),
+    ("simulators/pendulum", {"simulator": "0" * 64}, "simulators/pendulum has changed"),
+    (
+        "components/my_way.py",
+        {"components": {"my_robot.py": "1", "my_way.py": "3"}},
+        "components/my_way.py has changed",
+    ),
+    ("components/my_way.py", {"components": {"my_robot.py": "1"}}, "components/my_way.py is gone"),
+    ("components/a.py", {"components": {**VERSIONS.components, "a.py": "1"}}, "components/a.py is new"),
+    ("numpy", {"packages": {"numpy": "2.5.0", "scipy": "1.17.1"}}, "numpy was 2.4.6, here it is 2.5.0"),
+    ("Python", {"python": "3.12.1"}, "Python was 3.11.7, here it is 3.12.1"),
+]
+
+
+@pytest.mark.parametrize(("name", "change", "text"), PARTS)
+def test_a_change_of_any_part_is_named_and_another_digest(name: str, change: dict[str, Any], text: str) -> None:
+    then = identity_of(VERSIONS, "pendulum")
+    now = identity_of(VERSIONS.model_copy(update=change), "pendulum")
+    assert [one.name for one in changes(then, now)] == [name]
+    assert differences(then, now) == [text]
+    assert then.digest != now.digest
+    assert not same(then, now)
+    assert unsound(then, now)
+    assert may_equal(then, now) == (name in ("compiled loop", "numpy", "Python")), "another model of what is simulated"
+    assert same(then, then)
+
+
+@pytest.mark.parametrize("stored", [None, f"{UNREAD}0123"])
+def test_what_cannot_be_read_exactly_is_never_the_same(stored: str | None) -> None:
+    one = identity_of(VERSIONS.model_copy(update={"simulator": stored}), "pendulum")
+    assert (one.digest, one.unidentified) == (None, ("simulators/pendulum",))
+    assert not same(one, one)
+    assert differences(one, one) == ["simulators/pendulum is not identified"]
+    assert unsound(one, one) == ["simulators/pendulum is not identified"]
+    assert may_equal(one, one), "a violation by it stands"
+    assert not same(UNSTORED, UNSTORED)
+
+
+def test_methods_and_stages_choose_points_only() -> None:
+    then = identity_of(VERSIONS, "pendulum")
+    now = identity_of(VERSIONS.model_copy(update={"code": "e" * 64}), "pendulum")
+    assert unsound(then, now) == []
+    assert may_equal(then, now)
+
+
+def test_a_run_with_own_components_is_continued_by_the_code_that_began_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Stored:
+        def begun(self) -> Begun:
+            return Begun(versions, {})
+
+    asked = campaign()
+    monkeypatch.setattr(sources, "own", lambda modules: {"my_robot.py": "1"})
+    versions = Versions(code=identity.code(asked).digest, components={"my_robot.py": "1"})
+    assert begun.readable(asked.document(), "a run", Stored()).digest == asked.digest
+    monkeypatch.setattr(sources, "own", lambda modules: {"my_robot.py": "2"})
+    with pytest.raises(OtherCode, match=r"components/my_robot\.py has changed"):
+        begun.readable(asked.document(), "a run", Stored())

@@ -1,0 +1,167 @@
+"""What flights meet beyond the horizon: each is simulated on to a multiple of it, and extrapolated from there.
+
+An obstacle that is still approaching when the horizon ends may come closer than anything that was evaluated. What it
+does until twice the horizon is simulated; after that, or if the simulation fails on the way, obstacle and vehicle are
+extrapolated along straight lines. Start reading at `met`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from campaigns.limits import CONTINUED
+from campaigns.results.validate import Beyond, Later
+from worker.engine.kernels import loop as closed_loop
+from worker.engine.systems.base import Floats, Stopping
+from worker.engine.systems.closed_loop.flights import Flights
+
+MEMORY = 2**23
+"""The states of the flights that are simulated at a time may take this many bytes."""
+
+
+class Approach(NamedTuple):
+    """An approach after the horizon: the criterion's value, the obstacle, and the time after the horizon [s]; of one
+    that is simulated the latter two are not known yet."""
+
+    value: float = math.inf
+    obstacle: int | None = None
+    time: float = 0.0
+
+
+def met(
+    flights: Flights,
+    names: Sequence[str],
+    vectors: Floats,
+    seeds: Sequence[int | None],
+    below: float,
+    cancelled: Stopping,
+) -> Beyond | None:
+    """What vectors (m, size) meet, and how many of them come below a value; None for a criterion that is not one of
+    obstacles, and when cancelled. seeds: those of vectors with their own noise."""
+    if flights.parts.criterion.of != "obstacles":
+        return None
+    called: list[str] = []
+    realised = [np.empty((0, vectors.shape[1]))]
+    for name, vector, seed in zip(names, vectors[:, None], seeds, strict=True):
+        realisations = flights.realisations
+        realised.append(realisations.flights(vector) if seed is None else realisations.flight(vector, seed))
+        called += [name] * len(realised[-1])
+    rows = np.concatenate(realised)
+    found: list[Approach] = []
+    some = _at_a_time(flights)
+    for first in range(0, len(rows), some):
+        if cancelled():
+            return None
+        found += _approaches(flights, rows[first : first + some], below)
+    values = [approach.value for approach in found]
+    lowest = int(np.argmin(values))
+    named = _later(flights, called[lowest], rows[lowest], found[lowest]) if math.isfinite(values[lowest]) else None
+    return Beyond(times=CONTINUED, flights=len(rows), closer=sum(v < below for v in values), lowest=named)
+
+
+def _at_a_time(flights: Flights) -> int:
+    steps, loop = CONTINUED * flights.counts(flights.step)[0], flights.loop
+    return max(1, MEMORY // (8 * (steps + 1) * (loop.n_state + loop.n_held)))
+
+
+def _approaches(flights: Flights, rows: Floats, below: float) -> Iterator[Approach]:
+    """The closest approach of each flight: of the simulation, and of the extrapolation from its last sample.
+
+    That of the simulation is after the horizon if it is below a value that no evaluation has.
+    """
+    steps, every = flights.counts(flights.step)
+    longer = CONTINUED * steps
+    result = flights.loop.simulate(rows, flights.step, longer, every, traced=len(rows))
+    for k, row in enumerate(rows):
+        code, ended = result.status[k], round(result.when[k] / flights.step)
+        if code == closed_loop.EXCLUDED or (code != closed_loop.OK and ended <= steps):
+            yield Approach()
+            continue
+        last = longer if code == closed_loop.OK else steps
+        simulated = float(result.costs[k, 0]) if result.costs[k, 0] < below else math.inf
+        yield min([Approach(simulated), *_extrapolated(flights, row, result.trace[k], last)], key=lambda a: a.value)
+
+
+class _Seen:
+    """Vehicle and obstacles at some steps of a flight: positions (rows, 3), centres (rows, obstacles, 3), and the
+    channels of the deciding criterion (rows, obstacles)."""
+
+    def __init__(self, flights: Flights, row: Floats, trace: Floats, first: int, last: int) -> None:
+        columns = flights.loop.observe(trace[first : last + 1], row, flights.step, first)
+        count, total = len(flights.parts.obstacles), flights.loop.channels.total
+        start = columns.shape[1] - total
+        self.positions = columns[:, :3]
+        self.centres = columns[:, start - 3 * count : start].reshape(len(columns), count, 3)
+        self.channels = columns[:, start:][:, slice(*flights.loop.channels.of["criterion"])]
+
+    @property
+    def distances(self) -> Floats:
+        apart: Floats = np.linalg.norm(self.centres - self.positions[:, None], axis=2)
+        return apart
+
+
+def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int) -> Iterator[Approach]:
+    """The closest approach to every obstacle whose distance is still falling at the last step.
+
+    Obstacles keep their velocity; the vehicle stops at once, or keeps its own for another horizon and then stops.
+    """
+    if not flights.parts.criterion.measured_to:
+        return
+    seen, step = _Seen(flights, row, trace, last - 1, last), flights.step
+    horizon = flights.campaign.given_scenario.horizon
+    own = (seen.positions[1] - seen.positions[0]) / step
+    since = last * step - horizon
+    for i in np.flatnonzero(seen.channels[1] < seen.channels[0]).tolist():
+        away = seen.centres[1, i] - seen.positions[1]
+        velocity = (seen.centres[1, i] - seen.centres[0, i]) / step
+        ahead = away + horizon * (velocity - own)
+        legs = ((0.0, away, velocity, math.inf), (0.0, away, velocity - own, horizon))
+        for begins, begin, speed, lasts in (*legs, (horizon, ahead, velocity, math.inf)):
+            nearest, after = _nearest(begin, speed, lasts)
+            extent = _extent(flights, row, i, float(np.linalg.norm(away)) - float(seen.channels[1, i]))
+            yield Approach(nearest - extent, i, since + begins + after)
+
+
+def _nearest(away: Floats, velocity: Floats, lasts: float) -> tuple[float, float]:
+    """The smallest distance on a straight line that is followed for a while, and its time [s]."""
+    square = float(velocity @ velocity)
+    time = min(max(-float(away @ velocity) / square, 0.0), lasts) if square > 0.0 else 0.0
+    return float(np.linalg.norm(away + time * velocity)), time
+
+
+def _extent(flights: Flights, row: Floats, i: int, here: float) -> float:
+    """What the criterion subtracts from the distance to a centre, at most [m]; here: at the last step."""
+    criterion, reach = flights.parts.criterion, flights.parts.obstacles[i].reach
+    if criterion.measured_to == "centre":
+        return 0.0
+    if reach is None:
+        return here
+    sizes = (row[flights.paths[f"obstacles.{i}.{name}"]] for name in reach.of)
+    body = flights.paths.get("criterion.body_radius")
+    return reach.times * math.hypot(*map(float, sizes)) + (0.0 if body is None else float(row[body]))
+
+
+def _later(flights: Flights, name: str, row: Floats, approach: Approach) -> Later:
+    """An approach with the obstacle, its distance and its closing speed at the horizon."""
+    steps, every = flights.counts(flights.step)
+    longer = CONTINUED * steps
+    trace = flights.loop.simulate(row[None, :], flights.step, longer, every, traced=1).trace[0]
+    obstacle, time = approach.obstacle, approach.time
+    seen = _Seen(flights, row, trace, steps - 1, steps if obstacle is not None else longer)
+    if obstacle is None:
+        after, obstacle = (int(k) for k in np.unravel_index(np.argmin(seen.channels[1:]), seen.channels[1:].shape))
+        time = after * flights.step
+    before, now = (float(d) for d in seen.distances[:2, obstacle])
+    return Later(
+        name=name,
+        value=approach.value,
+        time=time,
+        obstacle=obstacle,
+        distance=now,
+        closing=(before - now) / flights.step,
+        simulated=approach.obstacle is None,
+    )

@@ -1,0 +1,45 @@
+"""Ends what takes too long in the file of a component, and names the line that it is at."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from types import FrameType
+
+from worker.running.examination.mistake import Mistake
+
+AGAIN = 1.0
+"""Time after which it is ended again, if the file has caught the exception [s]."""
+
+
+class Overdue(Mistake):
+    """It took too long; on a busy machine that may pass."""
+
+
+@contextlib.contextmanager
+def limited(seconds: float, file: Path, doing: str) -> Iterator[None]:
+    """Raises `Overdue` in the block after this time, 0 for no limit; doing: completes "when ..."."""
+
+    def ended(number: int, frame: FrameType | None) -> None:
+        while frame is not None and frame.f_code.co_filename != str(file):
+            frame = frame.f_back
+        if frame is None:
+            raise Overdue(f"it took more than {seconds:g} s when {doing}: look for a loop that does not end")
+        where = frame.f_code.co_name
+        what = "a loop at the top of the file" if where == "<module>" else where
+        raise Overdue(
+            f"{what} did not end within {seconds:g} s when {doing}: give every loop a number of turns", frame.f_lineno
+        )
+
+    if not seconds:
+        yield
+        return
+    before = signal.signal(signal.SIGALRM, ended)
+    signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

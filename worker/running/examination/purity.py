@@ -1,0 +1,158 @@
+"""Finds what makes a component random or keeps state, by name: every flight of a case must have the same bits.
+
+The names are looked up in the imported module, so that `from random import random as noise` is found too.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import BuiltinFunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from worker.engine.components.own import folders
+from worker.running.examination import reading
+from worker.running.examination.mistake import Mistake
+from worker.running.examination.reading import Source
+
+NOISE = "declare it as noise, in `draw` of an environment or by a fault"
+RANDOM, CLOCK, OUTSIDE = (
+    f"is random, and the same case must give the same result: {NOISE}",
+    "reads the clock, and the same case must give the same result: use t, the time of the simulation",
+    "reaches outside of the simulation, and a component computes from its arguments only: remove it",
+)
+MODULES = {
+    **dict.fromkeys(("random", "secrets", "uuid", "numpy.random"), RANDOM),
+    **dict.fromkeys(("time", "datetime"), CLOCK),
+    **dict.fromkeys(("os", "posix", "sys", "io", "pathlib", "subprocess", "socket", "logging", "shutil"), OUTSIDE),
+    **dict.fromkeys(("threading", "multiprocessing", "ctypes", "itertools", "gc", "warnings"), OUTSIDE),
+}
+FUNCTIONS = {
+    **dict.fromkeys(("print", "input", "open", "exec", "eval", "compile", "__import__", "breakpoint"), OUTSIDE),
+    **dict.fromkeys(("globals", "locals", "vars", "setattr", "delattr", "next"), OUTSIDE),
+    **dict.fromkeys(
+        ("id", "hash"), "differs between processes, and the same case must give the same result: remove it"
+    ),
+}
+CONSTANTS = (bool, int, float, complex, str, bytes, range, np.generic, np.ndarray, ModuleType)
+
+
+def check(source: Source, module: str) -> None:
+    """Raises `Mistake` for the first name in the file of an imported module that makes it random or keeps state."""
+    _check(source, vars(sys.modules[module]), {source.file})
+
+
+def _check(source: Source, known: Mapping[str, Any], seen: set[Path]) -> None:
+    for function in source.functions.values():
+        of_scope = reading.globals_of(source.scope(function))
+        for node, name, chain in _loaded(function):
+            if name in of_scope:
+                _check_name(source, known, seen, (function, node, name, chain))
+        if function in source.kernels:
+            _check_stores(function, of_scope)
+    tops = [s for s in source.tree.body if not isinstance(s, reading.Scope | ast.Import | ast.ImportFrom)]
+    for node, name, chain in (found for top in tops for found in _loaded(top)):
+        text = next(_impure(known, name, chain), "")
+        if text in (RANDOM, CLOCK):
+            raise Mistake(f"{'.'.join((name, *chain))} {text}", node.lineno)
+
+
+def _check_name(
+    source: Source, known: Mapping[str, Any], seen: set[Path], use: tuple[reading.Function, ast.expr, str, list[str]]
+) -> None:
+    function, node, name, chain = use
+    dotted = ".".join((name, *chain))
+    for text in _impure(known, name, chain):
+        raise Mistake(f"{function.name} uses {dotted}, which {text}", node.lineno)
+    if function not in source.kernels or name not in known:
+        return
+    value = _values(known, name, chain)[-1]
+    if not _constant(value):
+        raise Mistake(
+            f"{function.name} reads {dotted}, a {type(value).__name__}, and kernels read constants only: make it a "
+            "tuple of numbers, a parameter or a state",
+            node.lineno,
+        )
+    code = getattr(getattr(value, "py_func", value), "__code__", None)
+    file = Path(code.co_filename) if code is not None else source.file
+    if file not in seen and file.parent in folders():
+        seen.add(file)
+        home = sys.modules[getattr(value, "py_func", value).__module__]
+        try:
+            _check(reading.read(file), vars(home), seen)
+        except Mistake as mistake:
+            raise Mistake(f"{file.name}, line {mistake.line}: {mistake.text}", node.lineno) from None
+
+
+def _check_stores(kernel: reading.Function, of_scope: set[str]) -> None:
+    """A kernel that writes into something outside of it."""
+    for node in ast.walk(kernel):
+        inner: ast.AST = node
+        while isinstance(inner, ast.Subscript | ast.Attribute) and (
+            inner is not node or isinstance(inner.ctx, ast.Store)
+        ):
+            inner = inner.value
+        if inner is not node and isinstance(inner, ast.Name) and inner.id in of_scope:
+            raise Mistake(
+                f"{kernel.name} changes {inner.id}, and a kernel cannot change anything outside: keep the value in a "
+                "state or in the memory",
+                getattr(node, "lineno", 0),
+            )
+
+
+def _loaded(node: ast.AST) -> Iterator[tuple[ast.expr, str, list[str]]]:
+    """The names that are read, each with the attributes that follow it."""
+    outer: dict[int, ast.Attribute] = {
+        id(n.value): n for n in ast.walk(node) if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Load)
+    }
+    for name in reading.loads(node):
+        chain, at = list[str](), id(name)
+        while at in outer:
+            chain.append(outer[at].attr)
+            at = id(outer[at])
+        yield name, name.id, chain
+
+
+def _values(known: Mapping[str, Any], name: str, chain: list[str]) -> list[Any]:
+    """The value of a name, and of each attribute as far as they exist and belong to modules or types."""
+    found = [known.get(name, getattr(builtins, name, None))]
+    for attribute in chain:
+        if not isinstance(found[-1], ModuleType | type):
+            break
+        found.append(getattr(found[-1], attribute, None))
+    return found
+
+
+def _impure(known: Mapping[str, Any], name: str, chain: list[str]) -> Iterator[str]:
+    """Why what a name stands for cannot be used in a component; nothing if it can."""
+    if name not in known and name in FUNCTIONS:
+        yield FUNCTIONS[name]
+    for value in _values(known, name, chain):
+        homes = _homes(value)
+        yield from (text for home, text in MODULES.items() if any(h == home or h.startswith(f"{home}.") for h in homes))
+        plain = getattr(value, "__name__", "") if isinstance(value, BuiltinFunctionType) else ""
+        if plain in FUNCTIONS and getattr(builtins, plain, None) is value:
+            yield FUNCTIONS[plain]
+
+
+def _homes(value: Any) -> list[str]:
+    """The modules that a value belongs to: its own, those of its type, and of the object that it is a method of."""
+    if isinstance(value, ModuleType):
+        return [value.__name__]
+    owner = getattr(value, "__self__", None)
+    found = [type(value).__module__, getattr(value, "__module__", None)]
+    if owner is not None:
+        found += [owner.__name__] if isinstance(owner, ModuleType) else [type(owner).__module__]
+        found += [owner.__module__] if isinstance(owner, type) else []
+    return [home for home in found if isinstance(home, str)]
+
+
+def _constant(value: Any) -> bool:
+    if isinstance(value, tuple):
+        return all(map(_constant, value))
+    return value is None or callable(value) or isinstance(value, CONSTANTS)  # the compiler judges functions

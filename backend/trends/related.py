@@ -41,7 +41,7 @@ def asked_again(reader: sa.Connection, run_id: int) -> dict[str, int]:
     same = sa.select(CampaignRow.digest).where(CampaignRow.question == reader.scalar(own))
     verdict = sa.func.coalesce(Run.verdict, "none")
     of = sa.select(verdict, sa.func.count()).where(Run.campaign_digest.in_(same)).group_by(verdict)
-    found = dict(reader.execute(of).tuples().all())
+    found: dict[str, int] = {word: n for word, n in reader.execute(of)}  # noqa: C416
     return {word: found[word] for word in (*VerdictWord, "none") if word in found}
 
 

@@ -154,6 +154,12 @@ class Result(Evaluations):
         """The worst finding."""
         return self.findings[0] if self.findings else None
 
+    @property
+    def sample_seed(self) -> int | None:
+        """The seed of its independent sample, with which a search repeats it; None without one."""
+        seed = self.origin.store.sample_seed
+        return None if seed is None else seed.value
+
     def save(self, folder: str | Path) -> Path:
         """Write the folder of `clearance run --out`, which `clearance audit` checks; returns its path."""
         from clearance.function.saving import save

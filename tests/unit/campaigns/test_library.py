@@ -314,7 +314,8 @@ class TestResult:
         assert len(page) < 40_000
 
     def test_the_same_seed_gives_the_same_numbers(self, result: clearance.Result) -> None:
-        again = clearance.search(edgy, RANGES, threshold=59.5, unit="m", quantity="d_min", **SMALL)
+        seeds = {"sample_seed": result.sample_seed}
+        again = clearance.search(edgy, RANGES, threshold=59.5, unit="m", quantity="d_min", **seeds, **SMALL)
         assert again.costs.tobytes() == result.costs.tobytes()
         assert again.verdict.sentence == result.verdict.sentence
         assert again.verdict.scope == result.verdict.scope

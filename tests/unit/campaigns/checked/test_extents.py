@@ -108,7 +108,7 @@ FROZEN: dict[str, Any] = {
     },
     "uncertain": {"vehicle.m": {"low": 4.0, "high": 6.0}},
     "criterion": {"threshold": 0.5},
-    "stages": {"search": [{"method": "direct", "evaluations": 10}]},
+    "stages": {"search": [{"method": "direct", "evaluations": 10}], "certify": None},
 }
 
 

@@ -375,7 +375,7 @@ def test_a_failure_in_junit_has_parameters_link_and_replay_command() -> None:
     found = compared((0.84, 0.9), (0.80, None), (0.70, 0.80), ("F2", None), regression={"fail_on": ["new", "worse"]})
     suite = Xml.fromstring(junit(ended(found)))[0]
     assert {k: suite.get(k) for k in ("tests", "failures", "errors", "skipped")} == {
-        "tests": "17", "failures": "2", "errors": "0", "skipped": "1",
+        "tests": "18", "failures": "2", "errors": "0", "skipped": "1",
     }  # fmt: skip
     cases = {case.get("name"): case for case in suite.findall("testcase")}
     others = [name for name in cases if ":" not in str(name)]

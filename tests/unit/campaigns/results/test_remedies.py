@@ -26,7 +26,7 @@ SIMULATED = {
     "simulator": {"name": "drop"},
     "uncertain": {"simulator.mass": {"low": 1, "high": 4}},
     "criterion": {"result": "separation", "threshold": 1},
-    "stages": {"search": [DIRECT]},
+    "stages": {"search": [DIRECT], "certify": None},
 }
 
 

@@ -186,14 +186,14 @@ def test_json_is_one_object_with_the_documented_keys(file: Write, capsys: pytest
     assert found["worst"]["cost"] == pytest.approx(0.9417402, abs=2e-6)
     assert [(s["kind"], s["method"]) for s in found["stages"]] == [
         ("nominal", None), ("sensitivity", None), ("search", "direct"), ("search", "sqp"), ("search", "monte_carlo"),
-        ("validate", None),
+        ("certify", None), ("validate", None),
     ]  # fmt: skip
     for stage in found["stages"]:
         assert set(stage) == {
             "kind", "method", "best", "evaluations", "failed", "excluded", "seconds", "stop", "minima",
         }  # fmt: skip
     assert found["stages"][2]["evaluations"] == 200
-    assert found["statistics"]["samples"] == 100
+    assert found["statistics"]["samples"] == 300
     assert [f["label"] for f in found["findings"]] == ["F1"]
 
 
@@ -264,7 +264,7 @@ def test_failed_evaluations_are_written_without_a_cost(
 
 def test_the_threads_change_no_number(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
     name = file(searching(DIRECT, SQP, SAMPLE, scenario__horizon=1.0))
-    found = [result(capsys, name, "--threads", n)[1] for n in ("1", "2")]
+    found = [result(capsys, name, "--threads", n, "--sample-seed", "1")[1] for n in ("1", "2")]
     for one in found:
         for row in one["stages"] + one["comparison"]:
             del row["seconds"]

@@ -16,7 +16,7 @@ from campaigns.results.draws import of_draws
 from clearance.testing.problems import Problem
 from tests.audited import audited
 from tests.given.case_campaigns import searching
-from tests.given.sampled_stages import DRAWN
+from tests.given.sampled_stages import DRAWN as AS_DRAWN
 from worker.engine.stages.parts import offered, seeds
 from worker.engine.stages.parts.base import Context
 from worker.engine.systems.closed_loop.realisations import Realisations
@@ -57,7 +57,7 @@ def ran() -> tuple[MemoryStore, Verdict, Problem]:
     document = fixed.document()
     document["stages"]["certify"] = {"samples": 120}
     campaign = type(fixed).model_validate(document)
-    store = MemoryStore(sample_seed=DRAWN)
+    store = MemoryStore(sample_seed=AS_DRAWN)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(offered, "SPOT_CHECKS", 5)
         patch.setattr(offered, "AT_MOST", 5)

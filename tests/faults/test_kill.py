@@ -17,6 +17,7 @@ from backend.db.rows import as_result
 from backend.db.store import RunStore
 from backend.db.tables import Finding, Run, Stage, Trace
 from campaigns.results.verdict import Verdict
+from campaigns.sample_seed import SampleSeed
 from tests.audited import audited
 from tests.faults import postgres
 from tests.faults.long import SAMPLE, case
@@ -86,19 +87,19 @@ def down(server: postgres.Server) -> Iterator[None]:
 
 
 @cache
-def _undisturbed() -> tuple[MemoryStore, Verdict]:
-    store = MemoryStore()
+def _undisturbed(seed: SampleSeed | None) -> tuple[MemoryStore, Verdict]:
+    store = MemoryStore(sample_seed=seed)
     return store, execute(case(), store)
 
 
 def _same_as_undisturbed(engine: sa.Engine, run_id: int, run: Any, stages: Any) -> None:
-    undisturbed, verdict = _undisturbed()
+    store = RunStore(engine, Claim(run_id, 0, 0, 0, "", {}))
+    undisturbed, verdict = _undisturbed(store.sample_seed)
     assert (run.verdict, run.reason) == (verdict.verdict, verdict.reason)
     if engine.dialect.name == "sqlite":  # what is held below is the same on a server
         audited(engine, run_id=run_id)
     assert run.nominal_cost == (verdict.nominal and verdict.nominal.cost)
     assert run.worst_cost == (verdict.worst and verdict.worst.cost)
-    store = RunStore(engine, Claim(run_id, 0, 0, 0, "", {}))
     total = 0
     for position, stage in enumerate(stages):
         held, expected = store.evaluations(position), undisturbed.evaluations(position)

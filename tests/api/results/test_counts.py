@@ -51,6 +51,7 @@ class Both:
 
     def __init__(self, service: RunStore, memory: MemoryStore) -> None:
         self.service, self.memory = service, memory
+        self.sample_seed = memory.sample_seed = service.sample_seed
 
     def __getattr__(self, name: str) -> Any:
         def called(*given: Any, **named: Any) -> Any:

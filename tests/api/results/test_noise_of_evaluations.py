@@ -31,19 +31,20 @@ DRAWN = 2
 
 def test_a_stored_evaluation_is_simulated_again_under_its_own_noise(simulating: Service) -> None:
     problem = Problem(load_file(library()["unicycle_noise"]))
-    seeds = of_draws(problem.campaign.seed, 0, DRAWN)
-    own, _ = problem.evaluate(POINTS[:DRAWN], seeds=seeds)
-    grid, _ = problem.evaluate(POINTS[DRAWN:])
-    costs = np.concatenate([own.costs, grid.costs])
     with simulating.signed_in() as client:
         run = number(shipped(simulating, client, "unicycle_noise"))
         work = Work(simulating, PLAN)
+        seed = work.store.sample_seed.value
+        seeds = of_draws(seed, 0, DRAWN)
+        own, _ = problem.evaluate(POINTS[:DRAWN], seeds=seeds)
+        grid, _ = problem.evaluate(POINTS[DRAWN:])
+        costs = np.concatenate([own.costs, grid.costs])
         work.nominal()
         work.store.begin(1)
         work.store.append(1, 0, Columns(POINTS, costs, np.zeros(3, np.uint8), np.ones(3), {}))
         document = problem.campaign.document()
         with read(simulating.engine) as reader:
-            assert drawn(reader, run, problem.campaign) == {1: of_draws(problem.campaign.seed, 0, 3).tolist()}
+            assert drawn(reader, run, problem.campaign) == {1: of_draws(seed, 0, 3).tolist()}
             document["stages"]["certify"] = {"samples": 1, "grid": {"points": 2}}
             before = drawn(reader, run, Campaign.model_validate(document))
             assert before == {1: [seeds[0]]}, "while the stage runs: what was requested is drawn before the grid"

@@ -135,7 +135,7 @@ def test_a_run_without_snapshot_uses_the_installed_descriptions(service: Service
 
 @AT_NIGHT
 def test_the_digest_of_earlier_results_is_what_it_was(service: Service, client: httpx.Client) -> None:
-    submit(client)
+    submit(client, stages=campaign()["stages"] | {"certify": None})
 
     def digest() -> str:
         with read(service.engine) as reader:

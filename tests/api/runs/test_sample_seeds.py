@@ -1,0 +1,83 @@
+"""The seed of the independent sample: drawn at every launch, repeated on request, and how often a question was asked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.continuation import sample_seed, succeed
+from backend.db.engine import read
+from backend.db.tables import Run
+from campaigns import Campaign
+from campaigns.asked.text import to_yaml
+from campaigns.sample_seed import SampleSeed
+from tests.given.service import Service
+from tests.given.small_catalogue import CATALOGUE, campaign
+
+
+def launched(client: httpx.Client, **more: Any) -> int:
+    asked = {"campaign": campaign(**more.pop("changes", {})), **more}
+    answer = client.post("/api/v1/runs", json=asked)
+    assert answer.status_code == 201, answer.text
+    return int(answer.json()["id"].removeprefix("R-"))
+
+
+def seed(service: Service, run: int) -> SampleSeed:
+    with read(service.engine) as reader:
+        found = sample_seed(reader, run)
+    assert found is not None
+    return found
+
+
+def test_every_launch_draws_its_own(service: Service, client: httpx.Client) -> None:
+    seeds = [seed(service, launched(client)) for _ in range(5)]
+    assert len({one.value for one in seeds}) == 5
+    assert not any(one.stated for one in seeds)
+
+
+def test_a_seed_that_an_earlier_run_drew_is_repeated_and_any_other_is_stated(
+    service: Service, client: httpx.Client
+) -> None:
+    first = seed(service, launched(client)).value
+    assert seed(service, launched(client, sample_seed=first)) == SampleSeed(first, stated=False)
+    assert seed(service, launched(client, sample_seed=first + 1)) == SampleSeed(first + 1, stated=True)
+    assert seed(service, launched(client, sample_seed=first + 1)).stated, "stated before, but drawn by no run"
+    assert seed(service, launched(client, sample_seed=first, changes={"agreement": 0.1})).stated, "of another campaign"
+
+
+@pytest.mark.parametrize("bad", [-1, 2**52, 1.5, "1x"])
+def test_what_is_no_seed_is_refused(client: httpx.Client, bad: Any) -> None:
+    answer = client.post("/api/v1/runs", json={"campaign": campaign(), "sample_seed": bad})
+    assert answer.status_code == 422
+
+
+def test_a_run_that_continues_another_has_its_seed(service: Service, client: httpx.Client) -> None:
+    run = launched(client)
+    with service.engine.begin() as writer:
+        found = succeed(writer, run, Campaign.model_validate(campaign()), 10, CATALOGUE)
+    assert seed(service, found) == seed(service, run)
+
+
+def test_the_runs_that_ask_the_same_question_are_counted(service: Service, client: httpx.Client) -> None:
+    run = launched(client)
+    launched(client, changes={"name": "Another name", "seed": 7})
+    launched(client, changes={"uncertain": {"vehicle.m": {"plus_minus": "10%"}}})
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == run).values(verdict="cleared", removed=1.0))
+        writer.execute(sa.update(Run).where(Run.id == run).values(removed=None))
+    assert client.get(f"/api/v1/runs/R-{run:04d}/related").json()["question"] == {"cleared": 1, "none": 1}
+
+
+@pytest.mark.parametrize(
+    ("stages", "samples"), [({}, 300), ({"certify": None}, None), ({"certify": {"samples": 7}}, 7)]
+)
+def test_a_campaign_that_does_not_speak_of_a_sample_draws_one(stages: dict[str, Any], samples: int | None) -> None:
+    search = {"search": [{"method": "direct", "evaluations": 10}]}
+    found = Campaign.model_validate(campaign(stages=search | stages))
+    drawn = found.stages.certify
+    assert (None if drawn is None else drawn.samples) == samples
+    assert ("certify: null" in to_yaml(found)) == (samples is None)
+    assert Campaign.model_validate(found.document()).digest == found.digest

@@ -1,4 +1,4 @@
-"""The seed of the independent sample: drawn at every launch, repeated on request, and how often a question was asked."""
+"""The seed of the independent sample: drawn at every launch, repeated on request; how often a question was asked."""
 
 from __future__ import annotations
 

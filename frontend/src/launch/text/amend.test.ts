@@ -102,7 +102,7 @@ function edits(first: Campaign): [string, number, Edit][] {
     ['a method less', 14, search((list) => list.filter((_, i) => i !== 1))],
     ['a method more', 0, search((list) => list.toSpliced(1, 0, { method: 'differential_evolution', evaluations: 500, options: { sampling: 'on' }, starts: [] }))],
     ['certify out', 4, put(['stages', 'certify'], null)],
-    ['certify', 0, put(['stages', 'certify', 'samples'], 400)],
+    ['certify', 1, put(['stages', 'certify', 'samples'], 400)],
     ['a grid', 1, put(['stages', 'certify', 'grid', 'points'], 5)],
     ['sensitivity out', 1, put(['stages', 'sensitivity'], null)],
     ['sensitivity', 1, put(['stages', 'sensitivity', 'points'], 11)],

@@ -17,10 +17,10 @@ from backend.results import service as results
 from backend.results.schemas import Evaluations, FindingDetail
 from backend.runs import service as runs
 from backend.runs.components import changed
+from backend.runs.question import asked_again
 from backend.runs.schemas import RunDetail, RunVerdict, StageDetail
 from backend.signoffs import service as signoffs
 from backend.signoffs.schemas import Signoffs
-from backend.trends.related import asked_again
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ParameterEntry
 from campaigns.checked.check import parameters

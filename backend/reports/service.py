@@ -19,7 +19,7 @@ from backend.reports.record import Record, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
 from campaigns.identity.identity import Identity
-from campaigns.results import CertifyResult, SensitivityResult, TraceHead, ValidateResult
+from campaigns.results import SensitivityResult, TraceHead, ValidateResult
 from campaigns.runs import RunState
 from campaigns.version import VERSION
 from campaigns.versions import Processor, Versions
@@ -138,12 +138,11 @@ def _shown(head: TraceHead) -> str:
 
 
 def _sample_seed(record: Record) -> str:
-    certified = record.result(CertifyResult)
-    if certified is None:
-        return "no sample was drawn"
-    if certified.sample_seed is None:
-        return "that of the campaign"
-    return f"{certified.sample_seed.value}, {'stated' if certified.sample_seed.stated else 'drawn'} at launch"
+    found = (stage.result.sample_seed for stage in record.stages if stage.result is not None)
+    seed = next((seed for seed in found if seed is not None), None)
+    if seed is None:
+        return "no sample with a seed of its own"
+    return f"{seed.value}, {'stated' if seed.stated else 'drawn'} at launch"
 
 
 def _origin(record: Record) -> list[tuple[str, str]]:

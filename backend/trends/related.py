@@ -8,10 +8,10 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from backend.runs import identity
 from backend.runs.outcomes import Outcome, outcomes
+from backend.runs.question import asked_again
 from backend.runs.service import require
 from backend.trends.schemas import Difference, RelatedRun, RelatedRuns
 from campaigns.identity.identity import UNSTORED, Identity, changes
-from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_number
 
 MOST = 50
@@ -33,16 +33,6 @@ def related(reader: sa.Connection, run_id: int) -> RelatedRuns:
         total=len(ids),
         question=asked_again(reader, run_id),
     )
-
-
-def asked_again(reader: sa.Connection, run_id: int) -> dict[str, int]:
-    """How many runs ask the question of this one, by verdict: whoever repeats it until it is cleared is seen."""
-    own = sa.select(CampaignRow.question).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
-    same = sa.select(CampaignRow.digest).where(CampaignRow.question == reader.scalar(own))
-    verdict = sa.func.coalesce(Run.verdict, "none")
-    of = sa.select(verdict, sa.func.count()).where(Run.campaign_digest.in_(same)).group_by(verdict)
-    found: dict[str, int] = {word: n for word, n in reader.execute(of)}  # noqa: C416
-    return {word: found[word] for word in (*VerdictWord, "none") if word in found}
 
 
 def _ids(reader: sa.Connection, run_id: int, digest: str) -> list[int]:

@@ -141,7 +141,7 @@ def test_it_is_answered_live_between_simulations(live: Live, case1: Problem) -> 
     assert answer["demand"] == found.demand.tolist()
     assert answer["own"] == found.own.tolist()
     assert answer["place"] == found.place.tolist()
-    assert set(answer) == {"id"} | {f.name for f in dataclasses.fields(Field)} | {"unit"}
+    assert set(answer) == {"id", "identity", "unit"} | {f.name for f in dataclasses.fields(Field)}
 
 
 @pytest.mark.parametrize(

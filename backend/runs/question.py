@@ -1,0 +1,19 @@
+"""How often the service was asked the question of a run: the same system, bounds and criterion."""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run
+from campaigns.results.verdict import VerdictWord
+
+
+def asked_again(reader: sa.Connection, run_id: int) -> dict[str, int]:
+    """How many runs ask the question of this one, by verdict: whoever repeats it until it is cleared is seen."""
+    own = sa.select(CampaignRow.question).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
+    same = sa.select(CampaignRow.digest).where(CampaignRow.question == reader.scalar(own))
+    verdict = sa.func.coalesce(Run.verdict, "none")
+    of = sa.select(verdict, sa.func.count()).where(Run.campaign_digest.in_(same)).group_by(verdict)
+    found: dict[str, int] = {word: n for word, n in reader.execute(of)}  # noqa: C416
+    return {word: found[word] for word in (*VerdictWord, "none") if word in found}

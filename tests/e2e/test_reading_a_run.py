@@ -199,11 +199,11 @@ def test_an_inconclusive_verdict_opens_the_launch_page_with_the_change(visit: Vi
     expect(steps.get_by_role("link")).to_have_count(3)
     steps.get_by_role("link", name="With both").click()
     expect(page).to_have_url(re.compile("/launch"))
-    told = "Starts from R-0002, with step 2.5 ms, with an independent sample of 59"
+    told = "Starts from R-0002, with step 2.5 ms, with 3\u202f000 samples"
     expect(page.get_by_text(re.compile(re.escape(told).replace("\\ ", r"\s")))).to_be_visible()
     page.get_by_role("button", name="YAML").click()
     expect(page.locator(".cm-line", has_text="step: 0.0025")).to_be_visible()
-    expect(page.get_by_text("if none of the 59 random samples violates")).to_be_visible()
+    expect(page.get_by_text(re.compile(r"if none of the 3\s000 random samples violates"))).to_be_visible()
     visit.shot("reading-next-step", full=False)
 
 

@@ -67,7 +67,7 @@ def test_two_thresholds_are_compared(visit: Visit) -> None:
     page = visit.page
     visit.move(f"/compare?runs={BASINS},{CLEARED}")
     expect(page.get_by_text("From violated to cleared")).to_be_visible()
-    expect(page.get_by_text("simulators/basins").first).to_be_visible()
+    expect(page.get_by_role("row", name="basins 1.0")).to_be_visible()
     visit.near("#convergence")
     expect(page.locator("#convergence canvas").first).to_be_visible()
     empty = "cards => cards.filter(card => !card.querySelector('table, canvas, svg[role=img]')).map(card => card.id)"

@@ -60,7 +60,8 @@ DRAWN = SampleSeed(1, stated=False)
 
 def context(asked: Campaign, flown: Any = None, problem: Problem | None = None, seed: int | None = None) -> Context:
     """A run of one stage, at position 0, in memory."""
-    store = MemoryStore(sample_seed=SampleSeed(asked.seed if seed is None else seed, stated=False))
+    seeded = asked if seed is None else asked.model_copy(update={"seed": seed})
+    store = MemoryStore(sample_seed=SampleSeed(seeded.seed, stated=False))
     planned = [StagePlan("certify", None, 1)]
     store.plan(planned)
-    return Context(asked, problem or case1(), flown or evaluate(), store, plan=planned, methods=methods())
+    return Context(seeded, problem or case1(), flown or evaluate(), store, plan=planned, methods=methods())

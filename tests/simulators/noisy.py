@@ -7,6 +7,7 @@ from typing import Any
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results import Verdict
+from campaigns.sample_seed import SampleSeed
 from tests.audited import audited
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
@@ -35,7 +36,7 @@ def campaign(threshold: float = 1.0, certify: int = 120, **simulator: Any) -> Ca
 
 
 def ran(asked: Campaign) -> tuple[Verdict, MemoryStore]:
-    store = MemoryStore()
+    store = MemoryStore(sample_seed=SampleSeed(1, stated=False))
     verdict = execute(asked, store, threads=1)
     audited(store, asked)
     return verdict, store

@@ -45,7 +45,7 @@ def test_failing_checks_of_an_inconclusive_verdict_carry_changes_of_the_campaign
     assert step["changes"] == [{"at": ["scenario", "step"], "value": half}]
     assert (step["kind"], step["text"]) == ("step", f"with step {1000 * half:g} ms")
     (more,) = found["probability"]
-    assert (more["kind"], more["text"].split()[-1]) == ("sample", "samples")
+    assert (more["kind"], more["text"]) == ("sample", "with 3\u202f000 samples")
     assert found["agreement"] == [], "DIRECT ended by its own rule, and no other global method is installed"
     assert found["motion"] == found["nominal"] == found["x"] == []
     # What a page starts from it is a campaign that the service accepts.

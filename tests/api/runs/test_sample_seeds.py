@@ -10,12 +10,14 @@ import sqlalchemy as sa
 
 from backend.db.continuation import sample_seed, succeed
 from backend.db.engine import read
-from backend.db.tables import Run
+from backend.db.tables import Run, Stage
 from campaigns import Campaign
 from campaigns.asked.text import to_yaml
 from campaigns.sample_seed import SampleSeed
+from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE, campaign
+from worker.evidence.audit.record import of_database
 
 
 def launched(client: httpx.Client, **more: Any) -> int:
@@ -81,3 +83,28 @@ def test_a_campaign_that_does_not_speak_of_a_sample_draws_one(stages: dict[str, 
     assert (None if drawn is None else drawn.samples) == samples
     assert ("certify: null" in to_yaml(found)) == (samples is None)
     assert Campaign.model_validate(found.document()).digest == found.digest
+
+
+@pytest.mark.parametrize(
+    ("column", "item"), [("sample_seed", "sample.seed"), ("sample_seed_stated", "sample.drawn_at_launch")]
+)
+def test_the_audit_compares_the_seed_of_the_sample_with_that_of_the_launch(
+    service: Service, client: httpx.Client, column: str, item: str
+) -> None:
+    run = launched(client)
+    finish_fully(service)
+    with service.engine.begin() as writer:
+        certify = (Stage.run_id == run, Stage.kind == "certify")
+        result = writer.scalar(sa.select(Stage.result).where(*certify)) or {}
+        own = {"seed": seed(service, run).value, "drawn_at_launch": True}
+        writer.execute(sa.update(Stage).where(*certify).values(result={**result, **own}))
+
+    def agrees() -> bool:
+        with read(service.engine) as reader:
+            stated, launch = of_database(reader, run).twice[item]
+        return bool(stated == launch)
+
+    assert agrees()
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == run).values({column: 5 if column == "sample_seed" else True}))
+    assert not agrees()

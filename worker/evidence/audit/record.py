@@ -109,6 +109,10 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     summary = run["summary"].get("provenance", {}).get("digest", MISSING)
     twice = {f"digests.{k}": (v, campaign.digest) for k, v in (("run", run["campaign_digest"]), ("summary", summary))}
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
+    for sampled in (result for result in results if result and result.get("drawn_at_launch") is not None):
+        stated = {"seed": sampled.get("seed"), "drawn_at_launch": sampled["drawn_at_launch"]}
+        launched = {"seed": run.get("sample_seed"), "drawn_at_launch": not run.get("sample_seed_stated")}
+        twice |= {f"sample.{k}": (stated[k], launched[k]) for k in stated if run.get("sample_seed") is not None}
     for kept in rows("catalogue_snapshots", "digest", digest=run["snapshot"]) if run.get("snapshot") else []:
         claims["components"] = Catalogue.model_validate(kept["document"])
         twice["components"] = (kept["digest"], digest_of(kept["document"]))

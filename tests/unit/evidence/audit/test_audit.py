@@ -58,7 +58,7 @@ def database(tmp_path: Path) -> Iterator[sa.Engine]:
     engine = connect(migrated(tmp_path))
     campaign, memory = ran("cleared")
     with engine.begin() as connection:
-        submit(connection, campaign, name="a", tags=[], owner="", planned=1)
+        submit(connection, campaign, name="a", tags=[], owner="", planned=1, seed=memory.sample_seed)
     claim = Queue(engine).claim("w")
     assert claim is not None
     store = RunStore(engine, claim)

@@ -18,6 +18,7 @@ from campaigns.results.base import FAILED, OK
 from clearance.local.results import write_evidence, write_results
 from clearance.local.summary import summary
 from tests.given.case_campaigns import searching
+from tests.given.sampled_stages import DRAWN
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.evidence.audit.judge import SPANS, Item, audit
@@ -76,7 +77,7 @@ VERDICTS = {"noisy": "cleared", "excluded": "inconclusive"}
 
 @cache
 def ran(name: str) -> tuple[Campaign, MemoryStore]:
-    campaign, store = RUNS[name](), MemoryStore()
+    campaign, store = RUNS[name](), MemoryStore(sample_seed=DRAWN)
     conclusion = execute(campaign, store, threads=1)
     assert conclusion.verdict == VERDICTS.get(name, name), conclusion.reason
     return campaign, store
@@ -412,7 +413,7 @@ def called(name: str) -> tuple[Campaign, MemoryStore]:
     how = {"violated": "rarely a violation", "retried": "none"}.get(name, "a coin")
     lost = (lambda call: FAILED if call.total % 7 == 0 else OK) if name == "retried" else None
     asked = {"differs": {}, "retried": {"retries": 2}}.get(name, noisy.REPEATS)
-    campaign, store = noisy.campaign(**asked), MemoryStore()
+    campaign, store = noisy.campaign(**asked), MemoryStore(sample_seed=DRAWN)
     with adversary(how, lost):
         execute(campaign, store, threads=1)
     return campaign, store

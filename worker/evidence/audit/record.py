@@ -107,6 +107,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     claims |= {"results": results, "findings": found}
     claims["comparison"] = (stages[-1]["result"] or {}).get("comparison", MISSING)
     summary = run["summary"].get("provenance", {}).get("digest", MISSING)
+    twice: dict[str, tuple[Any, Any]]
     twice = {f"digests.{k}": (v, campaign.digest) for k, v in (("run", run["campaign_digest"]), ("summary", summary))}
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
     for sampled in (result for result in results if result and result.get("drawn_at_launch") is not None):

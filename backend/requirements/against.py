@@ -17,13 +17,14 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
-from backend.requirements import present
-from backend.requirements.present import chunks
 from backend.requirements.standing import Edge, Model
+from backend.signoffs import present
+from backend.signoffs.present import chunks
 from campaigns.asked.requirements import question
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 from campaigns.stages.found import declared
+from campaigns.versions import Versions
 
 MOST_NAMED = 20
 """Runs or ids that a sentence names."""
@@ -85,8 +86,13 @@ def models(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Model]:
     found: dict[int, Model] = {}
     for some in chunks(run_ids):
         of = sa.select(Run.id, Run.flown).where(Run.id.in_(some))
-        found |= {run_id: present.model(flown) for run_id, flown in reader.execute(of)}
+        found |= {run_id: _model(flown) for run_id, flown in reader.execute(of)}
     return found
+
+
+def _model(flown: Any) -> Model:
+    versions = Versions.of(flown)
+    return Model(versions.code, tuple(sorted(versions.components.items())), versions.simulator, versions.model)
 
 
 @dataclass(frozen=True)

@@ -124,6 +124,9 @@ class RunSummary(Schema):
     labels: dict[str, str]
     """Given at launch, in alphabetical order."""
     owner: str
+    """The user who submitted it, also by a token."""
+    token: str | None
+    """The name of the API token that submitted it; null without one."""
     state: RunState
     verdict: VerdictWord | None
     reason: str | None

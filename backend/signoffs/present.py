@@ -12,8 +12,7 @@ from backend.catalog.service import published
 from backend.db import codes
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, SweepRun
-from backend.requirements.standing import Model
-from campaigns import Catalogue
+from campaigns import CampaignError, Catalogue
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import definition
 from campaigns.identity.code import code_of
@@ -59,11 +58,6 @@ def present(reader: sa.Connection, names: Collection[str]) -> Present:
     return Present(codes.installed(reader), published(reader), newest)
 
 
-def model(flown: Any) -> Model:
-    versions = Versions.of(flown)
-    return Model(versions.code, tuple(sorted(versions.components.items())), versions.simulator, versions.model)
-
-
 def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], flown: Any) -> Iterator[str]:
     """What differs between a run and now, as clauses; what is not stored is named, not taken for equal."""
     newer, defined = now.newest.get(name, (run_id, ""))
@@ -73,7 +67,11 @@ def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], f
     if now.code is None or now.catalogue is None:
         yield "no worker has published the code to compare it with"
         return
-    code = code_of(load_document(document, f"the campaign of {run_name(run_id)}"), now.code)
+    try:
+        code = code_of(load_document(document, f"the campaign of {run_name(run_id)}"), now.code)
+    except CampaignError:
+        yield "this version cannot read its campaign, so a change cannot be excluded"
+        return
     if versions.code is None:
         yield "its code is not stored, so a change of the model cannot be excluded"
     elif code is None:

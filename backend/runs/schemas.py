@@ -24,6 +24,9 @@ class HistoryEntry(Schema):
     at: Instant
     """Seconds since 1970."""
     user: str
+    """The user, or the name of the API token."""
+    account: str
+    """The user, also of a token."""
     via: str
     """The authentication: link, password, token, or cli for the command line."""
     action: str

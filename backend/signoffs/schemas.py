@@ -58,8 +58,10 @@ class Signoff(Schema):
     """The newest run that repeats the signed one: the same campaign and code, and the same evaluations bit by bit."""
     sentence: str
     """The standing in words."""
+    account: str
+    """The user who was signed in to the service, also by a token."""
     user: str
-    """The user who was signed in to the service, or the API token."""
+    """That user, or the name of the API token."""
     own: bool
     """Whether this user also launched the run: such a sign-off is not independent."""
     created: Instant

@@ -21,6 +21,7 @@ from backend.signoffs.schemas import Signoff, Standing
 from backend.signoffs.texts import Texts, texts
 from campaigns.runs import run_name
 
+_WITHDRAWN = ("withdrawn", "withdrawn_by", "withdrawn_reason")
 _RUN = (*COLUMNS, Run.owner, CampaignRow.name.label("campaign"), CampaignRow.document)
 
 
@@ -56,7 +57,7 @@ class Signature:
         name, typed = signer(row.account, row.name)
         reasons = list(self.reasons(requirement)) if row.withdrawn is None and self.current else []
         standing = self._standing(reasons)
-        same = ("id", "role", "comment", "digest", "user", "created", "withdrawn", "withdrawn_by", "withdrawn_reason")
+        same = ("id", "role", "comment", "digest", "account", "user", "created", *_WITHDRAWN)
         return Signoff(
             **{name: getattr(row, name) for name in same},
             run=run_name(row.run_id),

@@ -29,15 +29,7 @@ def page(reader: sa.Connection, actor: str, action: str, cursor: str | None, lim
         )
     if cursor is not None:
         filters.append(Audit.id < _number(cursor))
-    account = sa.func.coalesce(Token.owner, Audit.user).label("account")
-    by_token = sa.and_(Audit.via == "token", Token.name == Audit.user)
-    of = (
-        sa.select(*audit.COLUMNS, account)
-        .outerjoin_from(Audit, Token, by_token)
-        .where(*filters)
-        .order_by(Audit.id.desc())
-        .limit(limit + 1)
-    )
+    of = sa.select(*audit.COLUMNS, audit.ACCOUNT).where(*filters).order_by(Audit.id.desc()).limit(limit + 1)
     found = reader.execute(of).mappings().all()
     items = [_entry(audit.as_row(row)) for row in found[:limit]]
     more = len(found) > limit

@@ -6,6 +6,7 @@ import type { ReactNode } from 'react'
 import { getRunText } from '../../api/calls'
 import type { Provenance as Origin, RunDetail, Versions } from '../../client'
 import { plain } from '../../format/numbers'
+import { launchedBy } from '../../format/people'
 import { moment } from '../../format/time'
 import { idOfComponent } from '../../help/links'
 import { Button } from '../../ui/Button'
@@ -106,7 +107,7 @@ function flightRows(data: RunData, origin: Origin): Rows {
     [campaign.simulator ? 'Simulator digest' : 'Loop digest', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
     ...(campaign.simulator ? [partRow(data, 'simulator', campaign.simulator.name)] : loopRows(data, origin)),
-    ['Started by', `${run.owner}, ${moment(run.created)}`],
+    ['Started by', `${launchedBy(run)}, ${moment(run.created)}`],
     ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
   ]
 }

@@ -22,8 +22,8 @@ LEADS = ("supportedBy", "inContextOf")
 
 SIGNED = Signoff(
     id=1, run="R-0001", name="Ada: #1", typed=True, stated=None, role="Lead", comment="", digest="d" * 64, current=True,
-    standing="standing", reasons=[], repeated_by=None, sentence="of these results", user="local", own=False,
-    created=3.0, withdrawn=None, withdrawn_by=None, withdrawn_reason=None,
+    standing="standing", reasons=[], repeated_by=None, sentence="of these results", account="local", user="local",
+    own=False, created=3.0, withdrawn=None, withdrawn_by=None, withdrawn_reason=None,
 )  # fmt: skip
 
 
@@ -116,7 +116,7 @@ def test_every_leaf_has_claim_digest_and_link_and_shows_what_is_suspect() -> Non
     solution = nodes["Sn-MET-R-0001"]
     assert solution["claim"] == "Cleared: d_min stays above 0.5 m."
     assert solution["url"] == "https://c.example/runs/R-0001"
-    assert "signed off by Ada: #1 (Lead)" in solution["text"]
+    assert "signed off by Ada: #1 (Lead, name as typed), of these results" in solution["text"]
     assert nodes["C-UN_SIGNED-R-0004"]["text"].endswith(". SUSPECT: the code has changed (sha256 aa, now bb)")
 
 

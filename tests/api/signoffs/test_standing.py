@@ -172,7 +172,7 @@ def test_a_text_that_is_changed_back_is_the_signed_one(service: Service, client:
         "standing", "suspect",
     ]  # fmt: skip
     assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "met"
-    assert client.delete(f"{API}/requirements", params={"id": REQUIREMENT}).status_code == 200
+    assert client.delete(f"{API}/requirements", params={"requirement": REQUIREMENT}).status_code == 204
     assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "suspect"
 
 

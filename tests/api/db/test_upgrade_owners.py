@@ -23,7 +23,10 @@ SIGNOFF = (
 SWEEP = (
     "insert into sweeps (name, campaign_name, path, title, unit, owner, created) values ('s', 'c', 'p', 't', 'm', ?, 1)"
 )
-DRAFT = "insert into drafts (version, name, tags, text, owner, created, saved, saved_by) values (1, '', '[]', '', ?, 1, 1, ?)"
+DRAFT = (
+    "insert into drafts (version, name, tags, text, owner, created, saved, saved_by) "
+    "values (1, '', '[]', '', ?, 1, 1, ?)"
+)
 
 
 @pytest.mark.parametrize(

@@ -130,7 +130,7 @@ def test_a_key_is_of_its_user(service: Service, client: httpx.Client) -> None:
     with service.visitor(authorization=f"Bearer {service.token('program')}") as program:
         theirs = Sent("/drafts", DRAFT).to(program, "post", "shared").json()
         assert theirs["id"] != mine["id"]
-        assert theirs["owner"] == "program"
+        assert (theirs["owner"], theirs["saved_by"]) == ("local", "program")
 
 
 @pytest.mark.parametrize(

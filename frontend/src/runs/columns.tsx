@@ -103,9 +103,9 @@ const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?:
   tags: { cell: (run, { onTag, onLabel }) => <Tags run={run} onTag={onTag} onLabel={onLabel} /> },
   owner: {
     cell: (run) => (
-      <span className={clsx(layout.cut, 'sec', tables.rn)} title={launchedBy(run)}>
-        {run.owner}
-        {run.token !== null && <small>token {run.token}</small>}
+      <span className={tables.rn} title={launchedBy(run)}>
+        <span className={clsx(layout.cut, 'sec')}>{run.owner}</span>
+        {run.token !== null && <small className={layout.cut}>token {run.token}</small>}
       </span>
     ),
   },

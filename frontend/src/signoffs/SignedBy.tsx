@@ -23,9 +23,11 @@ export function SignedBy({ items }: { items: readonly Signoff[] }) {
       {items.map((one) => {
         const { tone, icon: Icon } = STANDINGS[one.standing]
         return (
-          <span key={one.id} className={tone} title={`${one.role}, ${moment(one.created)}`}>
-            <Icon className="i s" aria-hidden /> {one.name}
-            {one.typed && <span className="mut small"> as typed</span>}
+          <span key={one.id} className={`${tables.rn ?? ''} ${tone}`} title={`${one.role}, ${moment(one.created)}`}>
+            <span>
+              <Icon className="i s" aria-hidden /> {one.name}
+              {one.typed && <span className="mut small"> as typed</span>}
+            </span>
             {(one.standing !== 'standing' || one.own) && <small>{sentenceOf(one)}</small>}
           </span>
         )

@@ -20,7 +20,10 @@ SIGNOFF = (
     "insert into signoffs (run_id, name, role, comment, digest, user, created) "
     "values ((select min(id) from runs), 'Grace', 'Review', '', ?, ?, 1)"
 )
-SWEEP = "insert into sweeps (name, campaign_name, path, title, unit, body, owner, created) values ('s', 'c', 'p', 't', 'm', '', ?, 1)"
+SWEEP = (
+    "insert into sweeps (name, campaign_name, path, title, unit, body, owner, created) "
+    "values ('s', 'c', 'p', 't', 'm', '', ?, 1)"
+)
 DRAFT = (
     "insert into drafts (version, name, tags, text, owner, created, saved, saved_by) "
     "values (1, '', '[]', '', ?, 1, 1, ?)"

@@ -148,6 +148,8 @@ CLASSES = (
     Class("RunPage", "RunPage", "items next_cursor counts"),
     Class("Validation", "Validation", "ok"),
     Class("FindingDetail", "Finding", "label cost margin parameters nominal low high methods values at_bounds"),
+    Class("Signoff", "Signoff", "name role"),
+    Class("Signoffs", "Signoffs", "items"),
     Class("TraceColumn", "TraceColumn", "name unit"),
     Class("TraceInfo", "TraceInfo", "name rows columns"),
     Class("TraceData", "TraceData", "data", "TraceInfo"),

@@ -171,7 +171,7 @@ def _origin(record: Record) -> list[tuple[str, str]]:
         *([("Command", f"{known.command} (from the campaign file)")] if known.command else []),
         ("Lanes", str(known.lanes or unknown)),
         ("Worker, attempts", f"{record.run.worker or 'none'}, {record.run.attempts}"),
-        ("Submitted", f"{words.moment(record.run.created)} by {record.run.owner or 'unknown'}"),
+        ("Submitted", f"{words.moment(record.run.created)} by {words.launched_by(record.run.owner, record.run.token)}"),
         ("Started", words.moment(record.run.started)),
         ("Finished", words.moment(record.run.finished)),
         ("Extends", record.run.continues or "no earlier run"),

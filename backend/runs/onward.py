@@ -62,7 +62,7 @@ def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:
 
 def _own(reader: sa.Connection, run_id: int, visitor: Visitor) -> None:
     service.require(reader, run_id)
-    require_own(reader, visitor, reader.scalar(sa.select(Run.owner).where(Run.id == run_id)), run_name(run_id))
+    require_own(visitor, reader.scalar(sa.select(Run.owner).where(Run.id == run_id)), run_name(run_id))
 
 
 def _not_waiting(run_id: int) -> RefusedError:

@@ -25,6 +25,9 @@ class HistoryEntry(Schema):
     at: Instant
     """Seconds since 1970."""
     user: str
+    """The user, or the name of the API token."""
+    account: str
+    """The user, also of a token."""
     via: str
     """The authentication: link, password, token, or cli for the command line."""
     action: str
@@ -125,6 +128,9 @@ class RunSummary(Schema):
     labels: dict[str, str]
     """Given at launch, in alphabetical order."""
     owner: str
+    """The user who submitted it, also by a token."""
+    token: str | None
+    """The name of the API token that submitted it; null without one."""
     state: RunState
     verdict: VerdictWord | None
     reason: str | None

@@ -10,7 +10,7 @@ from clearance.cli._following import AsJson, counts, plain, superseded
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
-    from clearance.client.answers import Finding, RunDetail
+    from clearance.client.answers import Finding, RunDetail, Signoff
 
 
 def show(
@@ -20,7 +20,7 @@ def show(
     token_file: Token = "",
     patience: Patience = PATIENCE,
 ) -> None:
-    """Print a run of a service: its verdict, the checks, the worst cases. The exit code is not the verdict."""
+    """Print a run of a service: verdict, checks, worst cases, sign-offs. The exit code is not the verdict."""
     import json
 
     with opened(service, token_file, patience) as client:
@@ -28,8 +28,8 @@ def show(
         if as_json:
             typer.echo(json.dumps(found.document, indent=2))
             return
-        findings = client.findings(found)
-        typer.echo("\n".join([*_head(found), *_checks(found), *_findings(found, findings), client.link(found)]))
+        parts = [*_head(found), *_checks(found), *_findings(found, client.findings(found))]
+        typer.echo("\n".join([*parts, *map(_signoff, client.signoffs(found).items), client.link(found)]))
 
 
 def _head(found: RunDetail) -> list[str]:
@@ -45,6 +45,7 @@ def _head(found: RunDetail) -> list[str]:
         lines.append(f"Code: {plain(Identity.model_validate(code).text)}")
     times = {"Submitted": found.created, "started": found.started, "ended": found.finished}
     lines.append(", ".join(f"{word} {at.strftime('%Y-%m-%dT%H:%M:%SZ')}" for word, at in times.items() if at))
+    lines.append(f"By {plain(found.owner)}" + (f" (token {found.token})" if found.token else ""))
     if found.labels:
         lines.append("Labels: " + ", ".join(f"{key}={value}" for key, value in found.labels.items()))
     if found.baseline is not None:
@@ -65,3 +66,10 @@ def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:
         + ", ".join(f"{path} = {value!r}" for path, value in f.parameters.items())
         for f in findings
     ]
+
+
+def _signoff(one: Signoff) -> str:
+    typed = ", name as typed" if one.typed else ""
+    return f"Signed off by {plain(one.name)} ({plain(one.role)}{typed})" + (
+        f": {plain(one.sentence)}" if one.sentence else ""
+    )

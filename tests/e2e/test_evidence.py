@@ -221,7 +221,7 @@ def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit, page: Page) 
     dialog = page.get_by_role("dialog")
     dialog.get_by_role("textbox", name="Name").fill("Grace Hopper")
     expect(dialog).to_contain_text("You launched R-0001, and the sign-off states that.")
-    role = dialog.get_by_role("combobox", name="Role")
+    role = dialog.get_by_role("combobox", name="Title")
     expect(role).to_have_value("")  # no independent review by who launched it
     role.fill("Designer")
     dialog.get_by_role("textbox", name="Comment").fill("Bounds agree with the hazard log.")

@@ -12,6 +12,7 @@ import type { RunDetail } from '../../client'
 import { ExportMenu } from '../../exports/ExportMenu'
 import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
+import { launchedBy } from '../../format/people'
 import { dayAndClock, moment } from '../../format/time'
 import { Button } from '../../ui/Button'
 import { Form } from '../../ui/Form'
@@ -46,7 +47,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           <Requirements run={run} />
           {run.removed === null && <EditRun run={run} />}
           <span className="small mut nw" title={moment(run.created)}>
-            {dayAndClock(run.created)}, {run.owner}
+            {dayAndClock(run.created)}, {launchedBy(run)}
           </span>
           {run.evaluations > 0 && (
             <span className="small mut nw" data-testid="counts">

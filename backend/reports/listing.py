@@ -39,6 +39,7 @@ def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None) -> 
         campaign_name=run.campaign_name,
         state=run.state,
         verdict=run.verdict,
+        not_sampled=run.not_sampled,
         finished=run.finished,
         digest=digest,
         signed=len(valid),

@@ -127,6 +127,8 @@ class RunSummary(Schema):
     owner: str
     state: RunState
     verdict: VerdictWord | None
+    not_sampled: bool
+    """Whether nothing but an independent sample is missing to clear it."""
     reason: str | None
     """The verdict's sentence."""
     error: str | None
@@ -201,6 +203,10 @@ class RunVerdict(Verdict):
 
 class RunDetail(RunSummary):
     """A run with its campaign, stages and provenance."""
+
+    not_continuable: str | None
+    """Why a run that waits for the code that began it cannot be continued as a new run; None if it can be, and for any
+    other run."""
 
     notes: str
     """In Markdown."""

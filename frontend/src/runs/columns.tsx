@@ -6,7 +6,7 @@ import { withoutValue } from '../format/counts'
 import { count, duration, NONE, percent } from '../format/numbers'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import { amount, Margin, Removal, Tags, Time } from './cells'
 import { COLUMN_KEYS, type ColumnKey, DECLARED, type SortKey } from './columnKeys'
 import { Spark } from './Spark'
@@ -51,7 +51,7 @@ const unitOf = ({ unit }: Common): string => unit ?? ''
 
 /** The cells that need more than one field, and the headers that name the criterion or its unit. */
 const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?: Column['head'] }>> = {
-  verdict: { cell: (run) => <VerdictBadge outcome={outcomeOf(run)} /> },
+  verdict: { cell: (run) => <RunBadge run={run} /> },
   worst: {
     head: ({ quantity }) => <>Worst {quantity ? <Sign text={quantity} /> : 'value'}</>,
     under: unitOf,

@@ -1,4 +1,4 @@
-"""What is stated in large is the same in every place: the worst value that every evaluation grants, a missing sample."""
+"""What is stated in large is the same everywhere: the worst value that every evaluation grants, a missing sample."""
 
 from __future__ import annotations
 

@@ -65,7 +65,13 @@ def finish_fully(
     store.finish(2, results.searched(1.3, PARAMETERS), 1.0)
     store.finish(3, CertifyResult(sample=sample(), grid=None, stop=results.ENDED, text=""), 2.0)
     second = finding().model_copy(update={"label": "F2", "cost": 1.32, "margin": 0.82, "slices": None})
-    store.finish(4, validated(), 0.5, findings=list(found) or [finding(), second], traces=[flight("F1", 301, 0.8), flight("F2", 301, 0.85)])
+    store.finish(
+        4,
+        validated(),
+        0.5,
+        findings=list(found) or [finding(), second],
+        traces=[flight("F1", 301, 0.8), flight("F2", 301, 0.85)],
+    )
     stated = Statistics.model_validate(sample().model_dump())
     checks = [
         Check(code="nominal", ok=True, statement=results.statement("margin +0.9 m")),

@@ -36,8 +36,8 @@ def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Se
     assert (found["state"], found["other_code"], found["evaluations"]) == ("queued", DIFFERS, 100)
     assert found["waits"] == (
         f"Other code began it than the running workers have: {DIFFERS}. Start a worker of the version that began it, "
-        "and it continues; or begin it again, without its 100 evaluations; or continue it as a new run, with the "
-        "evaluations that are still valid."
+        "and it continues; or begin it again, without its 100 evaluations; or continue it as a new run, with "
+        "those that are still valid, if any."
     )
     arrive(service, "old", OLD)
     found = one(client, run)

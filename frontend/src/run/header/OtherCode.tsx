@@ -33,6 +33,7 @@ export function OtherCode({ run }: { run: RunDetail }) {
           Begin again, discard {count(run.evaluations)} {run.evaluations === 1 ? 'evaluation' : 'evaluations'}
         </Button>
       </div>
+      {run.not_continuable !== null && <p className="small sec">It cannot be continued as a new run: {run.not_continuable}.</p>}
       {refused && (
         <p className={fields.ferr} role="alert">
           {refused.message}

@@ -41,6 +41,7 @@ def _report(
         campaign_name=run.campaign_name,
         state=run.state,
         verdict=run.verdict,
+        not_sampled=run.not_sampled,
         finished=run.finished,
         digest=digest,
         signoffs=[one.signoff() for one in signed.get(run_id, []) if one.row.withdrawn is None],

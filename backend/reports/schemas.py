@@ -31,6 +31,8 @@ class Report(Schema):
     campaign_name: str
     state: RunState
     verdict: VerdictWord | None
+    not_sampled: bool
+    """Whether nothing but an independent sample is missing to clear it."""
     finished: Instant | None
     digest: str
     """SHA-256 of the results."""

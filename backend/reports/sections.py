@@ -189,13 +189,15 @@ def _symbol(record: Record, path: str) -> Markup:
 
 
 def findings(record: Record) -> list[Row]:
-    decimals = numbers.decimals_apart([f.cost for f in record.findings], 4, 7)
+    values = [value for f in record.findings for value in (f.granted, f.cost)]
+    decimals = numbers.decimals_apart(values, 4, 7)
     titles = _titles(record)
     return [
         {
             "label": f.label,
-            "cost": numbers.fixed(f.cost, decimals),
-            "margin": numbers.difference(f.margin, decimals),
+            "cost": numbers.fixed(f.granted, decimals),
+            "evaluated": "" if f.granted == f.cost else numbers.fixed(f.cost, decimals),
+            "margin": numbers.difference(f.margin + (f.granted - f.cost), decimals),
             "violates": f.margin <= 0,
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
             "bounds": [(_symbol(record, path), side) for path, side in f.at_bounds.items()],

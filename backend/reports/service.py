@@ -20,6 +20,7 @@ from campaigns.claims import numbers
 from campaigns.claims.say import say
 from campaigns.identity.identity import Identity
 from campaigns.results import SensitivityResult, TraceHead, ValidateResult
+from campaigns.results.verdict import headline
 from campaigns.runs import RunState
 from campaigns.version import VERSION
 from campaigns.versions import Processor, Versions
@@ -86,7 +87,13 @@ def _context(record: Record, at: float) -> dict[str, object]:
         "day": words.day(at),
         "made": words.moment(at),
         "version": VERSION,
-        "verdict": {"tone": tone, "word": word, "icon": icon, "sentence": sentence, "error": run.error},
+        "verdict": {
+            "tone": tone,
+            "word": headline(word, run.not_sampled),
+            "icon": icon,
+            "sentence": sentence,
+            "error": run.error,
+        },
         "scope": () if verdict is None else verdict.holds_for,
         "of": record.of,
         "parts": sections.components(record),

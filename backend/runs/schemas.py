@@ -133,6 +133,8 @@ class RunSummary(Schema):
     """The name of the API token that submitted it; null without one."""
     state: RunState
     verdict: VerdictWord | None
+    not_sampled: bool
+    """Whether nothing but an independent sample is missing to clear it."""
     reason: str | None
     """The verdict's sentence."""
     error: str | None
@@ -207,6 +209,10 @@ class RunVerdict(Verdict):
 
 class RunDetail(RunSummary):
     """A run with its campaign, stages and provenance."""
+
+    not_continuable: str | None
+    """Why a run that waits for the code that began it cannot be continued as a new run; None if it can be, and for any
+    other run."""
 
     notes: str
     """In Markdown."""

@@ -154,6 +154,11 @@ class Verdict(Result):
         drawn = 0 if sample is None or sample.source != "certify" else sample.samples
         return not_sampled(self.verdict, [check.name for check in self.checks if not check.ok], drawn)
 
+    @property
+    def headline(self) -> str:
+        """The verdict in large."""
+        return headline(self.verdict, self.not_sampled)
+
     @model_validator(mode="before")
     @classmethod
     def _worded(cls, stored: Any) -> Any:
@@ -166,6 +171,11 @@ class Verdict(Result):
     def reason(self) -> str:
         """Sentence and scope."""
         return f"{self.sentence} {self.scope}".strip()
+
+
+def headline(word: str, lacks_sample: bool | None) -> str:
+    """A verdict in large, with what alone is missing to clear it: `inconclusive: not sampled`."""
+    return f"{word}: not sampled" if lacks_sample else word
 
 
 def not_sampled(word: str | None, lacking: Sequence[str], drawn: int) -> bool:

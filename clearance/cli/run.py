@@ -129,7 +129,8 @@ def _ended(
         unit=verdict.unit,
         threshold=campaign.criterion.threshold,
         findings=tuple(
-            Case(f.label, f.granted, f.granted - campaign.criterion.threshold, f.parameters) for f in store.found()
+            Case(f.label, f.granted, f.granted - campaign.criterion.threshold, f.parameters, f.cost)
+            for f in store.found()
         ),
         source=_source(file, options),
         requirements=tuple(one.id for one in campaign.criterion.requirements),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clearance.cli._following import AsJson, counts, plain, superseded
+from clearance.cli._following import AsJson, case, counts, plain, superseded
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
@@ -34,8 +34,9 @@ def show(
 
 def _head(found: RunDetail) -> list[str]:
     from campaigns.identity.identity import Identity
+    from campaigns.results.verdict import headline
 
-    state = found.verdict or found.state
+    state = headline(found.verdict, found.not_sampled) if found.verdict else found.state
     lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
     lines += [plain(text) for text in (found.reason, found.error, found.waits, superseded(found)) if text]
     if found.stage is not None:
@@ -62,9 +63,9 @@ def _checks(found: RunDetail) -> list[str]:
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:
     unit = found.unit
     return [
-        f"{f.label}: {found.quantity} {f.cost:.6g} {unit}, margin {f.margin:+.6g} {unit}; "
+        f"{f.label}: {found.quantity} {f.cost:.6g} {unit}, margin {f.margin:+.6g} {unit}{f.lower}; "
         + ", ".join(f"{path} = {value!r}" for path, value in f.parameters.items())
-        for f in findings
+        for f in map(case, findings)
     ]
 
 

@@ -143,6 +143,8 @@ class Run(RunAnswer):
     """queued, running, cancelling, cancelled, failed, done"""
     verdict: str | None
     """cleared, violated, inconclusive"""
+    not_sampled: bool | None = None
+    """Whether nothing but an independent sample is missing to clear it."""
     reason: str | None
     """The verdict's sentence."""
     error: str | None
@@ -212,6 +214,10 @@ class Submitted(Run):
 class RunDetail(Run):
     """A run with its campaign, stages and provenance."""
 
+    not_continuable: str | None = None
+    """Why a run that waits for the code that began it cannot be continued as a new run; None if it can be, and for any
+    other run.
+    """
     notes: str
     """In Markdown."""
     baseline: Baseline | None = None

@@ -7,7 +7,7 @@ import { sessionQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { decimalsFor, signed } from '../format/numbers'
 import { storeOf } from '../ui/store'
-import { lookOf, outcomeOf } from '../ui/VerdictBadge'
+import { wordOf } from '../ui/VerdictBadge'
 
 export interface Wanted {
   /** All runs that I submit. */
@@ -109,7 +109,7 @@ export function useNotifier(open: (run: string) => void): void {
 function tell(run: RunSummary, open: (run: string) => void): void {
   if (wanted.get().runs.includes(run.id)) want({ ...wanted.get(), runs: wanted.get().runs.filter((id) => id !== run.id) })
   // The tag merges notifications from several tabs.
-  const message = new Notification(`${run.id} ${lookOf(outcomeOf(run)).word.toLowerCase()}`, {
+  const message = new Notification(`${run.id} ${wordOf(run).toLowerCase()}`, {
     body: bodyOf(run),
     tag: run.id,
     icon: '/favicon.svg',

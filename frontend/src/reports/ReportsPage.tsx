@@ -19,7 +19,7 @@ import { Digest } from '../ui/Digests'
 import { Table } from '../ui/Table'
 import { save } from '../ui/files'
 import { SearchBox } from '../ui/SearchBox'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
@@ -98,7 +98,7 @@ function Reports({ items }: { items: readonly Report[] }) {
       rows={items}
       by={({ run }) => run}
       columns={[
-        { head: 'Verdict', cell: (report) => <VerdictBadge outcome={outcomeOf(report)} /> },
+        { head: 'Verdict', cell: (report) => <RunBadge run={report} /> },
         {
           head: 'Run',
           cell: ({ run, name, campaign_name }) => (

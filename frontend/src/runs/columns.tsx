@@ -7,7 +7,7 @@ import { count, duration, NONE, percent } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import { amount, Margin, Removal, Tags, Time } from './cells'
 import { COLUMN_KEYS, type ColumnKey, DECLARED, type SortKey } from './columnKeys'
 import { Spark } from './Spark'
@@ -53,7 +53,7 @@ const unitOf = ({ unit }: Common): string => unit ?? ''
 
 /** The cells that need more than one field, and the headers that name the criterion or its unit. */
 const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?: Column['head'] }>> = {
-  verdict: { cell: (run) => <VerdictBadge outcome={outcomeOf(run)} /> },
+  verdict: { cell: (run) => <RunBadge run={run} /> },
   worst: {
     head: ({ quantity }) => <>Worst {quantity ? <Sign text={quantity} /> : 'value'}</>,
     under: unitOf,

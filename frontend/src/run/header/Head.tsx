@@ -17,7 +17,7 @@ import { dayAndClock, moment } from '../../format/time'
 import { Button } from '../../ui/Button'
 import { Form } from '../../ui/Form'
 import { Tags } from '../../ui/Card'
-import { outcomeOf, VerdictBadge } from '../../ui/VerdictBadge'
+import { RunBadge } from '../../ui/VerdictBadge'
 import { Modal } from '../../ui/Modal'
 import { Bell } from './Bell'
 import { EditRun } from './EditRun'
@@ -40,7 +40,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
         <div className={runStyles.titles}>
           <h1>{run.name}</h1>
           <span data-testid="outcome" aria-live="polite">
-            <VerdictBadge outcome={outcomeOf(run)} />
+            <RunBadge run={run} />
           </span>
           <Tags tags={run.tags} />
           <Labels labels={run.labels} />

@@ -15,7 +15,7 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
 from campaigns.results.base import FAILED, OK
-from clearance.local.results import write_evidence, write_results
+from clearance.local.results import write_results
 from clearance.local.summary import summary
 from tests.given.case_campaigns import searching
 from tests.simulators import noisy
@@ -99,7 +99,6 @@ def made(campaign: Campaign, store: MemoryStore) -> dict[str, bytes]:
     assert store.verdict is not None
     with TemporaryDirectory() as folder:
         write_results(Path(folder), campaign, store, summary(campaign, store, store.verdict))
-        write_evidence(Path(folder), campaign, store)
         return {str(p.relative_to(folder)): p.read_bytes() for p in Path(folder).rglob("*") if p.is_file()}
 
 

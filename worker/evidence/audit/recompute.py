@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from campaigns import cube
 from campaigns.checked.check import parameters, seeded
 from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
@@ -123,8 +124,8 @@ class Run:
     def describe(self) -> None:
         """Look up the run's parameters and methods in the catalogue, and select the sample for the probability."""
         components = self.claims["components"]
-        known = parameters(self.campaign, components)
-        self.bounds = {path: u.interval(known[path][1]) for path, u in self.campaign.uncertain.items()}
+        self.known = parameters(self.campaign, components)
+        self.bounds = {path: u.interval(self.known[path][1]) for path, u in self.campaign.uncertain.items()}
         self.random = seeded(self.campaign, components)
         methods = {method.name: method for method in components.methods}
         self.methods = {k: methods[self.plan[k].method] for k in self.searches}
@@ -135,15 +136,31 @@ class Run:
         self.claimed = next(claimable, None)
         self.bound = self.claimed and self.claimed["upper_bound"]
         for finding, recorded in zip(self.findings, self.claims["findings"], strict=True):
-            ranges = zip(self.bounds.items(), recorded["point"], strict=True)
-            finding["parameters"] = {path: low + u * (high - low) for (path, (low, high)), u in ranges}
+            finding["parameters"] = self.values(recorded["point"])
+
+    def options(self, k: int) -> Tree:
+        """The options of a search; a certify stage has none."""
+        return self.campaign.stages.search[self.searches.index(k)].options if k in self.searches else {}
+
+    def grid(self, k: int) -> int:
+        """How many points the grid of a certify stage has, which come after its draws."""
+        certify = self.campaign.stages.certify if self.plan[k].kind == "certify" else None
+        return certify.grid.points ** len(self.bounds) if certify and certify.grid else 0
+
+    def draws(self, k: int) -> int:
+        """How many draws a random sample has, excluded ones included."""
+        return int(max(self.ended[k]["evaluations"] - self.grid(k), 0))
+
+    def values(self, point: Any) -> dict[str, float]:
+        """A point (n,) of the unit cube as values by path."""
+        low, high = (np.array(ends) for ends in zip(*self.bounds.values(), strict=True))
+        nominal = [self.known[path][1] for path in self.bounds]
+        return dict(zip(self.bounds, cube.natural(np.array(point), nominal, low, high).tolist(), strict=True))
 
     def sample(self, k: int) -> Tree:
         """The random sample of a search, or of the certify stage, whose grid comes after its draws."""
-        certify = self.campaign.stages.certify if self.plan[k].kind == "certify" else None
-        options = {} if certify else self.campaign.stages.search[self.searches.index(k)].options
-        grid = certify.grid.points ** len(self.bounds) if certify and certify.grid else 0
-        drawn = np.flatnonzero(self.stage == k)[: max(self.ended[k]["evaluations"] - grid, 0)]
+        certify, options = (self.campaign.stages.certify if self.plan[k].kind == "certify" else None), self.options(k)
+        drawn = np.flatnonzero(self.stage == k)[: self.draws(k)]
         costs, found = np.sort(self.raw[drawn][self.status[drawn] == OK]), counts(self.status[drawn])
         draws, outside, level = found.pop("evaluations"), self.outside(), self.campaign.confidence
         size, violations = draws - found["excluded"], found["failed"] + int(np.count_nonzero(costs <= self.threshold))
@@ -156,7 +173,7 @@ class Run:
         if self.calls.noisy:
             found["noise"] = "drawn" if certify or self.calls.number == 1 else "stated"
         if options.get("interval"):  # the k-th interim analysis spends 1 / (k (k + 1)) of the error
-            look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
+            found["looks"] = look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
             level = 1.0 - (1.0 - level) / (look * (look + 1))
         independent = options.get("sampling", "plain") == "plain" and not options.get("continued")
         found["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None

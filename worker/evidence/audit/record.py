@@ -13,17 +13,25 @@ from typing import Any, NamedTuple
 import numpy as np
 import sqlalchemy as sa
 
+from backend.db.digest import current_digest, stated
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
-from campaigns.checked.snapshot import digest_of
+from campaigns.documents import JsonObject, digest_of
 from campaigns.claims.earlier import throughout
-from campaigns.documents import JsonObject
 from campaigns.results import earlier
 from campaigns.results.base import FLAKY, OK
 from campaigns.runs import run_name
+from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.unreadable import UNREADABLE
+from worker.evidence.audit import files
 
-MISSING: Any = "not stored by the version that made this run"
+class Missing(str):
+    """Why a value cannot be compared."""
+
+
+MISSING: Any = Missing("not stored by the version that made this run")
+
+SEAL = "evidence_digest"
 
 
 class UnreadableError(Exception):
@@ -56,7 +64,8 @@ def of_folder(folder: Path) -> Record:
     """The run that `clearance run --out` wrote; raises `UnreadableError` and `CampaignError`."""
     try:
         claims, file = json.loads((folder / "result.json").read_text(encoding="utf-8")), folder / "evidence.json"
-        stated, evidence = claims["digest"], json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        campaign_digest, evidence = claims["digest"], json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        sealed, raw = claims.pop(SEAL, None), {"result": dict(claims), **evidence}
         claims |= {k: Catalogue.model_validate(v) if k == "components" else v for k, v in evidence.items()}
         if {"stages", "findings"} <= claims.keys():  # without them it is not a record, which the audit reports
             kinds = [stage["kind"] for stage in claims["stages"]]
@@ -69,13 +78,20 @@ def of_folder(folder: Path) -> Record:
                 np.concatenate([arrays[f"{name}_{k}"] for k in positions]) for name in ("points", "costs", "status")
             ]
             again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions)
+            columns = [Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions]
+        document = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
+        twice = {SEAL: (sealed or MISSING, evidence_digest(digest_of(document), columns, raw))}
     except UNREADABLE as error:
         raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
     campaign = load_file(folder / "campaign.json")
+    try:
+        twice |= files.compared(folder, claims, campaign, rows, stage) if sealed else {}
+    except UNREADABLE as error:
+        raise UnreadableError(f"the files of {folder} are not those of a run: {error}") from None
     return Record(
         campaign,
         throughout(claims),
-        {"digests.result": (stated, campaign.digest)},
+        {"digests.result": (campaign_digest, campaign.digest), **twice},
         stage,
         rows[0],
         rows[1],
@@ -103,8 +119,12 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     results, found = earlier.brought_up([stage["kind"] for stage in stages], results, found)
     claims |= {"results": results, "findings": found}
     claims["comparison"] = (stages[-1]["result"] or {}).get("comparison", MISSING)
-    summary = run["summary"].get("provenance", {}).get("digest", MISSING)
+    provenance = run["summary"].get("provenance", {})
+    summary, sealed = provenance.get("digest", MISSING), stated(run["summary"])
     twice = {f"digests.{k}": (v, campaign.digest) for k, v in (("run", run["campaign_digest"]), ("summary", summary))}
+    twice[SEAL] = (MISSING, MISSING) if sealed is None else (sealed, current_digest(connection, run_id))
+    flown = run.get("flown") or {}
+    twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in provenance}
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
     for kept in rows("catalogue_snapshots", "digest", digest=run["snapshot"]) if run.get("snapshot") else []:
         claims["components"] = Catalogue.model_validate(kept["document"])

@@ -19,6 +19,7 @@ from worker.evidence.scopes.base import Terms
 
 LONGEST = 160
 """Characters of a command line in a sentence."""
+UNCHECKED = "Whether an encounter takes place was not checked."
 OWN = frozenset({"scope", "words", "caveat", "shows", "bars"})
 """What a package may state of its own simulator."""
 
@@ -58,29 +59,48 @@ def terms(system: System) -> Terms:
 def _scope(system: Any) -> Scope:
     if not isinstance(system, Simulated):
         return Scope(say(f"simulator {type(system).__name__}"), (), f"simulator digest {system.digest[:12]}")
-    title, name, version = system.entry.title, system.entry.name, f"digest {system.digest[:12]}"
+    title, name = system.entry.title, system.entry.name
     if isinstance(system, InProcess) and system.identity is not None and system.identity.unknown:
-        version = f"no digest, its code is not identified: {system.identity.unknown}"
-        return Scope(say(f"{title}, Python function {name}"), (), version)
+        return function_scope(title, name, "", system.identity.unknown)
     if isinstance(system, (InProcess, Isolated)):
-        return Scope(say(f"{title}, Python function {name}"), (), f"function {version}")
-    what, settings, version = f"{title}, simulator {name}", "", f"simulator {version}"
+        return function_scope(title, name, system.digest)
     if isinstance(system, CommandSimulator) and system.given:
-        line = " ".join(system.given.split())
-        shown = line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
-        what += f", run by a command that the campaign file gives, {shown}"
-        version += f" {system.described.covers}"
+        return simulator_scope(title, name, system.digest, system.given, system.described.covers)
+    settings = ""
     if isinstance(system, FmuSimulator):
         d = system.described
         settings = (
             f"FMI {d.model.version} co-simulation from {d.model.start:g} s to {d.stop:g} s,"
             f" communication step {d.step:g} s, {system.reuse}"
         )
+    return simulator_scope(title, name, system.digest, settings=settings)
+
+
+def function_scope(title: str, name: str, digest: str, unknown: str = "") -> Scope:
+    """Of a Python function; unknown: what of its code could not be read."""
+    version = f"no digest, its code is not identified: {unknown}" if unknown else f"function digest {digest[:12]}"
+    return Scope(say(f"{title}, Python function {name}"), (), version)
+
+
+def simulator_scope(
+    title: str, name: str, digest: str, command: str = "", covers: str = "", settings: str = ""
+) -> Scope:
+    """Of any other simulator; command: the line that the campaign file gives; covers: what the digest is of."""
+    what, version = f"{title}, simulator {name}", f"simulator digest {digest[:12]}"
+    if command:
+        line = " ".join(command.split())
+        shown = line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
+        what += f", run by a command that the campaign file gives, {shown}"
+        version += f" {covers}"
     return Scope(say(what), say(settings), version)
 
 
 def _words(system: Any) -> Words:
-    halved = isinstance(system, Simulated) and system.step is not None
+    return words_of(isinstance(system, Simulated) and system.step is not None)
+
+
+def words_of(halved: bool) -> Words:
+    """The words for evaluations; halved: cases are confirmed at half the step, too."""
     return Words(
         one="case",
         agree=f"{FRESH} and one at half the step agree" if halved else f"{FRESH} agrees",
@@ -95,21 +115,23 @@ def _words(system: Any) -> Words:
 def _caveat(system: Any) -> str:
     if not isinstance(system, Simulated):
         return ""
-    unchecked = "Whether an encounter takes place was not checked."
     if isinstance(system, InProcess):
-        again = "Cases were evaluated again by the same function in the same process only."
-        return f"{again} {unchecked}{_covered(system)}"
-    halved = "" if system.step is None else ", also at half its step"
-    again = f"Cases were evaluated again by the same simulator only{halved}. {unchecked}"
-    if isinstance(system, FmuSimulator):
-        return f"{again} Its variables are read every {system.described.step:g} s, and not in between."
-    return again
+        return function_caveat(None if system.identity is None else system.identity.unknown)
+    return simulator_caveat(system.step is not None, system.described.step if isinstance(system, FmuSimulator) else None)
 
 
-def _covered(function: InProcess) -> str:
-    """What the digest of a function covers, if it is not that of its files."""
-    if function.identity is None:
-        return ""
-    if unknown := function.identity.unknown:
-        return f" The code of the function is not identified, because {unknown} cannot be read exactly."
-    return " The digest covers the function and what it uses, installed packages by version only."
+def function_caveat(unknown: str | None) -> str:
+    """Of a function in the same process; unknown: what of its code could not be read, None if its files are known."""
+    covered = ""
+    if unknown:
+        covered = f" The code of the function is not identified, because {unknown} cannot be read exactly."
+    elif unknown is not None:
+        covered = " The digest covers the function and what it uses, installed packages by version only."
+    return f"Cases were evaluated again by the same function in the same process only. {UNCHECKED}{covered}"
+
+
+def simulator_caveat(halved: bool, every: float | None = None) -> str:
+    """Of any other simulator; every: the time between two readings of the variables of an FMU [s]."""
+    again = "Cases were evaluated again by the same simulator only"
+    read = "" if every is None else f" Its variables are read every {every:g} s, and not in between."
+    return f"{again}{', also at half its step' if halved else ''}. {UNCHECKED}{read}"

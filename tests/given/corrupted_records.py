@@ -22,6 +22,7 @@ from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.evidence.audit.judge import SPANS, Item, audit
 from worker.evidence.audit.record import of_folder
+from worker.running.runs.audited import known
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -139,7 +140,8 @@ class Folder:
 
     def items(self) -> list[Item]:
         self.write()
-        return audit(of_folder(self.path))
+        record = of_folder(self.path)
+        return audit(record, known(record))
 
     def shorten(self, stage: int, by: int = 1) -> None:
         for name in ("points", "costs", "status", "seconds"):
@@ -178,8 +180,14 @@ class Folder:
         statement, scope = (SPANS.validate_python(self.result[name]) for name in ("statement", "holds_for"))
         self.result["reason"] = f"{words(statement)} Scope: {words(scope)}"
 
+    def forget_seal(self) -> None:
+        """The record as a version before the evidence digest wrote it."""
+        self.result.pop("evidence_digest", None)
+        self.evidence.pop("files", None)
+
     def forget_spans(self) -> None:
         """The record as a version before spans wrote it: text only, in the words of that version."""
+        self.forget_seal()
         for name in ("statement", "holds_for", "values", "sentence", "scope"):
             del self.result[name]
         for check in self.result["checks"]:

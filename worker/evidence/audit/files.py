@@ -25,7 +25,7 @@ def compared(
     if not isinstance(known, dict):
         return {}
     found: dict[str, tuple[Any, Any]] = {f"files.{name}": (stated, _digest(folder / name)) for name, stated in known.items()}
-    beside = {path.name for path in folder.glob("*.csv")} - known.keys()
+    beside = {path.name for path in folder.glob("trace-*.csv")} - known.keys()
     found |= {f"files.{name}": ("no such file", _digest(folder / name)) for name in beside}
     if isinstance(evidence.get("components"), Catalogue):
         found["files.rows"] = (len(stage), _rows(folder / TABLE, campaign, evidence["components"], arrays, stage))
@@ -51,7 +51,7 @@ def _rows(path: Path, campaign: Campaign, components: Catalogue, arrays: Sequenc
         for k, row in enumerate(csv.DictReader(file)):
             if k < len(stage):
                 cost = repr(float(costs[k, 0])) if status[k] == OK else ""
-                expected = [str(stage[k]), str(index[k]), STATUS[status[k]], cost, *map(repr, values[k].tolist())]
+                expected = [str(stage[k]), str(index[k]), dict(enumerate(STATUS)).get(status[k]), cost, *map(repr, values[k].tolist())]
                 names = ["stage", "index", "status", "cost", *campaign.uncertain]
                 same += [row.get(name) for name in names] == expected
             else:

@@ -6,11 +6,10 @@ Start reading at `audit`; `closing` is the final sentence.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from campaigns.catalogue import MethodEntry
 from campaigns.checked import extents
@@ -23,14 +22,17 @@ from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
-from worker.evidence.audit.record import MISSING, Record, UnreadableError
+from worker.evidence.audit.points import grid, required
+from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
 from worker.evidence.audit.regression import evaluated, position, regression
+from worker.evidence.audit.sentences import SPANS, alike, of_sample, of_stage, unlike
 
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
-BESIDE = ("outside", "lowest", "mean")
+BESIDE = ("outside", "lowest", "mean", "deviation", "histogram", "looks")
 """Fields of a sample that the statistics of the verdict do not have."""
-SPANS: TypeAdapter[Spans] = TypeAdapter(Spans)
+ABSENT = "absent"
+"""In place of a value that every run of this version stores."""
 
 
 class Item(NamedTuple):
@@ -43,14 +45,27 @@ class Item(NamedTuple):
     @property
     def agrees(self) -> bool | None:
         """Whether stored and recomputed values agree; None if one of the two is unknown."""
-        if MISSING in (self.given, self.recomputed):
+        if isinstance(self.given, Missing) or isinstance(self.recomputed, Missing):
             return None
         if isinstance(self.given, int | float) and isinstance(self.recomputed, int | float):
             return math.isclose(self.given, self.recomputed, rel_tol=1e-9, abs_tol=1e-15)
         return bool(self.given == self.recomputed)
 
 
-def audit(record: Record, at_most: int = limits.VIOLATIONS, spot_checks: int = limits.SPOT_CHECKS) -> list[Item]:
+class Known(NamedTuple):
+    """What is known of a run besides its record. sentences: as stored and as made again, by path; components: how
+    those that its record describes differ from the same ones here, as clauses. Or why there is nothing to compare."""
+
+    sentences: Mapping[str, tuple[Any, Spans]] | Missing
+    components: list[str] | Missing
+
+
+NOTHING = Known(Missing("not made again"), Missing("not compared"))
+
+
+def audit(
+    record: Record, known: Known = NOTHING, at_most: int = limits.VIOLATIONS, spot_checks: int = limits.SPOT_CHECKS
+) -> list[Item]:
     """Every claim with its recomputed value; raises `UnreadableError` for a record with a different structure."""
     try:
         run = Run(record)
@@ -59,12 +74,41 @@ def audit(record: Record, at_most: int = limits.VIOLATIONS, spot_checks: int = l
             run.describe()
             claims["sentence"], sentence = _sentence(run)
             expected = _stored(run) | {"sentence": sentence} | _concluded(run, at_most, spot_checks)
+            places = required(run)
+            claims["points"], expected["points"] = ({name: pair[k] for name, pair in places.items()} for k in (0, 1))
+            if run.sealed:
+                claims["checks"] = dict.fromkeys(expected["checks"], ABSENT) | claims["checks"]
         except (KeyError, TypeError):  # with a result or the catalogue absent or null, only a violation follows
             unknown = dict.fromkeys(("results", "comparison", "statistics", "sentence"), MISSING)
             expected = _stored(run) | unknown | {"checks": dict.fromkeys(claims["checks"], MISSING)}
+            if run.sealed:
+                claims["whole"], expected["whole"] = "results or components are absent, or of another form", "whole"
+        worded = [*_worded(run, known)] if run.sealed else [Item("words", MISSING, MISSING)]
     except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
         raise UnreadableError(f"the record is not that of a run: {type(error).__name__}: {error}") from None
-    return [*(Item(name, *pair) for name, pair in record.twice.items()), *_compared("", claims, expected)]
+    twice = [Item(name, *pair) for name, pair in record.twice.items()]
+    return [*twice, *_compared("", claims, expected, ABSENT if run.sealed else MISSING), *worded]
+
+
+def _worded(run: Run, known: Known) -> Iterator[Item]:
+    """The sentences that were made again, texts that are not the words of their spans, and the components."""
+    if isinstance(known.sentences, Missing):
+        yield Item("words", known.sentences, MISSING)
+    else:
+        for path, (stored, made) in known.sentences.items():
+            yield Item(f"words.{path}", words(made) if alike(stored, made) else _shown(stored), words(made))
+    claimed = {k: run.claims.get(k) for k in ("results", "findings", "checks", "statistics", "regression")}
+    for path, stated, spans in unlike({k: v for k, v in claimed.items() if isinstance(v, dict | list)}):
+        yield Item(f"words.{path}", stated, spans)
+    yield Item("components", [], known.components)
+
+
+def _shown(stored: Any) -> str:
+    """Spans as their words; as data if their words alone do not show the difference."""
+    try:
+        return words(SPANS.validate_python(stored))
+    except ValueError:
+        return str(stored)
 
 
 def closing(items: Sequence[Item]) -> tuple[bool, str]:
@@ -78,14 +122,17 @@ def closing(items: Sequence[Item]) -> tuple[bool, str]:
     return True, f"the verdict follows from the stored evaluations{left}"
 
 
-def _compared(name: str, stated: Any, expected: Any) -> Iterator[Item]:
+def _compared(name: str, stated: Any, expected: Any, absent: str) -> Iterator[Item]:
     if isinstance(expected, dict) and isinstance(stated, dict) and not name.endswith("at_bounds"):
         for key, value in expected.items():
-            yield from _compared(f"{name}.{key}".lstrip("."), stated.get(key, MISSING), value)
+            found = stated.get(key, absent if value is not None or isinstance(absent, Missing) else None)
+            yield from _compared(f"{name}.{key}".lstrip("."), found, value, absent)
     elif isinstance(expected, list) and isinstance(stated, list):
         yield Item(f"{name}.count", len(stated), len(expected))
         for k, pair in enumerate(zip(stated, expected, strict=False)):
-            yield from _compared(f"{name}.{k}", *pair)
+            yield from _compared(f"{name}.{k}", *pair, absent)
+    elif isinstance(expected, tuple):  # a sentence
+        yield Item(name, words(expected) if alike(stated, expected) else _shown(stated), words(expected))
     else:
         yield Item(name, stated, None if expected != expected else expected)  # NaN: there is no such cost
 
@@ -107,6 +154,10 @@ def _stored(run: Run) -> Tree:
         "findings": run.findings,
         "verdict": "violated" if run.confirmed else MISSING,
     }
+    if "quantity" in run.claims:  # the table of runs has the whole verdict
+        expected |= {"provenance": {"seed": run.campaign.seed}, "quantity": run.quantity, "unit": run.unit}
+    elif "seed" in run.claims:
+        expected["seed"] = run.campaign.seed
     if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]):
         expected["evaluations"]["flaky"] = run.flaky
     if "run" in run.claims:  # the columns of the database's table of runs
@@ -125,19 +176,23 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     spread = {"evaluations": len(run.costs), "lowest": run.lowest, "highest": run.highest}
     last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs))}}
-    results: list[Tree] = [{"sample": run.samples[k]} if k in run.samples else {} for k in range(len(run.plan) - 1)]
+    results: list[Tree] = [_stage(run, k) for k in range(len(run.plan) - 1)]
     rows, known = [], {finding["label"] for finding in run.findings}
     for k, compared in zip(run.searches, run.claims["comparison"], strict=True):
         spent = run.ended[k]["evaluations"] >= run.plan[k].planned
-        results[k] = run.ended[k] | {"sample": run.samples.get(k), "stop": {"kind": "budget" if spent else "rule"}}
-        rows.append({"position": k, "kind": run.methods[k].kind, "best": run.best[k]} | run.ended[k])
+        results[k] |= run.ended[k] | {"stop": {"kind": "budget" if spent else "rule"} | results[k].get("stop", {})}
+        method = {"method": run.plan[k].method, "title": run.methods[k].title, "kind": run.methods[k].kind}
+        results[k] |= method | {"best": _best(run, k)}
+        rows.append({"position": k, "best": run.best[k]} | method | run.ended[k])
         rows[-1]["findings"] = [label for label in compared["findings"] if label in known]
+        if run.sealed:
+            rows[-1]["findings"] = [f["label"] for f in run.claims["findings"] if k in _positions(f)]
     checks = _checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
     if run.campaign.baseline is not None:
-        results[position(run)] = evaluated(run)
+        results[position(run)] |= evaluated(run)
     if run.calls.measures:
-        results[0] = {"measured": run.calls.measured}
+        results[0]["measured"] = run.calls.measured
     if run.calls.noisy:
         best = zip([k for k in run.searches if not math.isnan(run.best[k])], _incumbents(run), strict=False)
         incumbents = [{"position": k, "cost": run.best[k], "validation": {"cost": run.best[k]} | v} for k, v in best]
@@ -145,11 +200,60 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
     if run.campaign.baseline is not None:
         expected["regression"] = regression(run)
+    if run.sealed and run.findings:
+        expected["worst"] = _worst(run)
     if not run.confirmed:
         stated = _as_stated(run)
         clear = all((stated | checks).values()) and stated.keys() >= checks.keys()
         expected["verdict"] = "cleared" if clear else "inconclusive"
     return expected
+
+
+def _stage(run: Run, k: int) -> Tree:
+    """What the result of a stage states, as far as its evaluations and the campaign decide it."""
+    if k == 0:
+        state = dict(enumerate(STATUS)).get(run.status[run.stage == 0][0])
+        return {"cost": run.nominal, "margin": run.nominal - run.threshold, "status": state} if run.sealed else {}
+    sample = run.samples.get(k)
+    if sample is None:
+        return {"sample": None} if k in run.searches else {}
+    if not run.sealed:
+        return {"sample": sample}
+    told = _with(sample, of_sample(run, k, sample))
+    found: Tree = {"sample": told} | of_stage(run, k, told, (run.claims["results"][k] or {}).get("stop"))
+    if run.plan[k].kind == "certify":
+        found |= run.ended[k] | {"grid": grid(run, k) if run.grid(k) else None}
+    return found
+
+
+def _with(sample: Tree, sentences: Tree) -> Tree:
+    """The sample with its sentences, and those of its quantile."""
+    quantile = {"quantile": sample["quantile"] | sentences["quantile"]} if "quantile" in sentences else {}
+    return sample | sentences | quantile
+
+
+def _best(run: Run, k: int) -> Any:
+    """The lowest evaluation of a search, the first of equal ones."""
+    if math.isnan(run.best[k]):
+        return None
+    points, raw, status = run.rows(k)
+    index = int(np.argmin(np.where(status == OK, raw, np.inf)))
+    best = {"cost": run.best[k], "margin": run.best[k] - run.threshold}
+    return best | {"index": index, "parameters": run.values(points[index])} if run.sealed else best
+
+
+def _positions(finding: Tree) -> set[int]:
+    return {by["position"] for by in finding.get("found") or ()}
+
+
+def _worst(run: Run) -> Tree:
+    """The worst finding, or of a violated verdict the worst of those that were confirmed."""
+    stated = run.worst or run.findings[0]
+    searched = [k for k in run.searches if not math.isnan(run.best[k])]
+    method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
+    found = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
+    found |= {"evaluated": stated["cost"], "parameters": stated["parameters"]}
+    return found | ({"finding": stated["label"]} if "run" in run.claims else {})
 
 
 def _as_stated(run: Run) -> dict[str, bool]:

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from campaigns import cube
+from campaigns.claims.stages import sample as templates
+from campaigns.results.base import OK
 from worker.evidence.audit import draw
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.recompute import Run, Tree, counts
 
 SLACK = 1e-9
 """Fraction of a range by which a case of the baseline may be beyond a bound, or differ by conversion of units."""
@@ -79,3 +81,28 @@ def _baseline(run: Run, k: int) -> tuple[int, int]:
 def _distinct(run: Run, k: int) -> tuple[int, int]:
     points: Any = run.rows(k)[0]
     return len(points), len({point.tobytes() for point in points})
+
+
+def grid(run: Run, k: int) -> Tree:
+    """What the grid of a certify stage shows."""
+    certify = run.campaign.stages.certify
+    assert certify is not None
+    assert certify.grid is not None
+    points, raw, status = (rows[run.draws(k) :] for rows in run.rows(k))
+    ok, found = raw[status == OK], counts(status)
+    each = certify.grid.points
+    lowest = int(np.argmin(np.where(status == OK, raw, np.inf))) if len(ok) else None
+    worst = None if lowest is None else float(raw[lowest])
+    stated = None if worst is None else (run.quantity, worst, run.unit)
+    violations = int(np.count_nonzero(ok <= run.threshold)) + found["failed"]
+    shown = None if worst is None else {"cost": worst, "margin": worst - run.threshold}
+    return {
+        "points": each,
+        "total": found["evaluations"],
+        "spacing": {path: (high - low) / (each - 1) for path, (low, high) in run.bounds.items()},
+        "lowest": shown and shown | {"parameters": run.values(points[lowest])},
+        "violations": violations,
+        "failed": found["failed"],
+        "excluded": found["excluded"],
+        "statement": templates.grid(each, found["evaluations"], stated, violations, found["failed"]),
+    }

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns import cube
+from campaigns import Catalogue, cube
 from campaigns.checked.check import parameters, seeded
 from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
@@ -19,7 +19,7 @@ from campaigns.stages.plan import plan
 from worker.evidence.audit import limits
 from worker.evidence.audit.binomial import cumulative, upper_bound
 from worker.evidence.audit.calls import Calls
-from worker.evidence.audit.record import MISSING, Record
+from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
 Tree = JsonObject
 
@@ -42,11 +42,19 @@ def counts(status: Any) -> Tree:
     return {"evaluations": len(status), "failed": len(status) - ok - excluded, "excluded": excluded}
 
 
+def histogram(costs: Any) -> Tree:
+    """The counts of a sample's costs between the edges."""
+    found, edges = np.histogram(costs[np.isfinite(costs)], bins=min(40, max(5, int(np.sqrt(len(costs))))))
+    return {"edges": edges.tolist(), "counts": found.tolist()}
+
+
 class Run:
     """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
 
     def __init__(self, record: Record) -> None:
-        self.campaign, self.claims, _, self.stage, self.points, costs, self.status, self.flaky = record
+        self.campaign, self.claims, twice, self.stage, self.points, costs, self.status, self.flaky = record
+        self.sealed = SEAL not in twice or not isinstance(twice[SEAL][0], Missing)
+        """Whether a version wrote it that states the evidence digest: then nothing of it may be absent."""
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
         self.searches = [k for k, planned in enumerate(self.plan) if planned.kind == "search"]
         self.raw, self.costs = costs[:, 0], costs[self.status == OK, 0]
@@ -68,7 +76,19 @@ class Run:
         self.confirmed = bool(violating)
         known = "evaluated" in (self.claims.get("worst") or {})  # earlier versions stated the lowest evaluation
         self.stated = min(map(self._granted, violating), default=self.lowest) if known else self.lowest
+        self.worst = min(violating, key=self._granted, default=None)
         self.bound: Any = MISSING
+
+    def _decides(self, components: Catalogue) -> tuple[str, str]:
+        """The quantity and unit of the deciding criterion."""
+        criterion, simulator = self.campaign.criterion, self.campaign.simulator
+        if simulator is None:
+            entry: Any = components.component("criterion", criterion.component or "")
+        else:
+            entry = getattr(components.simulator(simulator.name), "result", lambda _: None)(criterion.result)
+        if entry is None:
+            raise KeyError("criterion")
+        return entry.quantity, entry.unit
 
     def _again(self) -> bool:
         """Whether a stored violation violates again, as taken from the record."""
@@ -127,6 +147,7 @@ class Run:
         self.known = parameters(self.campaign, components)
         self.bounds = {path: u.interval(self.known[path][1]) for path, u in self.campaign.uncertain.items()}
         self.random = seeded(self.campaign, components)
+        self.quantity, self.unit = self._decides(components)
         methods = {method.name: method for method in components.methods}
         self.methods = {k: methods[self.plan[k].method] for k in self.searches}
         certify = {k for k, planned in enumerate(self.plan) if planned.kind == "certify"}
@@ -167,6 +188,9 @@ class Run:
         found |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
         found |= {"excluded_fraction": found["excluded"] / max(draws, 1)}
         found |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
+        if self.sealed:
+            found["deviation"] = float(costs.std(ddof=1)) if len(costs) > 1 else None
+            found["histogram"] = histogram(costs)
         if self.random:
             own = certify and self.claims["results"][k]["drawn_realisations"] == draws
             found["noise"] = "drawn" if own else "stated"

@@ -32,6 +32,8 @@ class Missing(str):
 MISSING: Any = Missing("not stored by the version that made this run")
 
 SEAL = "evidence_digest"
+FIXED = {"code", "model", "loop", "simulator", "components", "packages", "clearance", "python", "step", "command"}
+"""Versions that are the same from the first stage to the last; a run may move to another machine."""
 
 
 class UnreadableError(Exception):
@@ -80,7 +82,7 @@ def of_folder(folder: Path) -> Record:
             again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions)
             columns = [Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions]
         document = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
-        twice = {SEAL: (sealed or MISSING, evidence_digest(digest_of(document), columns, raw))}
+        twice = {SEAL: (sealed or MISSING, _digest(document, columns, raw) if sealed else MISSING)}
     except UNREADABLE as error:
         raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
     campaign = load_file(folder / "campaign.json")
@@ -124,7 +126,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     twice = {f"digests.{k}": (v, campaign.digest) for k, v in (("run", run["campaign_digest"]), ("summary", summary))}
     twice[SEAL] = (MISSING, MISSING) if sealed is None else (sealed, current_digest(connection, run_id))
     flown = run.get("flown") or {}
-    twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in provenance}
+    twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in FIXED & provenance.keys()}
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
     for kept in rows("catalogue_snapshots", "digest", digest=run["snapshot"]) if run.get("snapshot") else []:
         claims["components"] = Catalogue.model_validate(kept["document"])
@@ -136,6 +138,13 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     status = np.frombuffer(whole["status"], np.uint8)
     again = sum(flaky(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks)
     return Record(campaign, throughout(claims), twice, stage, points, costs, status, again)
+
+
+def _digest(campaign: JsonObject, columns: list[Rows], documents: JsonObject) -> str:
+    try:
+        return evidence_digest(digest_of(campaign), columns, documents)
+    except ValueError as error:
+        return f"none: {error}"
 
 
 def _reasons(arrays: Any, stage: int) -> JsonObject:

@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from campaigns.claims.say import count, say
@@ -117,9 +116,3 @@ def _terms(run: Run, certify: bool) -> templates.Terms:
 def _budget(evaluations: int) -> Spans:
     before, _, after = ends.BUDGET.partition("{budget}")
     return say(before, count(evaluations, "budget"), after)
-
-
-def histogram(costs: Any) -> Tree:
-    """The counts of a sample's costs between the edges."""
-    counts, edges = np.histogram(costs, bins=min(40, max(5, int(np.sqrt(len(costs))))))
-    return {"edges": edges.tolist(), "counts": counts.tolist()}

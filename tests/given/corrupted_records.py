@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable
 from functools import cache
@@ -14,7 +15,9 @@ import numpy as np
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
+from campaigns.documents import digest_of
 from campaigns.results.base import FAILED, OK
+from campaigns.stored.digest import Rows, evidence_digest
 from clearance.local.results import write_results
 from clearance.local.summary import summary
 from tests.given.case_campaigns import searching
@@ -179,6 +182,18 @@ class Folder:
     def render(self) -> None:
         statement, scope = (SPANS.validate_python(self.result[name]) for name in ("statement", "holds_for"))
         self.result["reason"] = f"{words(statement)} Scope: {words(scope)}"
+
+    def reseal(self) -> None:
+        """Compute every digest again, as whoever knows how a record is written can."""
+        self.result["digest"] = load_document(self.campaign).digest
+        self.write()
+        for name in self.evidence["files"]:
+            self.evidence["files"][name] = hashlib.sha256((self.path / name).read_bytes()).hexdigest()
+        raw = {"result": {k: v for k, v in self.result.items() if k != "evidence_digest"}, **self.evidence}
+        positions = sorted(int(name[7:]) for name in self.arrays if name.startswith("status_"))
+        rows = [Rows.of(k, *(self.arrays[f"{c}_{k}"] for c in ("points", "costs", "status"))) for k in positions]
+        self.result["evidence_digest"] = evidence_digest(digest_of(self.campaign), rows, json.loads(json.dumps(raw)))
+        self.write()
 
     def forget_seal(self) -> None:
         """The record as a version before the evidence digest wrote it."""

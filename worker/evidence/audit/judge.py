@@ -17,19 +17,20 @@ from campaigns.checked.check import parameters
 from campaigns.claims import earlier
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
-from campaigns.claims.spans import Quantity, Spans, words
+from campaigns.claims.stages.surroundings import possible_gain
+from campaigns.claims.spans import Quantity, Spans, values, words
 from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
-from worker.evidence.audit import limits
+from worker.evidence.audit import charts, limits
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.points import grid, required
 from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
 from worker.evidence.audit.regression import evaluated, position, regression
-from worker.evidence.audit.sentences import SPANS, alike, of_sample, of_stage, unlike
+from worker.evidence.audit.sentences import SPANS, of_sample, of_stage, shown, unlike
 
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
-BESIDE = ("outside", "lowest", "mean", "deviation", "histogram", "looks")
+BESIDE = ("outside", "lowest", "mean", "deviation", "histogram", "distribution", "looks")
 """Fields of a sample that the statistics of the verdict do not have."""
 ABSENT = "absent"
 """In place of a value that every run of this version stores."""
@@ -53,14 +54,16 @@ class Item(NamedTuple):
 
 
 class Known(NamedTuple):
-    """What is known of a run besides its record. sentences: as stored and as made again, by path; components: how
-    those that its record describes differ from the same ones here, as clauses. Or why there is nothing to compare."""
+    """What is known of a run besides its record. sentences: as stored and as made again, by path; titles: how checks
+    are shown, likewise; components: how those that its record describes differ from the same ones here, as clauses. Or
+    why there is nothing to compare."""
 
-    sentences: Mapping[str, tuple[Any, Spans]] | Missing
+    sentences: Mapping[str, tuple[Any, Spans | Missing]] | Missing
+    titles: Mapping[str, tuple[Any, Any]]
     components: list[str] | Missing
 
 
-NOTHING = Known(Missing("not made again"), Missing("not compared"))
+NOTHING = Known(Missing("not made again"), {}, Missing("not compared"))
 
 
 def audit(
@@ -96,19 +99,12 @@ def _worded(run: Run, known: Known) -> Iterator[Item]:
         yield Item("words", known.sentences, MISSING)
     else:
         for path, (stored, made) in known.sentences.items():
-            yield Item(f"words.{path}", words(made) if alike(stored, made) else _shown(stored), words(made))
+            yield Item(f"words.{path}", *shown(stored, made))
+    yield from (Item(f"words.checks.{path}.shown", *pair) for path, pair in known.titles.items())
     claimed = {k: run.claims.get(k) for k in ("results", "findings", "checks", "statistics", "regression")}
     for path, stated, spans in unlike({k: v for k, v in claimed.items() if isinstance(v, dict | list)}):
         yield Item(f"words.{path}", stated, spans)
     yield Item("components", [], known.components)
-
-
-def _shown(stored: Any) -> str:
-    """Spans as their words; as data if their words alone do not show the difference."""
-    try:
-        return words(SPANS.validate_python(stored))
-    except ValueError:
-        return str(stored)
 
 
 def closing(items: Sequence[Item]) -> tuple[bool, str]:
@@ -132,7 +128,7 @@ def _compared(name: str, stated: Any, expected: Any, absent: str) -> Iterator[It
         for k, pair in enumerate(zip(stated, expected, strict=False)):
             yield from _compared(f"{name}.{k}", *pair, absent)
     elif isinstance(expected, tuple):  # a sentence
-        yield Item(name, words(expected) if alike(stated, expected) else _shown(stated), words(expected))
+        yield Item(name, *shown(stated, expected))
     else:
         yield Item(name, stated, None if expected != expected else expected)  # NaN: there is no such cost
 
@@ -144,10 +140,14 @@ def _stored(run: Run) -> Tree:
     worst = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
     total = {"stored": len(run.status), "succeeded": len(run.costs), "violating": sum(run.below), "lowest": run.lowest}
     stages = zip(run.plan, run.best, run.ended, strict=True)
+    stops = [_stop(run, k) for k in range(len(run.plan))]
     expected: Tree = {
         "sound": bool((((run.status == OK) == np.isfinite(run.raw)) & (run.status < len(STATUS))).all()),
         "placed": bool((np.abs(run.points - 0.5) <= 0.5 + 1e-9).all() and (run.stage < len(run.plan)).all()),
-        "stages": [{"kind": s.kind, "method": s.method, "best": best} | ended for s, best, ended in stages],
+        "stages": [
+            {"kind": s.kind, "method": s.method, "best": best} | ended | stop
+            for (s, best, ended), stop in zip(stages, stops, strict=True)
+        ],
         "evaluations": total | {k: run.total[k] for k in ("failed", "excluded")},
         "nominal": {"cost": run.nominal, "margin": run.nominal - run.threshold},
         "worst": worst if len(run.costs) else None,
@@ -167,6 +167,15 @@ def _stored(run: Run) -> Tree:
     return expected
 
 
+def _stop(run: Run, k: int) -> Tree:
+    """How a stage of a folder ended, and its minima, which repeat its result; in a database, what its row repeats."""
+    results = run.claims.get("results") or []
+    if not run.sealed or k >= len(results) or "run" in run.claims:
+        return {"planned": run.plan[k].planned} if run.sealed else {}
+    result = results[k] or {}
+    return {"stop": (result.get("stop") or {}).get("text"), "minima": result.get("minima") or []}
+
+
 def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     """The claims that follow if the results of the stages and the catalogue are also used."""
     nominal = {"name": "nominal", "cost": run.nominal} | run.case(run.claims["results"][-1]["nominal"])
@@ -176,16 +185,19 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     spread = {"evaluations": len(run.costs), "lowest": run.lowest, "highest": run.highest}
     last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs))}}
+    if run.sealed:
+        last |= _settings(run)
     results: list[Tree] = [_stage(run, k) for k in range(len(run.plan) - 1)]
     rows, known = [], {finding["label"] for finding in run.findings}
     for k, compared in zip(run.searches, run.claims["comparison"], strict=True):
         spent = run.ended[k]["evaluations"] >= run.plan[k].planned
         results[k] |= run.ended[k] | {"stop": {"kind": "budget" if spent else "rule"} | results[k].get("stop", {})}
         method = {"method": run.plan[k].method, "title": run.methods[k].title, "kind": run.methods[k].kind}
-        results[k] |= method | {"best": _best(run, k)}
+        results[k] |= method | {"best": _best(run, k)} | (_charts(run, k) if run.sealed else {})
         rows.append({"position": k, "best": run.best[k]} | method | run.ended[k])
         rows[-1]["findings"] = [label for label in compared["findings"] if label in known]
         if run.sealed:
+            rows[-1]["stop"] = run.claims["results"][k]["stop"]
             rows[-1]["findings"] = [f["label"] for f in run.claims["findings"] if k in _positions(f)]
     checks = _checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
@@ -197,9 +209,14 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
         best = zip([k for k in run.searches if not math.isnan(run.best[k])], _incumbents(run), strict=False)
         incumbents = [{"position": k, "cost": run.best[k], "validation": {"cost": run.best[k]} | v} for k, v in best]
         last["incumbents"] = incumbents
+    if run.sealed:
+        last["comparison"] = [dict(row) for row in run.claims["comparison"]]
     expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
     if run.campaign.baseline is not None:
         expected["regression"] = regression(run)
+    if run.sealed:
+        pairs = zip(run.findings, run.claims["findings"], strict=True)
+        expected["findings"] = [found | _found(run, recorded) for found, recorded in pairs]
     if run.sealed and run.findings:
         expected["worst"] = _worst(run)
     if not run.confirmed:
@@ -215,6 +232,8 @@ def _stage(run: Run, k: int) -> Tree:
         state = dict(enumerate(STATUS)).get(run.status[run.stage == 0][0])
         return {"cost": run.nominal, "margin": run.nominal - run.threshold, "status": state} if run.sealed else {}
     sample = run.samples.get(k)
+    if run.plan[k].kind == "sensitivity" and run.sealed:
+        return {"curves": charts.curves(run, k)}
     if sample is None:
         return {"sample": None} if k in run.searches else {}
     if not run.sealed:
@@ -240,6 +259,31 @@ def _best(run: Run, k: int) -> Any:
     index = int(np.argmin(np.where(status == OK, raw, np.inf)))
     best = {"cost": run.best[k], "margin": run.best[k] - run.threshold}
     return best | {"index": index, "parameters": run.values(points[index])} if run.sealed else best
+
+
+def _settings(run: Run) -> Tree:
+    """What the validate stage repeats of the campaign."""
+    validate, findings = run.campaign.stages.validate_, run.campaign.stages.findings
+    settings = {name: getattr(findings, name) for name in ("distance", "barrier", "at_most")}
+    return {"tolerance": validate.tolerance, "findings": settings}
+
+
+def _charts(run: Run, k: int) -> Tree:
+    """What a search shows besides its best."""
+    stated = run.claims["results"][k]
+    found = charts.front(run, k) | {"minima": charts.minima(run, k, stated["minima"]), "family": _family(run, k)}
+    if stated.get("gap"):
+        gap = stated["gap"]
+        numbers = (gap["rectangles"], gap["without_value"], run.quantity, gap["lower_bound"], run.best[k], run.unit)
+        found["gap"] = {"gap": run.best[k] - gap["lower_bound"], "statement": possible_gain(*numbers)}
+    return found
+
+
+def _found(run: Run, finding: Tree) -> Tree:
+    """The slices of a finding, and the methods that found it, each by its position."""
+    by = [{"method": run.plan[one["position"]].method} for one in finding["found"]]
+    found: Tree = {"found": by, "methods": list(dict.fromkeys(one["method"] for one in by))}
+    return found | ({"slices": charts.slices(run, finding["point"])} if finding.get("slices") else {})
 
 
 def _positions(finding: Tree) -> set[int]:
@@ -384,6 +428,9 @@ def _sentence(run: Run) -> tuple[Tree, Tree]:
 
     stated: Tree = {"opening": opening if opening in begun else begun, "words": claims["reason"]}
     expected: Tree = {"opening": opening, "words": f"{text} {SCOPE}{scope}" if scope else text}
+    if run.sealed:
+        stated |= {k: claims.get(k) for k in ("sentence", "scope", "values")}
+        expected |= {"sentence": text, "scope": f"{SCOPE}{scope}" if scope else "", "values": values(statement)}
     if len(run.costs):
         stated |= {name: written(name, spans[name].value if name in spans else None) for name in numbers}
         expected |= {name: written(name, value) for name, value in numbers.items()}

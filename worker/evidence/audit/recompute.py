@@ -22,6 +22,8 @@ from worker.evidence.audit.calls import Calls
 from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
 Tree = JsonObject
+LOWEST, STEPS = 100, 400
+"""Points of a distribution function: the lowest values, and evenly spaced ones."""
 
 
 def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
@@ -48,6 +50,16 @@ def histogram(costs: Any) -> Tree:
     return {"edges": edges.tolist(), "counts": found.tolist()}
 
 
+def distribution(costs: Any, failed: int, confidence: float) -> Tree:
+    """The empirical distribution function of a sample's sorted costs, of which each failed one is the lowest."""
+    size, every = len(costs), failed + len(costs)
+    even = np.linspace(0, size - 1, min(size, STEPS)).astype(np.int64)
+    chosen = np.union1d(np.arange(min(size, LOWEST)), even)
+    band = min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * every))) if every else 1.0
+    shares = ((failed + chosen + 1) / max(every, 1)).tolist()
+    return {"values": costs[chosen].tolist(), "shares": shares, "band": band}
+
+
 class Run:
     """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
 
@@ -57,7 +69,7 @@ class Run:
         """Whether a version wrote it that states the evidence digest: then nothing of it may be absent."""
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
         self.searches = [k for k, planned in enumerate(self.plan) if planned.kind == "search"]
-        self.raw, self.costs = costs[:, 0], costs[self.status == OK, 0]
+        self.every, self.raw, self.costs = costs, costs[:, 0], costs[self.status == OK, 0]
         by_stage = [self.raw[(self.stage == k) & (self.status == OK)] for k in range(len(self.plan))]
         self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
         self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
@@ -129,11 +141,16 @@ class Run:
         stated = (recorded["cost"], *(recorded[k]["cost"] for k in self.others))
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
+        scenario = self.campaign.scenario if self.sealed else None
         floor = min(limits.ROUNDING, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
         allowed = max(min(tolerance * abs(cost), limits.TOLERANCE_OF_MARGIN * abs(cost - self.threshold)), floor)
         violates, clear = (bool(side.all()) for side in (costs <= self.threshold, costs > self.threshold))
         agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())
-        apart = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
+        apart: Tree = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
+        if scenario is not None:
+            apart["half_step"]["step"] = scenario.step / 2
+            apart["integrator"] |= {"name": "DOP853"} | ({"reason": ""} if math.isfinite(costs[2]) else {})
+            apart["step"] = scenario.step
         return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
 
     def rows(self, k: int) -> tuple[Any, Any, Any]:
@@ -203,6 +220,8 @@ class Run:
         found["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None
         if certify:
             ranked = [-math.inf] * found["failed"] + costs.tolist()
+            if self.sealed:
+                found["distribution"] = distribution(costs, found["failed"], self.campaign.confidence)
             found["quantile"] = lowest_of_quantile(ranked, certify.quantile - outside, self.campaign.confidence)
             if (
                 size < certify.samples and draws < limits.DRAWS * certify.samples

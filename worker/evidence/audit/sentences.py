@@ -17,17 +17,34 @@ from campaigns.claims.spans import Quantity, Span, Spans, values, words
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as templates
 from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.record import Missing
 
 SPANS: TypeAdapter[Spans] = TypeAdapter(Spans)
 
 
-def alike(stated: Any, expected: Spans) -> bool:
+def alike(stated: Any, expected: Spans | Missing) -> bool:
     """Whether stored spans are these; their numbers may differ by rounding."""
+    if isinstance(expected, Missing):
+        return False
     try:
         found = SPANS.validate_python(stated)
     except ValidationError:
         return False
     return len(found) == len(expected) and all(map(_same, found, expected))
+
+
+def shown(stated: Any, expected: Spans | Missing) -> tuple[Any, Any]:
+    """Stored and expected spans as their words; as data, if the words alone show no difference."""
+    if isinstance(expected, Missing):
+        return stated, expected
+    text = words(expected)
+    if alike(stated, expected):
+        return text, text
+    try:
+        found = words(SPANS.validate_python(stated))
+    except ValidationError:
+        return str(stated), text
+    return (found, text) if found != text else (str(stated), str([span.model_dump(mode="json") for span in expected]))
 
 
 def of_sample(run: Run, k: int, sample: Tree) -> Tree:

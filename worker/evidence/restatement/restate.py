@@ -11,17 +11,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
+from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
 from campaigns.documents import JsonObject
 from campaigns.results import Finding, Verdict
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.validate import ValidateResult
+from campaigns.results.verdict import Check
+from campaigns.results.verdicts import described
 from campaigns.stages.found import stage_result
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
 from worker.evidence.audit.record import MISSING, Missing, Record
 from worker.evidence.audit.sentences import alike
-from worker.evidence.scopes.recorded import systems
+from worker.evidence.scopes import recorded
 from worker.evidence.verdicts.conclude import conclude
 from worker.evidence.verdicts.evidence import Evidence
 from worker.evidence.verdicts.validation import worded
@@ -30,50 +33,66 @@ UNREADABLE = (ValidationError, ValueError, KeyError, TypeError, AttributeError, 
 """How a verdict cannot be made of results that are not those of a run."""
 
 
+SHOWN = {"code", "name", "title", "standing", "limit", "but", "remedies"}
+OF_PACKAGE = ("holds_for", "checks.repetition", "validation", "validation.violations", "validation.spot_checks")
+"""Sentences for which a package may state terms of its own simulator; and that of a cleared verdict."""
+
+
 class Sentence(NamedTuple):
-    """One sentence: as stored, which may be anything, and as it is made again."""
+    """One sentence: as stored, which may be anything, and as it is made again; or why it is not."""
 
     stored: Any
-    made: Spans
+    made: Spans | Missing
 
 
 def restated(record: Record) -> dict[str, Sentence] | Missing:
-    """Every sentence of the verdict and of the validation by its path in the record, or why there are none."""
+    """Every sentence of the verdict and of the validation by its path in the record."""
     claims = record.claims
+    if "components" not in claims or "holds_for" not in claims:
+        return MISSING
     try:
         versions = Versions.of(claims["versions"] if "versions" in claims else claims["provenance"])
         scope = "".join(str(span.get("text", "")) for span in claims["holds_for"])
-        made = [_made(record, Problem(record.campaign, of), versions) for of in systems_of(record, versions, scope)]
-    except UNREADABLE:
-        return MISSING
-    known = [sentences for sentences in made if sentences is not None]
-    if not known:
-        return Missing("it cannot be made again from what is stored")
-    found = max(known, key=lambda sentences: sum(alike(one.stored, one.made) for one in sentences.values()))
-    if record.campaign.simulator is not None and not alike(*found["holds_for"]):
-        return Missing("the package of the simulator may have worded it")
+        systems = recorded.systems(record.campaign, claims["components"], versions, scope)
+        made = [_made(record, Problem(record.campaign, system), versions) for system in systems]
+        found = max(made, key=lambda sentences: sum(alike(*one) for one in sentences.values()))
+    except UNREADABLE as error:
+        why = say(f"no verdict follows from what is stored: {type(error).__name__}")
+        return {"statement": Sentence(claims.get("statement"), why)}
+    if record.campaign.simulator is None or alike(*found["holds_for"]):
+        return found
+    of_package = {*OF_PACKAGE, *(["statement"] if claims["verdict"] == "cleared" else [])}
+    worded = Missing("the package of the simulator may have worded it")
+    return {
+        path: one if path not in of_package or alike(*one) else one._replace(made=worded)
+        for path, one in found.items()
+    }
+
+
+def titles(record: Record) -> dict[str, tuple[Any, Any]]:
+    """How the checks of a folder are shown, besides their sentences: as stored, and as it follows from them."""
+    found: dict[str, tuple[Any, Any]] = {}
+    failed = (record.claims.get("evaluations") or {}).get("failed", 0)
+    for stored in record.claims["checks"] if "versions" in record.claims else ():
+        try:
+            (made,) = described([Check.model_validate(stored)], failed)
+        except UNREADABLE:
+            continue
+        shown = made.model_dump(mode="json", include=SHOWN)
+        found[str(made.code)] = ({key: stored.get(key) for key in shown}, shown)
     return found
 
 
-def systems_of(record: Record, versions: Versions, scope: str) -> Any:
-    """The systems that the record may be of."""
-    return systems(record.campaign, record.claims["components"], versions, scope)
-
-
-def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sentence] | None:
-    """None if the results are not those of a run."""
-    try:
-        findings = [Finding.model_validate(found) for found in record.claims["findings"]]
-        results = [stage_result(result) for result in record.claims["results"]]
-        evidence = Evidence(
-            results=[worded(problem, result, findings) for result in results],
-            finding=findings[0] if findings else None,
-            others=findings[1:],
-            **_counts(record),
-        )
-        verdict = conclude(problem, evidence, versions)
-    except UNREADABLE:
-        return None
+def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sentence]:
+    findings = [Finding.model_validate(found) for found in record.claims["findings"]]
+    results = [stage_result(result) for result in record.claims["results"]]
+    evidence = Evidence(
+        results=[worded(problem, result, findings) for result in results],
+        finding=findings[0] if findings else None,
+        others=findings[1:],
+        **_counts(record),
+    )
+    verdict = conclude(problem, evidence, versions)
     return _sentences(record.claims, verdict, evidence.validation)
 
 
@@ -101,6 +120,9 @@ def _sentences(claims: JsonObject, verdict: Verdict, validation: ValidateResult)
         found[f"validation.{name}"] = Sentence(last[name].get("statement"), part.statement)
     if verdict.statistics is not None:
         found["statistics"] = Sentence(claims["statistics"].get("statement"), verdict.statistics.statement)
+        if verdict.statistics.quantile is not None:
+            stated = claims["statistics"]["quantile"]
+            found["statistics.quantile"] = Sentence(stated.get("statement"), verdict.statistics.quantile.statement)
     if verdict.regression is not None:
         changes = claims["regression"]
         found["regression"] = Sentence(changes.get("statement"), verdict.regression.statement)

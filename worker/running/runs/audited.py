@@ -7,7 +7,7 @@ from campaigns.versions import Versions
 from worker.evidence.audit import judge
 from worker.evidence.audit.judge import Item, Known
 from worker.evidence.audit.record import MISSING, Missing, Record
-from worker.evidence.restatement.restate import restated
+from worker.evidence.restatement.restate import restated, titles
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs import identity
 
@@ -19,7 +19,7 @@ def audited(record: Record) -> list[Item]:
 
 def known(record: Record) -> Known:
     """The sentences of the record made again, and its components next to those that are installed."""
-    return Known(restated(record), _components(record))
+    return Known(restated(record), titles(record), _components(record))
 
 
 def _components(record: Record) -> list[str] | Missing:

@@ -20,6 +20,7 @@ from campaigns.results.validate import ValidateResult
 from campaigns.results.verdict import Check
 from campaigns.results.verdicts import described
 from campaigns.stages.found import stage_result
+from campaigns.version import VERSION
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
 from worker.evidence.audit.record import MISSING, Missing, Record
@@ -52,6 +53,8 @@ def restated(record: Record) -> dict[str, Sentence] | Missing:
         return MISSING
     try:
         versions = Versions.of(claims["versions"] if "versions" in claims else claims["provenance"])
+        if versions.clearance not in (None, VERSION):
+            return Missing(f"clearance {versions.clearance} worded it")
         scope = "".join(str(span.get("text", "")) for span in claims["holds_for"])
         systems = recorded.systems(record.campaign, claims["components"], versions, scope)
         made = [_made(record, Problem(record.campaign, system), versions) for system in systems]

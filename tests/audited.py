@@ -25,7 +25,7 @@ from worker.running.runs.store import MemoryStore
 
 def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> list[Item]:
     """Fail unless the verdict follows, with every item audited: of a run in memory, with its campaign;
-    in a folder; or in a database, by its number. A simulator of the test alone is not compared with an installed one."""
+    in a folder; or in a database, by its number. A simulator of the test alone is compared with no installed one."""
     record = recorded(run, campaign, run_id)
     items = audit(record, known(record), offered.AT_MOST, offered.SPOT_CHECKS)
     follows, statement = closing(items)

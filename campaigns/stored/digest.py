@@ -34,9 +34,10 @@ def evidence_digest(campaign: str, evaluations: Iterable[Rows], documents: Mappi
     parts; documents: all other results, as JSON."""
     sums: dict[int, list[Any]] = {}
     for position, *columns in evaluations:
-        for total, column in zip(sums.setdefault(position, [hashlib.sha256() for _ in columns]), columns, strict=True):
+        totals = sums.setdefault(position, [hashlib.sha256() for _ in columns])
+        for total, column in zip(totals, columns, strict=True):
             total.update(column)
-    rows = [[position, *(total.hexdigest() for total in totals)] for position, totals in sums.items()]
+    rows = [[position, *(total.hexdigest() for total in found)] for position, found in sums.items()]
     return digest_of({**documents, "campaign": campaign, "rows": rows})
 
 

@@ -24,7 +24,9 @@ def compared(
     known = evidence.get("files")
     if not isinstance(known, dict):
         return {}
-    found: dict[str, tuple[Any, Any]] = {f"files.{name}": (stated, _digest(folder / name)) for name, stated in known.items()}
+    found: dict[str, tuple[Any, Any]] = {
+        f"files.{name}": (stated, _digest(folder / name)) for name, stated in known.items()
+    }
     beside = {path.name for path in folder.glob("trace-*.csv")} - known.keys()
     found |= {f"files.{name}": ("no such file", _digest(folder / name)) for name in beside}
     if isinstance(evidence.get("components"), Catalogue):
@@ -51,7 +53,13 @@ def _rows(path: Path, campaign: Campaign, components: Catalogue, arrays: Sequenc
         for k, row in enumerate(csv.DictReader(file)):
             if k < len(stage):
                 cost = repr(float(costs[k, 0])) if status[k] == OK else ""
-                expected = [str(stage[k]), str(index[k]), dict(enumerate(STATUS)).get(status[k]), cost, *map(repr, values[k].tolist())]
+                expected = [
+                    str(stage[k]),
+                    str(index[k]),
+                    dict(enumerate(STATUS)).get(status[k]),
+                    cost,
+                    *map(repr, values[k].tolist()),
+                ]
                 names = ["stage", "index", "status", "cost", *campaign.uncertain]
                 same += [row.get(name) for name in names] == expected
             else:

@@ -17,13 +17,13 @@ from campaigns.checked.check import parameters
 from campaigns.claims import earlier
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
-from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.claims.spans import Quantity, Spans, values, words
+from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
 from worker.evidence.audit import charts, limits
-from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.points import grid, required
+from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
 from worker.evidence.audit.regression import evaluated, position, regression
 from worker.evidence.audit.sentences import SPANS, of_sample, of_stage, shown, unlike

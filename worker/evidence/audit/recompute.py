@@ -223,6 +223,7 @@ class Run:
             if self.sealed:
                 found["distribution"] = distribution(costs, found["failed"], self.campaign.confidence)
             found["quantile"] = lowest_of_quantile(ranked, certify.quantile - outside, self.campaign.confidence)
+            found["quantile"] |= {"share": certify.quantile} if self.sealed else {}
             if (
                 size < certify.samples and draws < limits.DRAWS * certify.samples
             ):  # an excluded draw is repeated, so often

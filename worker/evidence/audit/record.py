@@ -16,14 +16,15 @@ import sqlalchemy as sa
 from backend.db.digest import current_digest, stated
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
-from campaigns.documents import JsonObject, digest_of
 from campaigns.claims.earlier import throughout
+from campaigns.documents import JsonObject, digest_of
 from campaigns.results import earlier
 from campaigns.results.base import FLAKY, OK
 from campaigns.runs import run_name
 from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.unreadable import UNREADABLE
 from worker.evidence.audit import files
+
 
 class Missing(str):
     """Why a value cannot be compared."""
@@ -66,7 +67,10 @@ def of_folder(folder: Path) -> Record:
     """The run that `clearance run --out` wrote; raises `UnreadableError` and `CampaignError`."""
     try:
         claims, file = json.loads((folder / "result.json").read_text(encoding="utf-8")), folder / "evidence.json"
-        campaign_digest, evidence = claims["digest"], json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        campaign_digest, evidence = (
+            claims["digest"],
+            json.loads(file.read_text(encoding="utf-8")) if file.exists() else {},
+        )
         sealed, raw = claims.pop(SEAL, None), {"result": dict(claims), **evidence}
         claims |= {k: Catalogue.model_validate(v) if k == "components" else v for k, v in evidence.items()}
         if {"stages", "findings"} <= claims.keys():  # without them it is not a record, which the audit reports
@@ -80,7 +84,9 @@ def of_folder(folder: Path) -> Record:
                 np.concatenate([arrays[f"{name}_{k}"] for k in positions]) for name in ("points", "costs", "status")
             ]
             again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions)
-            columns = [Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions]
+            columns = [
+                Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions
+            ]
         document = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
         twice = {SEAL: (sealed or MISSING, _digest(document, columns, raw) if sealed else MISSING)}
     except UNREADABLE as error:

@@ -78,7 +78,11 @@ def of_stage(run: Run, k: int, sample: Tree | None, stop: Any) -> Tree:
         size = run.draws(k) - sample["excluded"]
         told = (sample["statement"], sample["quantile"]["statement"], size, certify.samples)
         found["statement"] = templates.certified(*told)
-    if k in run.searches and run.ended[k]["evaluations"] >= run.plan[k].planned and (stop or {}).get("kind") == "budget":
+    if (
+        k in run.searches
+        and run.ended[k]["evaluations"] >= run.plan[k].planned
+        and (stop or {}).get("kind") == "budget"
+    ):
         found["stop"] = {"statement": _budget(run.plan[k].planned)}
     return found
 

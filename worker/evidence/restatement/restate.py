@@ -50,7 +50,7 @@ def restated(record: Record) -> dict[str, Sentence] | Missing:
     """Every sentence of the verdict and of the validation by its path in the record."""
     claims = record.claims
     if "components" not in claims or "holds_for" not in claims:
-        return MISSING
+        return Missing(MISSING)
     try:
         versions = Versions.of(claims["versions"] if "versions" in claims else claims["provenance"])
         if versions.clearance not in (None, VERSION):
@@ -67,8 +67,7 @@ def restated(record: Record) -> dict[str, Sentence] | Missing:
     of_package = {*OF_PACKAGE, *(["statement"] if claims["verdict"] == "cleared" else [])}
     worded = Missing("the package of the simulator may have worded it")
     return {
-        path: one if path not in of_package or alike(*one) else one._replace(made=worded)
-        for path, one in found.items()
+        path: one if path not in of_package or alike(*one) else one._replace(made=worded) for path, one in found.items()
     }
 
 

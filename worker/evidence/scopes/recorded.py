@@ -96,6 +96,4 @@ def _results(campaign: Campaign, catalogue: Catalogue) -> tuple[Result, ...]:
     entries = [catalogue.component("criterion", name or "") for name in asked]
     known = [entry for entry in entries if entry is not None]
     names = named(entry.name for entry in known)
-    return tuple(
-        Result(n, e.title, e.quantity, e.unit, e.worse or "low") for n, e in zip(names, known, strict=True)
-    )
+    return tuple(Result(n, e.title, e.quantity, e.unit, e.worse or "low") for n, e in zip(names, known, strict=True))

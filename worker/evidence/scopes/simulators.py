@@ -117,7 +117,9 @@ def _caveat(system: Any) -> str:
         return ""
     if isinstance(system, InProcess):
         return function_caveat(None if system.identity is None else system.identity.unknown)
-    return simulator_caveat(system.step is not None, system.described.step if isinstance(system, FmuSimulator) else None)
+    return simulator_caveat(
+        system.step is not None, system.described.step if isinstance(system, FmuSimulator) else None
+    )
 
 
 def function_caveat(unknown: str | None) -> str:

@@ -27,7 +27,7 @@ def _components(record: Record) -> list[str] | Missing:
     claims = record.claims
     versions = Versions.of(claims["versions"] if "versions" in claims else claims.get("provenance"))
     if "components" not in claims or versions.code is None:
-        return MISSING
+        return Missing(MISSING)
     if versions.code != identity.code(record.campaign).digest:
         return Missing("other code ran it: what its components meant there is taken from the record")
     found = [clause for clause in changes(claims["components"], catalogue()) if not clause.startswith("the text of ")]

@@ -97,7 +97,9 @@ def test_it_follows_where_words_alone_are_stored(name: str, tmp_path: Path) -> N
 
 
 def test_it_follows_in_a_database(database: sa.Engine, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    only = {item.name for item in audited(database)} - {item.name for item in audited(ran("cleared")[1], ran("cleared")[0])}
+    only = {item.name for item in audited(database)} - {
+        item.name for item in audited(ran("cleared")[1], ran("cleared")[0])
+    }
     assert {SEAL, "digests.run", "components", "run.upper_bound", "quantity", "worst.finding"} <= only | {"components"}
     assert invoke(["audit", "R-0001", "--data", str(tmp_path)]) == 0
     assert capsys.readouterr().out.endswith("The verdict follows from the stored evaluations.\n")

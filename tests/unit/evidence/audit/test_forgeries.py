@@ -30,7 +30,8 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 def accepted(folder: Folder) -> bool:
     """Whether the verdict follows from a record; one that cannot be read is rejected."""
     try:
-        folder.reseal()
+        if "files" in folder.evidence:  # a record in the form of an earlier version has no digest
+            folder.reseal()
         return closing(folder.items())[0]
     except (UnreadableError, CampaignError, ValueError):
         return False

@@ -30,8 +30,8 @@ class Rows(NamedTuple):
 
 
 def evidence_digest(campaign: str, evaluations: Iterable[Rows], documents: Mapping[str, Any]) -> str:
-    """64 hexadecimal digits. campaign: the digest of its document; evaluations: in the order of the stages, a stage in any number of
-    parts; documents: all other results, as JSON."""
+    """64 hexadecimal digits. campaign: the digest of its document; evaluations: in the order of the stages, a stage in
+    any number of parts; documents: all other results, as JSON."""
     sums: dict[int, list[Any]] = {}
     for position, *columns in evaluations:
         totals = sums.setdefault(position, [hashlib.sha256() for _ in columns])

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db.digest import current_digest, stated
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
 from campaigns.claims.earlier import throughout
@@ -110,6 +109,8 @@ def of_folder(folder: Path) -> Record:
 
 def of_database(connection: sa.Connection, run_id: int) -> Record:
     """The stored run; raises as `of_folder` does. Tables are read as they are, of any version."""
+    from backend.db.digest import current_digest, stated  # late: the audit of a folder loads no database
+
     tables, name = sa.MetaData(), run_name(run_id)
 
     def rows(table: str, order: str, **of: Any) -> list[JsonObject]:

@@ -146,15 +146,15 @@ def test_a_verdict_can_state_which_point_distances_end_at() -> None:
     def of(**changes: Any) -> Problem:
         return Problem(campaign(**changes), compiled=False)
 
-    assert words(clause(of().system)) == "distances measured to the obstacles' centres, not their surfaces"
-    assert words(overlooked(of().system)) == ""
+    assert words(clause(*described(of()))) == "distances measured to the obstacles' centres, not their surfaces"
+    assert words(overlooked(*described(of()))) == ""
     wall = of(scenario__obstacles=[WALL])
-    assert words(clause(wall.system)).endswith("; a vehicle inside obstacles.0 may count as clear")
-    assert "obstacles.0, whose surface extends to 8.00062 m" in words(overlooked(wall.system))
-    assert words(overlooked(of(scenario__obstacles=[WALL], criterion__from_centre=True).system)) == ""
+    assert words(clause(*described(wall))).endswith("; a vehicle inside obstacles.0 may count as clear")
+    assert "obstacles.0, whose surface extends to 8.00062 m" in words(overlooked(*described(wall)))
+    assert words(overlooked(*described(of(scenario__obstacles=[WALL], criterion__from_centre=True)))) == ""
     surface = {"criterion__component": "surface_separation"}
-    assert words(clause(of(**surface).system)) == "distances measured to the obstacles' surfaces"
+    assert words(clause(*described(of(**surface)))) == "distances measured to the obstacles' surfaces"
     body = surface | {"criterion__parameters": {"body_radius": 0.2}}
-    assert words(clause(of(**body).system)).endswith("surfaces, less the radius of the vehicle's body of 0.2 m")
+    assert words(clause(*described(of(**body)))).endswith("surfaces, less the radius of the vehicle's body of 0.2 m")
     uncertain = document()["uncertain"] | {"criterion.body_radius": {"low": 0.0, "high": 0.2}}
-    assert words(clause(of(**surface, uncertain=uncertain).system)).endswith("surfaces, less criterion.body_radius")
+    assert words(clause(*described(of(**surface, uncertain=uncertain)))).endswith("surfaces, less criterion.body_radius")

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from campaigns import Catalogue, check, library, load_file
+from campaigns import Campaign, Catalogue, check, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
 from campaigns.checked.check import simulation_problems
@@ -21,6 +21,11 @@ from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, continued
 
 WALL = {"component": "box", "parameters": {"position": {"x": 9.0, "y": 3.5}, "length": 16.0, "width": 0.2}}
+
+
+def described(problem: Problem) -> tuple[Campaign, Catalogue]:
+    """What the statements need of a problem."""
+    return problem.campaign, catalogue()
 
 
 def refused(**changes: Any) -> list[str]:
@@ -157,4 +162,6 @@ def test_a_verdict_can_state_which_point_distances_end_at() -> None:
     body = surface | {"criterion__parameters": {"body_radius": 0.2}}
     assert words(clause(*described(of(**body)))).endswith("surfaces, less the radius of the vehicle's body of 0.2 m")
     uncertain = document()["uncertain"] | {"criterion.body_radius": {"low": 0.0, "high": 0.2}}
-    assert words(clause(*described(of(**surface, uncertain=uncertain)))).endswith("surfaces, less criterion.body_radius")
+    assert words(clause(*described(of(**surface, uncertain=uncertain)))).endswith(
+        "surfaces, less criterion.body_radius"
+    )

@@ -27,9 +27,11 @@ def curves(run: Run, k: int) -> list[Tree]:
     return _curves(run, axes, *(column[rows] for column in run.rows(k)[1:]))
 
 
-def slices(run: Run, point: Sequence[float]) -> Tree:
-    """The slices through a finding, from the evaluations of the last stage; NaN where there is none."""
+def slices(run: Run, point: Sequence[float], stated: Tree) -> Tree:
+    """The slices through a finding, from the evaluations of the last stage; NaN where there is none. stated: those of
+    the record."""
     points, raw, status = run.rows(len(run.plan) - 1)
+    point = _through(run, point, stated["at"])
     known = {at.tobytes(): row for row, at in enumerate(points)}
     axes = [np.union1d(np.linspace(0.0, 1.0, SLICE), [u]) for u in point]
     at = np.repeat(np.array([point]), sum(map(len, axes)), axis=0)
@@ -39,6 +41,16 @@ def slices(run: Run, point: Sequence[float]) -> Tree:
     found = rows >= 0
     costs, ended = np.where(found, raw[rows], np.nan), np.where(found, status[rows], len(STATUS))
     return {"curves": _curves(run, axes, costs, ended), "at": run.values(point)}
+
+
+def _through(run: Run, point: Sequence[float], at: Tree) -> Sequence[float]:
+    """The evaluated point that slices go through: the finding, or the one beside it that it has replaced, where a
+    neighbour was lower by rounding only."""
+    if run.values(point) == at:
+        return point
+    reach = run.campaign.stages.validate_.reach
+    near = run.points[(np.abs(run.points - np.array(point)) <= reach).all(axis=1)]
+    return next((other.tolist() for other in near if run.values(other) == at), point)
 
 
 def _curves(run: Run, axes: list[Any], costs: Any, status: Any) -> list[Tree]:

@@ -288,7 +288,9 @@ def _found(run: Run, finding: Tree) -> Tree:
     """The slices of a finding, and the methods that found it, each by its position."""
     by = [{"method": run.plan[one["position"]].method} for one in finding["found"]]
     found: Tree = {"found": by, "methods": list(dict.fromkeys(one["method"] for one in by))}
-    return found | ({"slices": charts.slices(run, finding["point"])} if finding.get("slices") else {})
+    return found | (
+        {"slices": charts.slices(run, finding["point"], finding["slices"])} if finding.get("slices") else {}
+    )
 
 
 def _positions(finding: Tree) -> set[int]:

@@ -25,5 +25,5 @@ TURN = 0.7853981633974483
 """pi/4: what turns further within a step can be at the same place at every sample."""
 CONTINUED = 2
 """Flights are simulated on to this multiple of the horizon, to see whether an encounter lies beyond it."""
-DRAWS = 20
+DRAWS = 2
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""

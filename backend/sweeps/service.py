@@ -24,7 +24,7 @@ from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSu
 from backend.sweeps.variants import described, variants
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.runs import run_name, sweep_name, sweep_number
-from campaigns.stages.plan import plan
+from campaigns.stages.plan import most
 
 LONGEST = 120
 """Characters of a run's name."""
@@ -103,7 +103,7 @@ def _launch(
             tags=campaign.tags if options.tags is None else list(dict.fromkeys(options.tags)),
             owner=visitor.user,
             priority=options.priority,
-            planned=sum(stage.planned for stage in plan(campaign)),
+            planned=most(campaign),
             catalogue=catalogue,
             labelled=options.labels,
         )

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from campaigns.asked.allowance import validation
 from campaigns.asked.spec import Campaign
 from campaigns.results.validate import ValidateResult
-from campaigns.stages.allowance import validation
 from campaigns.stages.declared import Declared
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from campaigns.asked.allowance import validation
 from campaigns.claims.stages import ends
 from campaigns.results import Finding, ValidateResult
 from campaigns.results.base import OK
@@ -19,7 +20,6 @@ from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.slices import Curve
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import Gathered
-from campaigns.stages.allowance import validation
 from worker.engine.stages.parts import findings, incumbents, noise, offered, seeds
 from worker.engine.stages.parts.base import Context, Driven, all_columns, drive
 from worker.engine.stages.parts.comparison import compare

@@ -12,11 +12,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from campaigns.asked.allowance import STARTS, validation
 from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
-from campaigns.stages.allowance import STARTS, validation
 from worker.engine.search.base import Batch, Search
 from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
 from worker.engine.search.parts.lowest import Lowest

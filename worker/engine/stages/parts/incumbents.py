@@ -9,10 +9,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from campaigns.asked.allowance import CALLED_AGAIN
 from campaigns.results import Finding
 from campaigns.results.finding import Validation
 from campaigns.results.validate import Incumbent
-from campaigns.stages.allowance import CALLED_AGAIN
 from worker.engine.stages.parts import noise, repeated
 from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.left import Left

@@ -1,6 +1,6 @@
 """What is left of validation's allowance once the worst cases are distinguished: every confirmation takes from it.
 
-What must be confirmed whatever is left (`campaigns.stages.allowance.least`) is part of the allowance; all other cases
+What must be confirmed whatever is left (`campaigns.asked.allowance.least`) is part of the allowance; all other cases
 are confirmed as far as it goes, and what is left out is counted for the result.
 """
 
@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from campaigns import Campaign
+from campaigns.asked import allowance
 from campaigns.limits import SPOT_CHECKS
 from campaigns.results.validate import LeftOut, Spent
-from campaigns.stages import allowance
 
 
 @dataclass

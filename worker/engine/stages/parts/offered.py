@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns import limits
+from campaigns.asked.allowance import CASE
 from campaigns.results.base import OK
 from campaigns.results.finding import Validation
 from campaigns.results.validate import Furthest, SpotChecks, StageCount, Violations
-from campaigns.stages.allowance import CASE
 from worker.engine.stages.parts import noise, seeds
 from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.confirm import Case, cases, reference

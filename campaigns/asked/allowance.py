@@ -11,6 +11,8 @@ from typing import NamedTuple
 from campaigns.asked.spec import Campaign
 from campaigns.limits import SPOT_CHECKS, VIOLATIONS
 
+USUAL = 20_000
+"""Evaluations that distinguish the worst cases where nothing is stated, if the searches have more."""
 SLICE = 42
 """Evaluations along each parameter through a worst case."""
 RAY, RAYS = 34, 2
@@ -39,10 +41,13 @@ class Allowance(NamedTuple):
 def validation(campaign: Campaign) -> Allowance:
     """At most so many evaluations. Small budgets are exceeded by what confirms the nominal case and one finding."""
     findings, stated = campaign.stages.findings, campaign.stages.validate_.evaluations
-    if stated is None and findings.evaluations is not None:
+    if stated is None:
         each = campaign.stages.validate_.neighbours + SLICE * len(campaign.uncertain) + boundary(campaign)
-        stored = findings.evaluations + 2 * findings.at_most * each
-        return Allowance(stored, stored + _confirming(campaign) + CASE * VIOLATIONS, STARTS)
+        wanted = USUAL if findings.evaluations is None else findings.evaluations
+        stored = wanted + 2 * findings.at_most * each
+        total = stored + _confirming(campaign) + CASE * VIOLATIONS
+        if findings.evaluations is not None or total <= searches(campaign):
+            return Allowance(stored, total, STARTS)
     total = searches(campaign) if stated is None else stated
     stored = total - min(_confirming(campaign), total // 2)
     descent = DESCENT * (len(campaign.uncertain) + 1)

@@ -18,13 +18,13 @@ SLICE = 42
 RAY, RAYS = 34, 2
 """Evaluations along one ray to the boundary of a violation; rays per parameter, and one more to the worst case."""
 
-STARTS, DESCENT = 60, 15
-"""Points to descend from at most, and the gradients of a usual descent."""
+STARTS, DESCENT = 60, 5
+"""Points to descend from at most, and the gradients that a descent from one should be able to take."""
 CASE = 3
 """Evaluations that confirm a case: of a closed loop at the campaign's step, at half of it and with the reference
 integrator; of a simulator in a used process, in a fresh one, and with half the step if it has one."""
-UNREPRESENTED = 2
-"""Findings that no search has polished: the lowest violation, and the lowest evaluation with its own noise."""
+NOMINAL = 3
+"""The nominal case of a closed loop: its trace, one without avoidance, one beyond the horizon."""
 CALLED_AGAIN = 3
 """Of a simulator that does not repeat: violations that are called again as often as a finding."""
 
@@ -38,20 +38,25 @@ class Allowance(NamedTuple):
     starts: int
 
 
-def validation(campaign: Campaign) -> Allowance:
-    """At most so many evaluations. Small budgets are exceeded by what confirms the nominal case and one finding."""
-    findings, stated = campaign.stages.findings, campaign.stages.validate_.evaluations
-    if stated is None:
+def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
+    """At most so many evaluations. Small budgets are exceeded by what confirms the nominal case and one finding.
+
+    noisy: whether a simulator does not repeat, which is measured only by the first stage; it needs at most as many
+    evaluations if it repeats.
+    """
+    findings, total = campaign.stages.findings, campaign.stages.validate_.evaluations
+    confirming, needed = _confirming(campaign, noisy), least(campaign, noisy)
+    if total is None:
         each = campaign.stages.validate_.neighbours + SLICE * len(campaign.uncertain) + boundary(campaign)
         wanted = USUAL if findings.evaluations is None else findings.evaluations
         stored = wanted + 2 * findings.at_most * each
-        total = stored + _confirming(campaign) + CASE * VIOLATIONS
-        if findings.evaluations is not None or total <= searches(campaign):
-            return Allowance(stored, total, STARTS)
-    total = searches(campaign) if stated is None else stated
-    stored = total - min(_confirming(campaign), total // 2)
-    descent = DESCENT * (len(campaign.uncertain) + 1)
-    return Allowance(stored, max(total, stored + least(campaign)), min(STARTS, max(1, stored // descent)))
+        whole = stored + confirming + CASE * VIOLATIONS
+        total = searches(campaign)
+        if findings.evaluations is not None or whole <= total:
+            return Allowance(stored, whole, STARTS)
+    stored = max(0, total - max(needed, min(confirming, total // 2)))
+    descents = stored // (DESCENT * (len(campaign.uncertain) + 1))
+    return Allowance(stored, max(total, needed), min(STARTS, max(1, descents)))
 
 
 def searches(campaign: Campaign) -> int:
@@ -64,38 +69,33 @@ def boundary(campaign: Campaign) -> int:
     return 1 + RAY * (RAYS * len(campaign.uncertain) + 1)
 
 
-def nominal(campaign: Campaign) -> int:
-    """Confirming the nominal case: of a closed loop also its trace, one without avoidance, one beyond the horizon."""
-    return case(campaign) + (0 if campaign.scenario is None else 3)
+def case(campaign: Campaign, noisy: bool) -> int:
+    """Confirming a case; of a simulator that does not repeat, by independent calls."""
+    return campaign.stages.validate_.repeats if noisy and campaign.scenario is None else CASE
 
 
-def finding(campaign: Campaign) -> int:
+def finding(campaign: Campaign, noisy: bool) -> int:
     """Confirming a finding, with its trace; of a closed loop also beyond the horizon."""
-    return case(campaign) + shown(campaign)
+    return case(campaign, noisy) + _shown(campaign)
 
 
-def shown(campaign: Campaign) -> int:
+def least(campaign: Campaign, noisy: bool) -> int:
+    """What is always confirmed: the nominal case and the worst finding; of a closed loop also the lowest evaluation
+    with its own noise, of a simulator that does not repeat the best of every search. Violations that none of them
+    represents have a trace."""
+    flies = campaign.scenario is not None
+    nominal = case(campaign, noisy) + (NOMINAL if flies else 0)
+    others = finding(campaign, noisy) if flies else len(campaign.stages.search) * case(campaign, noisy) * noisy
+    return nominal + finding(campaign, noisy) + others + _shown(campaign)
+
+
+def _shown(campaign: Campaign) -> int:
     """The trace of a finding, and of a closed loop its flight beyond the horizon."""
     return 1 if campaign.scenario is None else 2
 
 
-def case(campaign: Campaign) -> int:
-    """Confirming a case: by independent calls if a simulator does not repeat, which is measured only later."""
-    return CASE if campaign.scenario is not None else max(CASE, campaign.stages.validate_.repeats)
-
-
-def incumbents(campaign: Campaign) -> int:
-    """Calling the best of every search again, of a simulator that does not repeat."""
-    return 0 if campaign.scenario is not None else len(campaign.stages.search) * case(campaign)
-
-
-def least(campaign: Campaign) -> int:
-    """What is always confirmed: the nominal case, the worst one, the best of the searches, and what none polished."""
-    return nominal(campaign) + incumbents(campaign) + (1 + UNREPRESENTED) * finding(campaign)
-
-
-def _confirming(campaign: Campaign) -> int:
+def _confirming(campaign: Campaign, noisy: bool) -> int:
     """Confirming all findings and random evaluations; violations, of which one is enough, take what is left."""
-    others = (campaign.stages.findings.at_most - 1) * finding(campaign)
-    again = 0 if campaign.scenario is not None else CALLED_AGAIN * case(campaign)
-    return least(campaign) + others + again + SPOT_CHECKS
+    others = (campaign.stages.findings.at_most - 1) * finding(campaign, noisy)
+    again = CALLED_AGAIN * case(campaign, noisy) if noisy and campaign.scenario is None else 0
+    return least(campaign, noisy) + others + again + SPOT_CHECKS

@@ -151,7 +151,7 @@ def _validate(campaign: Campaign) -> Range:
         """end: 0 at least, 1 usually."""
         each = POLISH[end] * (2 * dimension + 1) + 2 * POLL[end] * dimension + around
         descents = STARTS[end] * _steps(dimension)[end] * (dimension + 1)
-        return min(validation(campaign).stored, round(descents + cases * each))
+        return min(validation(campaign, noisy=False).stored, round(descents + cases * each))
 
     return within(0, 1.0), within(1, _cases(campaign))
 

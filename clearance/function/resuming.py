@@ -34,7 +34,8 @@ def earlier(resume: object) -> Earlier:
         resume = resume.evaluations
     if isinstance(resume, Evaluations):
         origin = resume.origin
-        return Earlier(origin.campaign, origin.store, versions(origin.campaign, origin.problem.system))
+        ran = origin.store.versions or versions(origin.campaign, origin.problem.system)
+        return Earlier(origin.campaign, origin.store, ran)
     if isinstance(resume, (str, Path)):
         folder = Path(resume)
         try:
@@ -52,9 +53,9 @@ def extended(document: dict[str, object], then: Campaign, now: Campaign) -> dict
             continue
         changed = raised(old, Budget(new.evaluations, more=False))
         if changed is None:
-            text = "cannot be continued; give it the budget that it had, or start anew"
             raise ValueError(
-                f"resume: {new.method} with {new.evaluations:,} evaluations after {old.evaluations:,} {text}"
+                f"resume: {new.method} cannot go from {old.evaluations:,} to {new.evaluations:,} evaluations; "
+                "give it the budget that it had, or search again without resume"
             )
         found.append(changed)
     made = {str(search["method"]): search for search in found}
@@ -67,14 +68,13 @@ def extended(document: dict[str, object], then: Campaign, now: Campaign) -> dict
 def store(campaign: Campaign, problem: Problem, before: Earlier) -> MemoryStore:
     """The store that the search resumes from; raises ValueError if the evaluations are of something else."""
     simulator = simulator_of(campaign)
-    apart = differences(
-        identity_of(before.versions, simulator), identity_of(versions(campaign, problem.system), simulator)
-    )
+    here = versions(campaign, problem.system)
+    apart = differences(identity_of(before.versions, simulator), identity_of(here, simulator))
     if apart:
         raise ValueError(f"resume: its evaluations cannot be used: {'; '.join(apart)}")
     for name in ("simulator", "uncertain", "correlations", "criterion", "seed"):
         if getattr(campaign, name) != getattr(before.campaign, name):
-            raise ValueError(f"resume: the earlier search had another {name}; give the same arguments, or start anew")
+            raise ValueError(f"resume: the earlier search had another {name}; give the same arguments")
     kept = before.store
     try:
         columns = carried(before.campaign, campaign, kept)

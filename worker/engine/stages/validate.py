@@ -35,9 +35,10 @@ from worker.engine.systems.base import Floats
 def run(context: Context, position: int) -> Outcome[ValidateResult]:
     """Distinguish the worst cases of all stages, then validate the nominal case and each of them."""
     found = findings.Found()
-    budget = validation(context.campaign).stored
+    noisy = noise.noisy(context)
+    budget = validation(context.campaign, noisy).stored
     driven = drive(context, position, findings.search(context, position, found), budget, repeats=True)
-    left = Left(context.campaign, driven.tally.evaluations)
+    left = Left(context.campaign, noisy, driven.tally.evaluations)
     unfinished = findings.settle(context, position, found, left)
     first = Case("nominal", context.problem.nominal_point, context.nominal_cost)
     nominal, *confirmed = cases(context, [first, *(Case("", b.point, b.cost) for b in found.basins)])
@@ -134,9 +135,9 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
     complete = driven.stop == "rule" and not unfinished and not found.skipped
     ended = driven.how.statement
     if found.unconfirmed:
-        ended = ends.confirmed(len(found.basins), validation(context.campaign).total)
+        ended = ends.confirmed(len(found.basins), validation(context.campaign, noise.noisy(context)).total)
     elif found.skipped:
-        ended = ends.skipped(found.skipped, validation(context.campaign).total)
+        ended = ends.skipped(found.skipped, validation(context.campaign, noise.noisy(context)).total)
     return Gathered(
         distance=request.distance,
         barrier=request.barrier,

@@ -24,6 +24,7 @@ from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.boundary import Around, after
 from worker.engine.stages.parts.left import Left
+from worker.engine.stages.parts.noise import noisy
 from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
@@ -161,7 +162,7 @@ def gather(context: Context, position: int, state: Found) -> list[Candidate]:
         found += mine
         if at in searched:
             found += [Candidate(np.array(m.point), m.cost, at, i) for i, m in enumerate(searched[at].minima)]
-    kept = sorted(found, key=lambda c: c.cost)[: validation(context.campaign).starts]
+    kept = sorted(found, key=lambda c: c.cost)[: validation(context.campaign, noisy(context)).starts]
     state.skipped = min(len(found), STARTS) - len(kept)
     return sorted(kept + [b for b in best if not any(b is k for k in kept)], key=lambda c: c.cost)
 

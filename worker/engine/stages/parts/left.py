@@ -19,6 +19,7 @@ class Left:
     """The rest of the allowance: evaluations that may still be made, besides the least that is reserved."""
 
     campaign: Campaign
+    noisy: bool
     stored: int
     made: int = 0
     out: dict[str, int] = field(default_factory=dict)
@@ -26,12 +27,15 @@ class Left:
     @property
     def room(self) -> int:
         """Evaluations beyond the reserved ones."""
-        total, reserved = allowance.validation(self.campaign).total, allowance.least(self.campaign)
+        total = allowance.validation(self.campaign, self.noisy).total
+        reserved = allowance.least(self.campaign, self.noisy)
         return max(0, total - self.stored - reserved - self.made)
 
     def findings(self, count: int) -> int:
         """How many of so many findings are confirmed; the first one is reserved."""
-        return min(count, 1 + self._taken("findings", count - 1, allowance.finding(self.campaign), self.room))
+        return min(
+            count, 1 + self._taken("findings", count - 1, allowance.finding(self.campaign, self.noisy), self.room)
+        )
 
     def violations(self, count: int, each: int) -> int:
         """How many of so many violations are simulated again; half of what is left goes to random evaluations."""
@@ -39,7 +43,7 @@ class Left:
 
     def called_again(self, count: int) -> int:
         """How many violations of a simulator that does not repeat are called as often as a finding."""
-        return self._taken("calls", count, allowance.case(self.campaign), self.room)
+        return self._taken("calls", count, allowance.case(self.campaign, self.noisy), self.room)
 
     def spot_checks(self, count: int) -> int:
         """How many of so many random evaluations are compared."""
@@ -47,7 +51,7 @@ class Left:
 
     def spent(self) -> Spent:
         """The allowance and what was left out of it."""
-        total = allowance.validation(self.campaign).total
+        total = allowance.validation(self.campaign, self.noisy).total
         return Spent(at_most=total, stored=self.stored, left_out=LeftOut(**self.out))
 
     def _taken(self, what: str, count: int, each: int, room: int) -> int:

@@ -16,6 +16,8 @@ SAME_COST, SAME_PLACE = 0.01, 0.05
 SPOT_CHECKS, VIOLATIONS = 200, 200
 """Random evaluations, and stored violations at most, that are made again to confirm them; of a simulator in fresh
 processes."""
+FINDINGS = 20_000
+"""Usual limit of the evaluations that distinguish the worst cases, where the searches have as many."""
 REPEATS = 10
 """Fewer independent calls of a noisy simulator would say too little about a finding."""
 SAMPLE, SAMPLE_CLOSED_LOOP = 59, 300

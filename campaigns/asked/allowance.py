@@ -9,10 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from campaigns.asked.spec import Campaign
-from campaigns.limits import SPOT_CHECKS, VIOLATIONS
+from campaigns.limits import FINDINGS, SPOT_CHECKS, VIOLATIONS
 
-USUAL = 20_000
-"""Evaluations that distinguish the worst cases where nothing is stated, if the searches have more."""
 SLICE = 42
 """Evaluations along each parameter through a worst case."""
 RAY, RAYS = 34, 2
@@ -44,19 +42,16 @@ def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
     noisy: whether a simulator does not repeat, which is measured only by the first stage; it needs at most as many
     evaluations if it repeats.
     """
-    findings, total = campaign.stages.findings, campaign.stages.validate_.evaluations
+    findings, stated = campaign.stages.findings, campaign.stages.validate_.evaluations
     confirming, needed = _confirming(campaign, noisy), least(campaign, noisy)
-    if total is None:
-        each = campaign.stages.validate_.neighbours + SLICE * len(campaign.uncertain) + boundary(campaign)
-        wanted = USUAL if findings.evaluations is None else findings.evaluations
-        stored = wanted + 2 * findings.at_most * each
-        whole = stored + confirming + CASE * VIOLATIONS
-        total = searches(campaign)
-        if findings.evaluations is not None or whole <= total:
-            return Allowance(stored, whole, STARTS)
-    stored = max(0, total - max(needed, min(confirming, total // 2)))
+    asked = findings.evaluations if findings.evaluations != FINDINGS else 0
+    total = max(searches(campaign), asked) if stated is None else stated
+    each = campaign.stages.validate_.neighbours + SLICE * len(campaign.uncertain) + boundary(campaign)
+    most = findings.evaluations + 2 * findings.at_most * each
+    total = max(needed, min(total, most + confirming + CASE * VIOLATIONS))
+    stored = max(0, min(most, total - max(needed, min(confirming, total // 2))))
     descents = stored // (DESCENT * (len(campaign.uncertain) + 1))
-    return Allowance(stored, max(total, needed), min(STARTS, max(1, descents)))
+    return Allowance(stored, total, min(STARTS, max(1, descents)))
 
 
 def searches(campaign: Campaign) -> int:

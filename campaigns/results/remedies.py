@@ -21,6 +21,7 @@ from campaigns.asked.spec import MAX_EVALUATIONS, Campaign
 from campaigns.asked.stages import Certify, Search
 from campaigns.catalogue import MethodEntry
 from campaigns.claims.say import Part, count, listed, method, number, say
+from campaigns.limits import FINDINGS
 from campaigns.results.base import Described, Result
 from campaigns.results.search import SearchResult
 from campaigns.results.verdict import Check, Statistics
@@ -174,7 +175,7 @@ def _distinguished(check: Check, ran: Ran) -> Iterator[Remedy]:
         return
     stages = ran.campaign.stages
     stated, stage = stages.findings.evaluations, "findings"
-    if stated is None or stages.validate_.evaluations is not None:
+    if stated == FINDINGS or stages.validate_.evaluations is not None:
         stated, stage = validation(ran.campaign).total, "validate"
     wanted = min(MORE * max(stated, 1000), MAX_EVALUATIONS)
     statement = ("with ", count(wanted), " evaluations to distinguish the worst cases")

@@ -116,9 +116,7 @@ export const STAGES: Group[] = [
       {
         at: ['stages', 'findings', 'evaluations'],
         label: 'Evaluations at most',
-        text: 'For distinguishing worst cases; empty: validation takes at most as many as the searches',
-        empty: 'as the searches',
-        alone: true,
+        text: 'For distinguishing worst cases; with the usual 20 000, validation takes at most as many as the searches',
       },
       { at: ['stages', 'findings', 'distance'], label: 'Distance', text: 'Two minima closer than this fraction of every range count as one' },
       {

@@ -195,8 +195,6 @@ def test_validation_is_as_large_as_the_searches_unless_asked_for_more(budget: in
     allowed, least = allowance.validation(asked), allowance.least(asked, noisy=True)
     asks = stated.get("findings", {}).get("evaluations", 0)
     wanted = stated.get("validate", {}).get("evaluations", max(budget, asks))
-        "evaluations", max(budget, stated.get("findings", {}).get("evaluations", 0))
-    )
     assert allowed.total <= max(wanted, least)
     assert 0 <= allowed.stored <= allowed.total - min(least, allowed.total)
     assert sum(s.evaluations for s in bound(asked) if s.kind == "validate") == allowed.total

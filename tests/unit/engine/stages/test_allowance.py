@@ -26,6 +26,7 @@ from tests.simulators.adversaries import adversary
 from worker.engine.problem.problem import Problem
 from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.simulator import Program
 from worker.running.catalogue.installed import catalogue
 from worker.running.opening import opened
 from worker.running.runs.runner import execute
@@ -159,7 +160,7 @@ def test_a_program_in_slots_is_called_no_more_often_than_stated(example: str, tm
     file = own / "simulator.yaml"
     described = yaml.safe_load(file.read_text(encoding="utf-8")) | {"slots": 2}
     file.write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
-    simulator = read(own)
+    simulator = Program(read(own))
     asked = load_file(EXAMPLES / "campaigns" / f"{example}.yaml")
     known = catalogue().model_copy(update={"simulators": [simulator.entry]})
     system: Any = opened.simulated(asked, simulator, known)

@@ -167,7 +167,9 @@ def test_neighbours_lower_a_rough_worst_case() -> None:
         grain = np.modf(np.abs(np.sin(x[:, 0] * 12345.678 + x[:, 1] * 54321.987)) * 1000.0)[0]
         return np.asarray(1.0 + ((x - 0.4) ** 2).sum(axis=1) + 1e-3 * grain)
 
-    campaign = searching({"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000})
+    campaign = searching(
+        {"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000, "evaluations": 20_000}
+    )
     _, found, _ = found_by(campaign, rough)
     flown = [found.of(basin).neighbours for basin in found.basins]
     assert any(n is not None and n.lower_by is not None and n.lower_by > 0.0 for n in flown)

@@ -67,11 +67,6 @@ def extended(document: dict[str, object], then: Campaign, now: Campaign) -> dict
 
 def store(campaign: Campaign, problem: Problem, before: Earlier) -> MemoryStore:
     """The store that the search resumes from; raises ValueError if the evaluations are of something else."""
-    simulator = simulator_of(campaign)
-    here = versions(campaign, problem.system)
-    apart = differences(identity_of(before.versions, simulator), identity_of(here, simulator))
-    if apart:
-        raise ValueError(f"resume: its evaluations cannot be used: {'; '.join(apart)}")
     for name in ("simulator", "uncertain", "correlations", "criterion", "seed"):
         if getattr(campaign, name) != getattr(before.campaign, name):
             raise ValueError(f"resume: the earlier search had another {name}; give the same arguments")
@@ -81,4 +76,9 @@ def store(campaign: Campaign, problem: Problem, before: Earlier) -> MemoryStore:
     except CannotContinue:
         listed = ", ".join(s.method or s.kind for s in plan(before.campaign))
         raise ValueError(f"resume: the earlier search had other stages: {listed}") from None
+    simulator = simulator_of(campaign)
+    here = versions(campaign, problem.system)
+    apart = differences(identity_of(before.versions, simulator), identity_of(here, simulator))
+    if apart:
+        raise ValueError(f"resume: its evaluations cannot be used: {'; '.join(apart)}")
     return preloaded(campaign, columns, kept.sample_seed)

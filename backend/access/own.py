@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import sqlalchemy as sa
-
-from backend.db.access import Visitor, account_of
+from backend.db.access import Visitor
 from backend.http.errors import RefusedError
 
 
-def owns(reader: sa.Connection, visitor: Visitor, owner: str) -> bool:
-    return visitor.sees_all or account_of(reader, owner) == visitor.account
+def owns(visitor: Visitor, owner: str) -> bool:
+    return visitor.sees_all or owner == visitor.account
 
 
-def require_own(reader: sa.Connection, visitor: Visitor, owner: str | None, what: str) -> None:
+def require_own(visitor: Visitor, owner: str | None, what: str) -> None:
     """Raise 403 unless the visitor's account owns it, itself or by a token, or the visitor is an administrator.
 
     owner: None where there is no such thing, which the caller reports.
     """
-    if owner is None or owns(reader, visitor, owner):
+    if owner is None or owns(visitor, owner):
         return
     detail = (
         f"{what} belongs to {owner or 'another user'}, and you are {visitor.account}: only its owner and an "

@@ -68,6 +68,11 @@ class Visitor:
     """Whether the account can sign in with a password."""
 
     @property
+    def token(self) -> str | None:
+        """The name of the token; None for a browser session."""
+        return self.user if self.via == "token" else None
+
+    @property
     def sees_all(self) -> bool:
         """Whether what belongs to other users is theirs to change."""
         return self.role == "admin" and self.scope in (None, "admin")
@@ -147,11 +152,6 @@ def revoke_token(connection: sa.Connection, name: str) -> None:
     known = sa.update(Token).where(Token.name == name)
     if connection.execute(known.values(revoked=sa.func.coalesce(Token.revoked, engine.now(connection)))).rowcount == 0:
         raise AccessError(f"there is no token named {name!r}; `clearance token list` lists all tokens")
-
-
-def account_of(reader: sa.Connection, name: str) -> str:
-    """The account behind a name in a record: a token's owner, otherwise the name itself."""
-    return reader.scalar(sa.select(Token.owner).where(Token.name == name)) or name
 
 
 def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME) -> str:

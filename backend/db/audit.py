@@ -16,10 +16,15 @@ import sqlalchemy as sa
 from backend.db.access import Visitor
 from backend.db.chain import COVERED, FIRST, Head, Verified, digest, verify
 from backend.db.engine import now
-from backend.db.tables import Audit, AuditHead
+from backend.db.tables import Audit, AuditHead, Token
 
 PAGE = 1000
 """Rows that are read at a time."""
+
+ACCOUNT = sa.func.coalesce(
+    sa.select(Token.owner).where(Audit.via == "token", Token.name == Audit.user).scalar_subquery(), Audit.user
+).label("account")
+"""The user of a row, also of one that names a token."""
 
 COLUMNS = tuple(
     # As text: a value that was changed to what is not JSON must not prevent the others from being read.

@@ -132,7 +132,7 @@ def succeed(
     writer: sa.Connection, old: int, campaign: Campaign, planned: int, catalogue: Catalogue | None, **values: object
 ) -> int:
     """Queue a run that continues another one, with its name, tags, labels, baseline, priority and owner."""
-    kept = sa.select(Run.name, Run.tags, Run.owner, Run.priority).where(Run.id == old)
+    kept = sa.select(Run.name, Run.tags, Run.owner, Run.token, Run.priority).where(Run.id == old)
     own_labels = labels.of_runs(writer, [old]).get(old, {})
     same = writer.execute(kept).one()._asdict()
     seed = sample_seed(writer, old)  # its evaluations are those of this seed

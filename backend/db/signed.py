@@ -1,15 +1,31 @@
-"""Rebinds sign-offs in migrations that store the same results in another form.
+"""Who signed a sign-off; and migrations that store the same results in another form rebind sign-offs to them.
 
 A sign-off is rebound only if the results were those that had been signed; each change is recorded in the audit trail.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import sqlalchemy as sa
 
 from backend.db import audit
+from backend.db.access import LOCAL
 from backend.db.tables import Signoff
 from campaigns.runs import run_name
+
+
+class Signer(NamedTuple):
+    """The account, or without accounts the name as typed."""
+
+    name: str
+    typed: bool
+
+
+def signer(account: str, name: str) -> Signer:
+    """name: as typed. `local` is the account of everyone who has the login link, so what was typed tells them apart."""
+    typed = account == LOCAL and name != ""
+    return Signer(name if typed else account, typed)
 
 
 def is_signed(reader: sa.Connection, run_id: int) -> bool:

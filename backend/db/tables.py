@@ -60,7 +60,7 @@ class Campaign(Base):
 _LISTED = (
     "pinned", "state", "verdict", "owner", "name", "campaign_digest", "tags", "created", "started", "finished",
     "threshold", "nominal_cost", "worst_cost", "worst_method", "evaluations", "failed_evaluations", "upper_bound",
-    "removed",
+    "removed", "token",
 )  # fmt: skip
 
 
@@ -76,7 +76,9 @@ class Run(Base):
     name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
     tags: orm.Mapped[list[Any]] = orm.mapped_column(default=list)
     owner: orm.Mapped[str] = orm.mapped_column(sa.String(64), default="")
-    """The user who submitted it."""
+    """The user who submitted it, also by a token."""
+    token: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
+    """The name of the API token that submitted it; None: its owner did so without one."""
     state: orm.Mapped[RunState] = orm.mapped_column(default=RunState.QUEUED)
     created: orm.Mapped[float] = orm.mapped_column(index=True)
     started: orm.Mapped[float | None]

@@ -101,11 +101,17 @@ class Signoff(Base):
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id"), index=True)
     name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
+    """As typed; empty if signed under the account's name."""
     role: orm.Mapped[str] = orm.mapped_column(sa.String(120))
     comment: orm.Mapped[str] = orm.mapped_column(sa.Text)
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64))
     """Digest of the signed results; see `backend.db.digest`."""
     user: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    """The user, or the name of the token."""
+    account: orm.Mapped[str] = orm.mapped_column(sa.String(64), server_default="")
+    """The user, also of a token."""
+    texts: orm.Mapped[dict[str, str] | None]
+    """The texts of the run's requirements when it was signed, by id; None: not stored by earlier versions."""
     created: orm.Mapped[float]
     withdrawn: orm.Mapped[float | None]
     withdrawn_by: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
@@ -124,7 +130,7 @@ class Draft(Base):
     text: orm.Mapped[str] = orm.mapped_column(sa.Text)
     """YAML or JSON."""
     owner: orm.Mapped[str] = orm.mapped_column(sa.String(64))
-    """The user who created it."""
+    """The user who created it, also by a token."""
     created: orm.Mapped[float]
     saved: orm.Mapped[float] = orm.mapped_column(index=True)
     saved_by: orm.Mapped[str] = orm.mapped_column(sa.String(64))

@@ -122,6 +122,8 @@ class Sweep(Base):
     nominal: orm.Mapped[float | None]
     """Its value in the campaign; None if that gave none."""
     owner: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    token: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
+    """As of a run."""
     created: orm.Mapped[float]
 
 

@@ -154,6 +154,11 @@ def own_sign_offs(reader: sa.Connection) -> bool:
     stored = stored_own_sign_offs(reader)
     if stored is not None:
         return stored
+    return only_local(reader)
+
+
+def only_local(reader: sa.Connection) -> bool:
+    """Whether the service has no accounts but the one of the login link, which is nobody's in particular."""
     return reader.scalar(sa.select(User.name).where(User.name != LOCAL).limit(1)) is None
 
 

@@ -37,7 +37,7 @@ class DraftSummary(Schema):
     name: str
     tags: list[str]
     owner: str
-    """The user who created it."""
+    """The user who created it, also by a token."""
     created: Instant
     saved: Instant
     saved_by: str

@@ -61,7 +61,7 @@ def create(writer: sa.Connection, content: DraftContent, visitor: Visitor) -> Dr
             409, "too-many-drafts", f"there are already {MOST} drafts, which is the limit: delete some first"
         )
     at = now(writer)
-    who = {"owner": visitor.user, "saved_by": visitor.user, "created": at, "saved": at}
+    who = {"owner": visitor.account, "saved_by": visitor.user, "created": at, "saved": at}
     values = content.model_dump() | who | {"version": 1}
     draft_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
     return one(writer, draft_id)
@@ -81,7 +81,7 @@ def replace(engine: sa.Engine, draft_id: int, new: DraftReplace, visitor: Visito
     values: dict[str, object] = new.model_dump(exclude={"version", "run"})
     with engine.begin() as writer:
         owner = writer.scalar(sa.select(Row.owner).where(Row.id == draft_id).with_for_update())
-        require_own(writer, visitor, owner, name(draft_id))
+        require_own(visitor, owner, name(draft_id))
         if match is not None:
             require_match(match, etag(one(writer, draft_id)), name(draft_id))
         if new.run is not None:
@@ -99,7 +99,7 @@ def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visit
     with engine.begin() as writer:
         writer.execute(sa.select(Row.id).where(Row.id == draft_id).with_for_update())
         draft = one(writer, draft_id)
-        require_own(writer, visitor, draft.owner, draft.id)
+        require_own(visitor, draft.owner, draft.id)
         require_match(match, etag(draft), draft.id)
         if version is not None and version != draft.version:
             raise _conflict(draft, version)

@@ -13,6 +13,7 @@ from backend.reports.plot import INK, INK2
 from backend.reports.record import Record, load
 from campaigns.claims.legible import legible
 from campaigns.claims.numbers import signed
+from campaigns.results.verdict import headline
 
 PAD, HEAD, LINE = 12, 44, 14
 """Around the figure, and the height of a line of its caption [px]."""
@@ -57,9 +58,10 @@ def _drawn(record: Record) -> tuple[Markup, str, float] | None:
 
 def _title(record: Record) -> str:
     """R-0001: violated, worst case F1 with a margin of -0.02 m."""
-    word = record.run.verdict or record.run.state
+    run = record.run
+    word = headline(run.verdict, run.not_sampled) if run.verdict else run.state
     if not record.findings:
         return f"{record.run.id}: {word}"
     worst = record.findings[0]
-    margin = f"{signed(worst.margin)} {record.of.unit}".rstrip()
+    margin = f"{signed(worst.margin + (worst.granted - worst.cost))} {record.of.unit}".rstrip()
     return f"{record.run.id}: {word}, worst case {worst.label} with a margin of {margin}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from backend.http.schema import Instant, Schema
+from backend.signoffs.schemas import Signoff
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState
 
@@ -30,15 +31,13 @@ class Report(Schema):
     campaign_name: str
     state: RunState
     verdict: VerdictWord | None
+    not_sampled: bool
+    """Whether nothing but an independent sample is missing to clear it."""
     finished: Instant | None
     digest: str
     """SHA-256 of the results."""
-    signed: int
-    """Valid sign-offs of these results."""
-    outdated: int
-    """Sign-offs of other results of this run, which are not withdrawn."""
-    signed_by: list[str]
-    """The names on the valid sign-offs."""
+    signoffs: list[Signoff]
+    """Those that were not withdrawn, with those of an earlier run that this one repeats bit by bit."""
     files: list[ReportFile]
 
 

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from backend.reports import figures, validated, words
 from backend.reports.record import Record
-from backend.signoffs.schemas import Signoff
+from backend.signoffs.schemas import Signoff, Standing
 from campaigns.asked.distributions import Uncertain
 from campaigns.asked.spec import Part, Simulator
 from campaigns.catalogue import ComponentEntry, ParameterEntry, SimulatorEntry
@@ -189,13 +189,15 @@ def _symbol(record: Record, path: str) -> Markup:
 
 
 def findings(record: Record) -> list[Row]:
-    decimals = numbers.decimals_apart([f.cost for f in record.findings], 4, 7)
+    values = [value for f in record.findings for value in (f.granted, f.cost)]
+    decimals = numbers.decimals_apart(values, 4, 7)
     titles = _titles(record)
     return [
         {
             "label": f.label,
-            "cost": numbers.fixed(f.cost, decimals),
-            "margin": numbers.difference(f.margin, decimals),
+            "cost": numbers.fixed(f.granted, decimals),
+            "evaluated": "" if f.granted == f.cost else numbers.fixed(f.cost, decimals),
+            "margin": numbers.difference(f.margin + (f.granted - f.cost), decimals),
             "violates": f.margin <= 0,
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
             "bounds": [(_symbol(record, path), side) for path, side in f.at_bounds.items()],
@@ -251,24 +253,29 @@ def signoffs(record: Record) -> list[Row]:
     return [
         {
             "name": s.name,
+            "note": _note(s),
             "role": s.role,
             "when": words.moment(s.created),
             "user": s.user,
             "comment": s.comment,
             "digest": s.digest[:12],
-            "good": s.current and s.withdrawn is None,
+            "good": s.standing in ("standing", "carried on"),
             "own": s.own,
-            "standing": _standing(s),
+            "tone": _TONES.get(s.standing, "bad b"),
+            "standing": s.sentence,
         }
         for s in record.signoffs.items
     ]
 
 
-def _standing(signoff: Signoff) -> str:
-    if signoff.withdrawn is not None:
-        return f"withdrawn {words.moment(signoff.withdrawn)} by {signoff.withdrawn_by}: {signoff.withdrawn_reason}"
-    statement = "of these results" if signoff.current else "of earlier results, which have changed since"
-    return f"{statement}, by the user who launched the run" if signoff.own else statement
+_TONES: dict[Standing, str] = {"standing": "ok", "carried on": "ok", "suspect": "unk b"}
+
+
+def _note(signoff: Signoff) -> str:
+    """How the name is known."""
+    if signoff.typed:
+        return "name as typed, without an account"
+    return "account" + (f"; name typed then: {signoff.stated}" if signoff.stated else "")
 
 
 def components(record: Record) -> dict[str, str]:

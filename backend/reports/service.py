@@ -20,6 +20,7 @@ from campaigns.claims import numbers
 from campaigns.claims.say import say
 from campaigns.identity.identity import Identity
 from campaigns.results import SensitivityResult, TraceHead, ValidateResult
+from campaigns.results.verdict import headline
 from campaigns.runs import RunState
 from campaigns.version import VERSION
 from campaigns.versions import Processor, Versions
@@ -86,7 +87,13 @@ def _context(record: Record, at: float) -> dict[str, object]:
         "day": words.day(at),
         "made": words.moment(at),
         "version": VERSION,
-        "verdict": {"tone": tone, "word": word, "icon": icon, "sentence": sentence, "error": run.error},
+        "verdict": {
+            "tone": tone,
+            "word": headline(word, run.not_sampled),
+            "icon": icon,
+            "sentence": sentence,
+            "error": run.error,
+        },
         "scope": () if verdict is None else verdict.holds_for,
         "of": record.of,
         "parts": sections.components(record),
@@ -171,7 +178,7 @@ def _origin(record: Record) -> list[tuple[str, str]]:
         *([("Command", f"{known.command} (from the campaign file)")] if known.command else []),
         ("Lanes", str(known.lanes or unknown)),
         ("Worker, attempts", f"{record.run.worker or 'none'}, {record.run.attempts}"),
-        ("Submitted", f"{words.moment(record.run.created)} by {record.run.owner or 'unknown'}"),
+        ("Submitted", f"{words.moment(record.run.created)} by {words.launched_by(record.run.owner, record.run.token)}"),
         ("Started", words.moment(record.run.started)),
         ("Finished", words.moment(record.run.finished)),
         ("Extends", record.run.continues or "no earlier run"),

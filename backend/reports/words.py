@@ -111,3 +111,8 @@ def paragraphs(text: str) -> list[Markup]:
             Markup(form).format("\n".join(line[4:] for line in block.splitlines()) if inset else flowed(block))
         )
     return found
+
+
+def launched_by(owner: str, token: str | None) -> str:
+    """The user, with the name of the API token."""
+    return (owner or "unknown") + (f" (token {token})" if token else "")

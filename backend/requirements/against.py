@@ -17,10 +17,10 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
-from backend.requirements import present
-from backend.requirements.present import chunks
 from backend.requirements.standing import Edge
 from backend.runs import identity
+from backend.signoffs import present
+from backend.signoffs.present import chunks
 from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name

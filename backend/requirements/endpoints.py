@@ -18,7 +18,6 @@ from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import answers, problems
 from backend.http.matches import TAGGED, IfMatch
 from backend.requirements import gsn, matrix, reqif, service, sheet
-from backend.requirements.present import chunks
 from backend.requirements.schemas import (
     FileKind,
     Imported,
@@ -27,6 +26,7 @@ from backend.requirements.schemas import (
     RequirementPage,
     RequirementRow,
 )
+from backend.signoffs.present import chunks
 from campaigns.asked.values import Name
 from campaigns.runs import run_number
 from campaigns.version import VERSION

@@ -16,6 +16,7 @@ from typing import Any
 import yaml
 
 from backend.requirements.schemas import RequirementRow, RequirementRun
+from backend.signoffs.schemas import signed_by
 from campaigns.asked.reading import Dumper
 from campaigns.claims.numbers import number, signed
 
@@ -133,7 +134,7 @@ def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> Eleme
     if run.margin is not None:
         parts.append(f"worst margin {signed(run.margin)} {run.unit}".strip())
     current = [one for one in run.signoffs if one.current]
-    parts += [f"signed off by {one.name} ({one.role}){', who launched it' if one.own else ''}" for one in current] or [
+    parts += [f"signed off by {signed_by(one)}, {one.sentence}" for one in current] or [
         "not signed off" if not run.signoffs else "the sign-off is of other results"
     ]
     if run.suspect:

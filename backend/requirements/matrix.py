@@ -13,35 +13,35 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.access import account_of
-from backend.db.digest import results_digest
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement, Signoff
+from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement
 from backend.http.errors import RefusedError
 from backend.http.matches import tag
-from backend.requirements import against, present
-from backend.requirements.present import chunks
-from backend.requirements.schemas import EdgeSignoff, RequirementPage, RequirementRow, RequirementRun
+from backend.requirements import against
+from backend.requirements.schemas import RequirementPage, RequirementRow, RequirementRun
 from backend.requirements.standing import Edge, Standing, standing
 from backend.runs import identity
 from backend.runs.outcomes import Outcome, outcomes
+from backend.signoffs import present
+from backend.signoffs.present import chunks
+from backend.signoffs.standing import Signature, signatures
+from backend.signoffs.texts import Texts, texts
 from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_number
 
-OTHER_TEXT = "its campaign states another text of the requirement"
-
 
 @dataclass(frozen=True)
 class Known:
+    """signatures: those that were not withdrawn; changes: since the run, but for texts of requirements."""
+
     outcome: Outcome
-    signoffs: list[EdgeSignoff]
+    signatures: list[Signature]
     changes: tuple[str, ...]
-    launched: float
 
     @property
-    def signed(self) -> bool:
-        return any(one.current for one in self.signoffs)
+    def current(self) -> list[Signature]:
+        return [one for one in self.signatures if one.current]
 
 
 def page(reader: sa.Connection, q: str, cursor: str | None, limit: int, runs: int) -> RequirementPage:
@@ -80,16 +80,15 @@ def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[Requireme
     now = present.present(reader, {e.campaign for found in edges.values() for e in found})
     shown = {key: _shown(standing(found, others), found, most) for key, found in edges.items()}
     known = _known(reader, {n for found in shown.values() for n in found}, now)
-    texts = _texts(reader, ids)
+    worded = texts(reader, known, ids)
     ignored, similar = against.ignored(reader, ids), against.similar(reader, ids, _ids(""))
     made = []
     for key in ids:
-        row, text = registered.get(key), texts.get(key, {})
-        now_text = row.text if row is not None else text[max(text)] if text else ""
-        whole = [_whole(e, known.get(e.run_id), row, text.get(e.run_id, ""), now_text) for e in edges.get(key, [])]
+        row, text = registered.get(key), worded.now.get(key, "")
+        whole = [_whole(e, known.get(e.run_id), key, worded) for e in edges.get(key, [])]
         found = standing(whole, others)
         notes = " ".join([found.sentence, *against.notes(ignored[key], similar.get(key, []))])
-        made.append(_row(key, row, now_text, whole, others, replace(found, sentence=notes), shown, known, ignored))
+        made.append(_row(key, row, text, whole, others, replace(found, sentence=notes), shown, known, ignored))
     return made
 
 
@@ -148,67 +147,37 @@ def _shown(now: Standing, edges: Sequence[Edge], most: int) -> list[int]:
 def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present) -> dict[int, Known]:
     known: dict[int, Known] = {}
     for some in chunks(run_ids):
-        signed = _signoffs(reader, some)
-        of = sa.select(Run.id, Run.created, CampaignRow.name, CampaignRow.document, *identity.COLUMNS)
+        signed = signatures(reader, some, now)
+        of = sa.select(Run.id, CampaignRow.name, CampaignRow.document, *identity.COLUMNS)
         of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(some))
         stored = {row.id: row for row in reader.execute(of)}
         for outcome in outcomes(reader, [Run.id.in_(some)]):
             run_id = run_number(outcome.id) or 0
             row = stored[run_id]
             changed = tuple(present.changes(now, run_id, row.name, row.document, identity.of_row(row)))
-            known[run_id] = Known(outcome, signed.get(run_id, []), changed, row.created)
+            found = [one for one in signed.get(run_id, []) if one.row.withdrawn is None]
+            known[run_id] = Known(outcome, found, changed)
     return known
 
 
-def _signoffs(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, list[EdgeSignoff]]:
-    """The sign-offs of these runs that were not withdrawn, compared with the results of now."""
-    columns = (Signoff.run_id, Signoff.name, Signoff.role, Signoff.created, Signoff.digest, Signoff.user, Run.owner)
-    of = sa.select(*columns).join(Run, Run.id == Signoff.run_id)
-    of = of.where(Signoff.run_id.in_(run_ids), Signoff.withdrawn.is_(None)).order_by(Signoff.id)
-    found: dict[int, list[EdgeSignoff]] = defaultdict(list)
-    digests: dict[int, str] = {}
-    for row in reader.execute(of).all():
-        if row.run_id not in digests:
-            digests[row.run_id] = results_digest(reader, row.run_id)
-        one = EdgeSignoff(
-            name=row.name,
-            role=row.role,
-            created=row.created,
-            current=row.digest == digests[row.run_id],
-            own=account_of(reader, row.user) == account_of(reader, row.owner),
-        )
-        found[row.run_id].append(one)
-    return found
-
-
-def _texts(reader: sa.Connection, ids: Sequence[str]) -> dict[str, dict[int, str]]:
-    """The text that the campaign of each run that counts gives, where it gives one."""
-    of = sa.select(RunRequirement.requirement, RunRequirement.run_id, RunRequirement.text)
-    of = of.join(Run, Run.id == RunRequirement.run_id).where(*present.counted())
-    found: dict[str, dict[int, str]] = defaultdict(dict)
-    for key, run_id, text in reader.execute(of.where(RunRequirement.requirement.in_(ids), RunRequirement.text != "")):
-        found[key][run_id] = text
-    return found
-
-
-def _whole(edge: Edge, known: Known | None, row: Any, stated: str, text: str) -> Edge:
-    """The edge with sign-off and changes, if its run is one that may count; text: that of the row."""
+def _whole(edge: Edge, known: Known | None, key: str, worded: Texts) -> Edge:
+    """The edge with sign-offs and changes, if its run is one that may count."""
     if known is None:
         return edge
-    changes = (*known.changes, *_text_changes(known, row, stated, text))
-    own = all(one.own for one in known.signoffs if one.current)
-    lacks = known.outcome.not_sampled
-    return replace(edge, not_sampled=lacks, signed=known.signed, own=own, changes=changes)
-
-
-def _text_changes(known: Known, row: Any, stated: str, text: str) -> Iterator[str]:
-    """What the run is evidence for is the text in its campaign; without one, the registered text at the sign-off."""
-    signed = [one.created for one in known.signoffs if one.current]
-    if stated:
-        if " ".join(stated.split()) != " ".join(text.split()):
-            yield OTHER_TEXT
-    elif row is not None and signed and row.changed >= max(signed):
-        yield "the text of the requirement was registered or changed after the sign-off"
+    current = known.current
+    reasons = [tuple(one.reasons(key)) for one in current]
+    changes = reasons[-1] if reasons else (*known.changes, *worded.changes(edge.run_id, key))
+    if () in reasons:
+        changes = ()
+    sources = {one.row.run_id for one in current}
+    return replace(
+        edge,
+        not_sampled=known.outcome.not_sampled,
+        signed=bool(current),
+        repeats=max(sources) if sources and edge.run_id not in sources else None,
+        own=all(one.own for one in current),
+        changes=changes,
+    )
 
 
 def _row(
@@ -234,19 +203,19 @@ def _row(
         changed=None if row is None else row.changed,
         changed_by=None if row is None else row.changed_by,
         etag=tag(key, None if row is None else row.text),
-        runs=[_run(by[run_id], known[run_id], now) for run_id in shown.get(key, ()) if run_id in known],
+        runs=[_run(by[run_id], known[run_id], now, key) for run_id in shown.get(key, ()) if run_id in known],
         total=len(edges),
         removed=ignored[key].removed,
         sweeps=ignored[key].sweeps,
     )
 
 
-def _run(edge: Edge, known: Known, now: Standing) -> RequirementRun:
+def _run(edge: Edge, known: Known, now: Standing, key: str) -> RequirementRun:
     violates, counts = edge.run_id in now.violations, edge.run_id in now.evidence
     return RequirementRun(
         **dict(known.outcome),
         part="violation" if violates else "evidence" if counts else "other",
-        signoffs=known.signoffs,
+        signoffs=[one.signoff(key) for one in known.signatures],
         signed=edge.signed,
         suspect=edge.signed and bool(edge.changes),
         changes=list(edge.changes),

@@ -9,6 +9,7 @@ from pydantic import Field
 from backend.http.schema import Given, Instant, Schema
 from backend.requirements.standing import Status
 from backend.runs.outcomes import Outcome
+from backend.signoffs.schemas import Signoff
 from campaigns.asked.requirements import RequirementId
 from campaigns.asked.values import Notes
 
@@ -22,31 +23,21 @@ class RequirementGiven(Given):
     text: Annotated[Notes, Field(min_length=1)]
 
 
-class EdgeSignoff(Schema):
-    """A sign-off that was not withdrawn."""
-
-    name: str
-    role: str
-    created: Instant
-    current: bool
-    """Whether the results are still those that were signed."""
-    own: bool
-    """Whether this user also launched the run: such a sign-off is not independent."""
-
-
 class RequirementRun(Outcome):
     """One run of a requirement: an edge of the matrix."""
 
     part: Literal["evidence", "violation", "other"]
     """`evidence`: the newest run of its campaign with a verdict, or the newest if none has one; `violation`: it
     violates, or found a value that would, and nothing has changed since; `other`: it does not count."""
-    signoffs: list[EdgeSignoff]
+    signoffs: list[Signoff]
+    """Those that were not withdrawn, with those of an earlier run that this one repeats bit by bit."""
     signed: bool
     """Whether a sign-off covers the current results."""
     suspect: bool
-    """Whether it is signed off and campaign, model, simulator or the text of the requirement has changed."""
+    """Whether it is signed off and every sign-off is suspect: campaign, model, simulator or the text of the requirement
+    has changed."""
     changes: list[str]
-    """What has changed since the run, as clauses."""
+    """What has changed since the run, as clauses; none if a sign-off is valid."""
 
 
 class RequirementRow(Schema):

@@ -18,9 +18,9 @@ from backend.db.tables import Requirement, RequirementFile
 from backend.http.errors import RefusedError, not_found
 from backend.http.matches import require_match, tag
 from backend.requirements import matrix, reqif, sheet
-from backend.requirements.present import chunks
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import FileKind, Imported, RequirementFileOut, RequirementGiven, RequirementRow
+from backend.signoffs.present import chunks
 from campaigns import Problem
 from campaigns.asked.requirements import RequirementId
 from campaigns.asked.values import Notes

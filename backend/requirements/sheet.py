@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from backend.http.written import lines as written
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import RequirementRow, RequirementRun
+from backend.signoffs.schemas import signed_by
 from campaigns.cells import plain
 
 IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
@@ -110,17 +111,13 @@ def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
 
 def _run(run: RequirementRun) -> list[object]:
     numbers = (run.threshold, run.worst_cost, run.margin, run.upper_bound)
-    signed = "; ".join(f"{s.name} ({s.role}), {_date(s.created)}{_statement(s.current, s.own)}" for s in run.signoffs)
+    signed = "; ".join(f"{signed_by(s)}, {_date(s.created)}, {s.sentence}" for s in run.signoffs)
     return [
         run.id, run.part, run.campaign_name, run.verdict or run.state, run.quantity, run.unit,
         *("" if number is None else repr(number) for number in numbers), run.campaign_digest, run.code or "",
         _date(run.finished or run.created), "yes" if run.signed else "no", signed, "yes" if run.suspect else "no",
         "; ".join(run.changes),
     ]  # fmt: skip
-
-
-def _statement(current: bool, own: bool) -> str:
-    return ("" if current else ", of other results") + (", launched by the same user" if own else "")
 
 
 def _date(at: float) -> str:

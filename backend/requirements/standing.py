@@ -24,9 +24,9 @@ ORDER: tuple[Status, ...] = get_args(Status)
 @dataclass(frozen=True)
 class Edge:
     """One run of a requirement. question: see `campaigns.asked.requirements`; not_sampled: as its verdict has it;
-    signed: whether a valid sign-off covers its results; own: whether only users who launched it have signed; changes:
-    what has changed since it ran, as clauses; threshold and worst: of its criterion, and the lowest value of any
-    evaluation [unit of the criterion]."""
+    signed: whether a valid sign-off covers its results; repeats: the signed run that it repeats, if it was not signed
+    itself; own: whether only users who launched the signed run have signed; changes: what has changed since it ran, as
+    clauses; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
 
     run_id: int
     campaign: str
@@ -35,6 +35,7 @@ class Edge:
     identity: Identity
     not_sampled: bool = False
     signed: bool = False
+    repeats: int | None = None
     own: bool = False
     changes: tuple[str, ...] = ()
     threshold: float | None = None
@@ -104,11 +105,15 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
     if not newest.signed:
         text = f"{name}: {run} is cleared, and no valid sign-off covers its results.{before}"
         return Standing("unsigned", text, evidence)
+    signed = "is signed off"
+    if newest.repeats is not None:
+        signed = f"repeats {run_name(newest.repeats)} bit by bit, which is signed off"
     if newest.changes:
-        text = f"{name}: {run} is signed off, but {'; '.join(newest.changes)}.{before}"
+        text = f"{name}: {run} {signed}, but {'; '.join(newest.changes)}.{before}"
         return Standing("suspect", text, evidence)
     by = " only by who launched it" if newest.own else ""
-    text = f"{name}: {run} is cleared and signed off{by}, and no change is known since.{before}"
+    signed = signed.removeprefix("is ")
+    text = f"{name}: {run} is cleared and {signed}{by}, and no change is known since.{before}"
     return Standing("met", text, evidence)
 
 

@@ -45,7 +45,7 @@ def edit(engine: sa.Engine, run_id: int, changes: RunEdit, visitor: Visitor, mat
     with engine.begin() as writer:
         refuse_removed(writer, run_id)
         owner = writer.scalar(sa.select(Run.owner).where(Run.id == run_id))
-        require_own(writer, visitor, owner, run_name(run_id))
+        require_own(visitor, owner, run_name(run_id))
         if match is not None:
             require_match(match, etag(writer, run_id), run_name(run_id))
         if changes.notes is not None and changes.notes_before is not None:
@@ -82,7 +82,7 @@ def cancel(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[
         for run_id in run_ids:
             if run_id not in owners:
                 raise not_found("run", run_name(run_id))
-            require_own(writer, visitor, owners[run_id], run_name(run_id))
+            require_own(visitor, owners[run_id], run_name(run_id))
             refuse_purged(writer, run_id)
             states.append((run_id, queue.request_cancel(writer, run_id)))
         for run_id, state in states:

@@ -99,7 +99,7 @@ def list_runs(
     verdict: Annotated[list[VerdictWord] | None, Query(max_length=MOST, description="Their verdicts.")] = None,
     tag: Annotated[list[Word] | None, Query(max_length=MOST, description="Tags; a run must have one of them.")] = None,
     campaign: Annotated[list[Word] | None, Query(max_length=MOST, description="Names of campaigns.")] = None,
-    owner: Annotated[list[Word] | None, Query(max_length=MOST, description="Users who submitted them.")] = None,
+    owner: Annotated[list[Word] | None, Query(max_length=MOST, description="Users or tokens that submitted.")] = None,
     method: Annotated[
         list[Word] | None, Query(max_length=MOST, description="Methods that found the worst case.")
     ] = None,

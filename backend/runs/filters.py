@@ -32,6 +32,7 @@ class Filters:
     campaign: Sequence[str] = ()
     """Names of campaigns."""
     owner: Sequence[str] = ()
+    """Users, with the runs of their tokens, or names of tokens."""
     method: Sequence[str] = ()
     """Methods that found the worst case."""
     since: float | None = None
@@ -65,9 +66,10 @@ class Filters:
         if self.campaign:
             named = sa.select(CampaignRow.digest).where(CampaignRow.name.in_(self.campaign))
             conditions.append(Run.campaign_digest.in_(named))
-        for column, wanted in ((Run.owner, self.owner), (Run.worst_method, self.method)):
-            if wanted:
-                conditions.append(column.in_(wanted))
+        if self.owner:
+            conditions.append(sa.or_(Run.owner.in_(self.owner), Run.token.in_(self.owner)))
+        if self.method:
+            conditions.append(Run.worst_method.in_(self.method))
         if self.since is not None:
             conditions.append(Run.created >= self.since)
         if self.until is not None:
@@ -92,7 +94,7 @@ def labelled(texts: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def _contains(word: str) -> sa.ColumnElement[bool]:
-    columns = [Run.name, Run.owner, sa.cast(Run.tags, sa.Text), _printed_id()]
+    columns = [Run.name, Run.owner, sa.func.coalesce(Run.token, ""), sa.cast(Run.tags, sa.Text), _printed_id()]
     named = sa.select(CampaignRow.digest).where(CampaignRow.name.icontains(word, autoescape=True))
     here = [column.icontains(word, autoescape=True) for column in columns]
     return sa.or_(*here, Run.campaign_digest.in_(named))

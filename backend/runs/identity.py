@@ -11,8 +11,9 @@ from backend.catalog.service import published
 from backend.db import codes
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
-from campaigns import Campaign
-from campaigns.identity.identity import Change, Identity, changes, identity_of, installed
+from campaigns import Campaign, Catalogue
+from campaigns.identity.identity import UNSTORED, Change, Identity, changes, identity_of, installed, unsound
+from campaigns.runs import run_name
 from campaigns.versions import Versions, differing
 
 CHUNK = 500
@@ -61,3 +62,16 @@ def apart(reader: sa.Connection, then: Identity, now: Identity) -> list[Change]:
 def names(found: Collection[Change]) -> list[str]:
     """The files and packages of changes, own files first."""
     return [name for change in sorted(found, key=lambda one: bool(one.modules)) for name in change.names]
+
+
+def not_continuable(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue) -> str | None:
+    """Why none of its evaluations can be used by the code of the newest worker; None if they can."""
+    then = of_run(reader, run_id) or UNSTORED
+    others = unsound(then, installed(campaign, catalogue, then))
+    if not others:
+        return None
+    return (
+        f"the code that evaluates differs between {run_name(run_id)} and the newest worker, or was not "
+        f"stored ({'; '.join(others)}): none of its evaluations can be used; begin it again, or start a worker of "
+        "its version"
+    )

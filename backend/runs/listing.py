@@ -16,7 +16,7 @@ from backend.db import groups, labels
 from backend.db.engine import read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
-from backend.runs import counts, identity, waiting
+from backend.runs import counts, identity, sampled, waiting
 from backend.runs.filters import Filters
 from backend.runs.order import Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
@@ -57,7 +57,13 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     verdicts = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
     columns = [getattr(Run, column) for column in _PLAIN]
     query = sa.select(
-        *columns, CampaignRow.name.label("campaign_name"), *named, *verdicts, *counts.COLUMNS, *identity.COLUMNS
+        *columns,
+        CampaignRow.name.label("campaign_name"),
+        *named,
+        *verdicts,
+        *counts.COLUMNS,
+        *identity.COLUMNS,
+        *sampled.COLUMNS,
     )
     query = query.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows = reader.execute(query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc())).all()
@@ -90,6 +96,7 @@ def _summary(row: Any, units: Units, others: dict[str, Any]) -> RunSummary:
     margin = None if row.worst_cost is None or row.threshold is None else row.worst_cost - row.threshold
     own = identity.of_row(row)
     values |= {"code": own and own.digest, "unidentified": list(own.unidentified) if own else []}
+    values["not_sampled"] = sampled.of(row)
     values["continues"] = None if row.continues is None else run_name(row.continues)
     values |= {"id": run_name(row.id), "campaign_name": row.campaign_name, "margin": margin}
     values |= {"quantity": row.quantity or quantity, "unit": unit if row.unit is None else row.unit}

@@ -15,7 +15,6 @@ from backend.http.errors import RefusedError
 from backend.runs import identity, service
 from backend.runs.schemas import RunSummary
 from campaigns import Campaign, CampaignError, Catalogue, check
-from campaigns.identity.identity import UNSTORED, installed, unsound
 from campaigns.runs import run_name
 
 
@@ -49,20 +48,14 @@ def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:
     campaign, catalogue = service.campaign(reader, run_id), required(reader)
     if problems := check(campaign, catalogue):
         raise bodies.invalid(CampaignError(run_name(run_id), problems))
-    then = identity.of_run(reader, run_id) or UNSTORED
-    if others := unsound(then, installed(campaign, catalogue, then)):
-        detail = (
-            f"the code that evaluates differs between {run_name(run_id)} and the newest worker, or was not "
-            f"stored ({'; '.join(others)}): none of its evaluations can be used; begin it again, or start a worker of "
-            "its version"
-        )
+    if detail := identity.not_continuable(reader, run_id, campaign, catalogue):
         raise RefusedError(409, "not-continuable", detail)
     return campaign, catalogue
 
 
 def _own(reader: sa.Connection, run_id: int, visitor: Visitor) -> None:
     service.require(reader, run_id)
-    require_own(reader, visitor, reader.scalar(sa.select(Run.owner).where(Run.id == run_id)), run_name(run_id))
+    require_own(visitor, reader.scalar(sa.select(Run.owner).where(Run.id == run_id)), run_name(run_id))
 
 
 def _not_waiting(run_id: int) -> RefusedError:

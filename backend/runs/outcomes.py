@@ -13,8 +13,8 @@ import sqlalchemy as sa
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from backend.http.schema import Instant, Schema
-from backend.runs import identity
-from campaigns.results.verdict import VerdictWord, not_sampled
+from backend.runs import identity, sampled
+from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
 
@@ -64,10 +64,8 @@ _PLAIN = ("name", "state", "verdict", "error", "campaign_digest", "threshold", "
 _NUMBERS = ("worst_cost", "upper_bound", "violations", "samples", "confidence")
 _STATISTICS = {
     "violations": Run.summary["statistics", "violations"].as_integer(),
-    "samples": Run.summary["statistics", "samples"].as_integer(),
     "confidence": Run.summary["statistics", "confidence"].as_float(),
 }
-_CHECKS = {"checks": Run.summary["checks"].as_json(), "source": Run.summary["statistics", "source"].as_string()}
 
 
 def outcomes(
@@ -76,8 +74,8 @@ def outcomes(
     """The outcomes of the runs that fulfil the conditions, newest first; purged runs are omitted."""
     columns = [Run.id, Run.removed, Run.worst_cost, Run.upper_bound, *(getattr(Run, name) for name in _PLAIN)]
     columns += [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
-    columns += [expression.label(name) for name, expression in (_STATISTICS | _CHECKS).items()]
-    columns += [*identity.COLUMNS, Run.flown["clearance"].as_string().label("clearance")]
+    columns += [expression.label(name) for name, expression in _STATISTICS.items()]
+    columns += [*sampled.COLUMNS, *identity.COLUMNS, Run.flown["clearance"].as_string().label("clearance")]
     columns += [CampaignRow.name.label("campaign_name"), CampaignRow.document["seed"].as_string().label("seed")]
     query = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     query = query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc()).limit(limit)
@@ -99,13 +97,8 @@ def _outcome(row: Any) -> Outcome:
         code=None if own is None else own.digest,
         unidentified=[] if own is None else list(own.unidentified),
         clearance=row.clearance,
-        not_sampled=done and _not_sampled(row),
+        not_sampled=sampled.of(row),
         campaign_name=row.campaign_name,
         seed=1 if row.seed is None else int(row.seed),
         removed=row.removed is not None,
     )
-
-
-def _not_sampled(row: Any) -> bool:
-    drawn = row.samples or 0 if row.source in (None, "certify") else 0
-    return not_sampled(row.verdict, [check["name"] for check in row.checks or [] if not check["ok"]], drawn)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 
 from backend.db.access import Visitor
-from backend.db.tables import Run, Token
+from backend.db.tables import Run
 from backend.http.errors import RefusedError
 from campaigns.runs import ACTIVE
 
@@ -26,8 +26,7 @@ class Quota:
 
 def refuse_beyond(reader: sa.Connection, quota: Quota, visitor: Visitor, more: int = 1) -> None:
     """Raise 409 unless the visitor's account may queue so many more runs."""
-    tokens = sa.select(Token.name).where(Token.owner == visitor.account)
-    mine = sa.or_(Run.owner == visitor.account, Run.owner.in_(tokens))
+    mine = Run.owner == visitor.account
     active = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(mine, Run.state.in_(ACTIVE))) or 0
     if active + more > quota.active:
         raise RefusedError(

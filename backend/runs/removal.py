@@ -13,6 +13,7 @@ import sqlalchemy as sa
 from backend.db import audit
 from backend.db.access import Visitor
 from backend.db.engine import now
+from backend.db.signed import signer
 from backend.db.tables import Run, Signoff
 from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, tombstones
@@ -78,8 +79,10 @@ def _locked(writer: sa.Connection, run_ids: Sequence[int]) -> list[Any]:
 
 def _standing(writer: sa.Connection, rows: Sequence[Any]) -> list[Problem]:
     ids = [row.id for row in rows if row.removed is None]
-    of = sa.select(Signoff.run_id, Signoff.name).where(Signoff.run_id.in_(ids), Signoff.withdrawn.is_(None))
-    signed = {row.run_id: row.name for row in writer.execute(of.order_by(Signoff.id.desc()))}
+    of = sa.select(Signoff.run_id, Signoff.account, Signoff.name).where(
+        Signoff.run_id.in_(ids), Signoff.withdrawn.is_(None)
+    )
+    signed = {row.run_id: signer(row.account, row.name).name for row in writer.execute(of.order_by(Signoff.id.desc()))}
     found = []
     for row in rows:
         run = run_name(row.id)

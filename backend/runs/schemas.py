@@ -25,6 +25,9 @@ class HistoryEntry(Schema):
     at: Instant
     """Seconds since 1970."""
     user: str
+    """The user, or the name of the API token."""
+    account: str
+    """The user, also of a token."""
     via: str
     """The authentication: link, password, token, or cli for the command line."""
     action: str
@@ -123,8 +126,13 @@ class RunSummary(Schema):
     labels: dict[str, str]
     """Given at launch, in alphabetical order."""
     owner: str
+    """The user who submitted it, also by a token."""
+    token: str | None
+    """The name of the API token that submitted it; null without one."""
     state: RunState
     verdict: VerdictWord | None
+    not_sampled: bool
+    """Whether nothing but an independent sample is missing to clear it."""
     reason: str | None
     """The verdict's sentence."""
     error: str | None
@@ -199,6 +207,10 @@ class RunVerdict(Verdict):
 
 class RunDetail(RunSummary):
     """A run with its campaign, stages and provenance."""
+
+    not_continuable: str | None
+    """Why a run that waits for the code that began it cannot be continued as a new run; None if it can be, and for any
+    other run."""
 
     notes: str
     """In Markdown."""

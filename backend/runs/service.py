@@ -66,6 +66,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     rate, remaining = pace.estimate(stages) if base.state == RunState.RUNNING else (None, None)
     return RunDetail(
         **dict(base),
+        not_continuable=_not_continuable(reader, run_id, base, campaign),
         notes=notes,
         baseline=baseline(reader, run_id),
         campaign=document,
@@ -87,6 +88,11 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         rate=rate,
         remaining=remaining,
     )
+
+
+def _not_continuable(reader: sa.Connection, run_id: int, base: RunSummary, campaign: Campaign) -> str | None:
+    installed = None if base.other_code is None else published(reader)
+    return None if installed is None else identity.not_continuable(reader, run_id, campaign, installed)
 
 
 def baseline(reader: sa.Connection, run_id: int) -> RunBaseline | None:

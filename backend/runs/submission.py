@@ -130,7 +130,8 @@ def _queue(
         resolved.campaign,
         name=submission.name,
         tags=submission.tags,
-        owner=visitor.user,
+        owner=visitor.account,
+        token=visitor.token,
         priority=submission.priority,
         planned=most(resolved.campaign),
         catalogue=catalogue,
@@ -165,7 +166,7 @@ def _supersede(
         return []
     found: list[tuple[int, RunState]] = []
     for other, owner in groups.active(writer, submission.group, run_id):
-        if owns(writer, visitor, owner):
+        if owns(visitor, owner):
             state = queue.request_cancel(writer, other)
             if state in (RunState.CANCELLING, RunState.CANCELLED):
                 groups.supersede(writer, other, run_id)

@@ -119,7 +119,7 @@ def _other_code(differs: str, evaluations: int) -> str:
     return (
         f"Other code began it than the running workers have: {differs}. Start a worker of the version that began it, "
         f"and it continues; or begin it again, without its {count(evaluations)} evaluations; or continue it as a new "
-        "run, with the evaluations that are still valid."
+        "run, with those that are still valid, if any."
     )
 
 

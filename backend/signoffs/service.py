@@ -11,29 +11,36 @@ from backend.access.auth import forbidden
 from backend.access.own import require_own
 from backend.access.rules import SIGN
 from backend.db import audit, users
-from backend.db.access import Visitor, account_of
+from backend.db.access import Visitor
 from backend.db.digest import results_digest
 from backend.db.engine import now
+from backend.db.signed import signer
 from backend.db.tables import Run
 from backend.db.tables import Signoff as Row
 from backend.http.errors import RefusedError, not_found
 from backend.runs.removal import refuse_removed
 from backend.runs.tombstones import refuse_purged
+from backend.signoffs.persons import folded, person, signs_as
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
+from backend.signoffs.standing import signatures
+from backend.signoffs.texts import texts
+from campaigns import Problem
 from campaigns.runs import run_name
 
 
 def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -> Signoffs:
-    """The sign-offs of a run, oldest first, and why the visitor, if given, may not add one; 404 without such a run."""
+    """The sign-offs of a run, with those that it carries on, oldest first, and why the visitor, if given, may not add
+    one; 404 without such a run."""
     verdict = _verdict(reader, run_id)
     removed = reader.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
     digest = results_digest(reader, run_id)
-    rows = reader.execute(sa.select(Row.__table__).where(Row.run_id == run_id).order_by(Row.id)).mappings()
-    launcher = _launcher(reader, run_id)
-    items = [_signoff(reader, row, digest, launcher) for row in rows]
+    items = [one.signoff() for one in signatures(reader, [run_id]).get(run_id, [])]
     can_sign = verdict is not None and not removed
-    barred = None if visitor is None else _barred(reader, run_id, visitor)
-    return Signoffs(digest=digest, can_sign=can_sign, barred=barred, items=items)
+    if visitor is None:
+        return Signoffs(digest=digest, can_sign=can_sign, items=items)
+    account = signs_as(reader, visitor)
+    barred = _barred(reader, run_id, visitor, digest)
+    return Signoffs(digest=digest, can_sign=can_sign, barred=barred, signs_as=account, items=items)
 
 
 def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Visitor) -> Signoff:
@@ -41,9 +48,10 @@ def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Vi
 
     403 for the user who launched the run, unless an administrator permits it; then the sign-off states so (`own`).
     """
-    refuse_removed(writer, run_id)
+    refuse_removed(writer, run_id)  # locks the run, so that two sign-offs at the same time take turns
     if _verdict(writer, run_id) is None:
         raise _conflict("no-verdict", f"{run_name(run_id)} has no verdict: it cannot be signed off")
+    name = _name(writer, review, visitor)
     own = _launcher(writer, run_id) == visitor.account
     dependent = _dependent(writer, run_id, visitor)
     if dependent is not None:
@@ -55,12 +63,15 @@ def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Vi
             "load the run and review it again"
         )
         raise _conflict("results-changed", detail)
-    same = (Row.run_id == run_id, Row.name == review.name, Row.role == review.role, Row.digest == digest)
-    if writer.scalar(sa.select(Row.id).where(*same, Row.withdrawn.is_(None))) is not None:
-        raise _conflict("already-signed", f"{review.name} has already signed off these results as {review.role}")
-    values = review.model_dump() | {"run_id": run_id, "user": visitor.user, "created": now(writer)}
+    repeated = _repeated(writer, run_id, visitor.account, name, digest)
+    if repeated is not None:
+        raise repeated
+    values = {"run_id": run_id, "name": name, "role": review.role, "comment": review.comment, "digest": digest}
+    values |= {"user": visitor.user, "account": visitor.account, "created": now(writer)}
+    values["texts"] = texts(writer, [run_id]).of_run(run_id)
     signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
-    noted = {"signoff": signoff_id, **review.model_dump()} | ({"own": True} if own else {})
+    signed = signer(visitor.account, name)
+    noted = {"signoff": signoff_id, **review.model_dump(), **signed._asdict()} | ({"own": True} if own else {})
     audit.note(writer, visitor, "signoff.created", run_name(run_id), noted)
     return one(writer, run_id, signoff_id)
 
@@ -70,8 +81,10 @@ def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visit
     it is already withdrawn.
     """
     with engine.begin() as writer:
+        mine = (Row.run_id == run_id, Row.id == signoff_id)
+        account = writer.scalar(sa.select(Row.account).where(*mine).with_for_update())
         standing = one(writer, run_id, signoff_id)
-        require_own(writer, visitor, standing.user, f"sign-off {signoff_id} of {run_name(run_id)}")
+        require_own(visitor, account, f"sign-off {signoff_id} of {run_name(run_id)}")
         if standing.withdrawn is not None:
             raise _conflict("withdrawn", f"this sign-off was already withdrawn by {standing.withdrawn_by}")
         values = {"withdrawn": now(writer), "withdrawn_by": visitor.user, "withdrawn_reason": reason}
@@ -82,24 +95,42 @@ def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visit
 
 
 def one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
-    """A sign-off as it is now; 404 if there is none."""
+    """A sign-off of a run's own results as it is now; 404 if there is none."""
     _verdict(reader, run_id)
-    query = sa.select(Row.__table__).where(Row.run_id == run_id, Row.id == signoff_id)
-    row = reader.execute(query).mappings().one_or_none()
-    if row is None:
-        raise not_found(f"sign-off of {run_name(run_id)} with the number", str(signoff_id))
-    return _signoff(reader, row, results_digest(reader, run_id), _launcher(reader, run_id))
+    for signature in signatures(reader, [run_id]).get(run_id, []):
+        if signature.row.id == signoff_id and signature.row.run_id == run_id:
+            return signature.signoff()
+    raise not_found(f"sign-off of {run_name(run_id)} with the number", str(signoff_id))
 
 
-def _signoff(reader: sa.Connection, row: sa.RowMapping, digest: str, launcher: str) -> Signoff:
-    stored = {name: value for name, value in row.items() if name != "run_id"}
-    own = account_of(reader, row["user"]) == launcher
-    return Signoff.model_validate(stored | {"current": row["digest"] == digest, "own": own})
+def _name(reader: sa.Connection, review: SignoffRequest, visitor: Visitor) -> str:
+    """The typed name; empty for an account, which signs under its own. 422 for a name of which there is no need."""
+    account = signs_as(reader, visitor)
+    if account is None:
+        if review.name is not None:
+            return review.name
+        detail = "this service has no accounts: give the name of the person who signs"
+    elif review.name in (None, account):
+        return ""
+    else:
+        detail = f"{account} is signed in, and the sign-off is under that name: leave `name` out"
+    raise RefusedError(422, "invalid-request", detail, [Problem("name", review.name or "", detail)])
+
+
+def _repeated(reader: sa.Connection, run_id: int, account: str, name: str, digest: str) -> RefusedError | None:
+    """The refusal of a second sign-off by the same person; name: as typed, empty for an account."""
+    rows = reader.execute(sa.select(Row).where(Row.run_id == run_id, Row.digest == digest, Row.withdrawn.is_(None)))
+    for row in rows:
+        if person(row) == (True, folded(name)) if name else row.account == account:
+            who = signer(row.account, row.name).name
+            detail = f"{who} has already signed off these results, as {row.role}: withdraw that sign-off to sign again"
+            return _conflict("already-signed", detail)
+    return None
 
 
 def _launcher(reader: sa.Connection, run_id: int) -> str:
     """The account that launched a run, itself or by a token."""
-    return account_of(reader, reader.scalar(sa.select(Run.owner).where(Run.id == run_id)) or "")
+    return reader.scalar(sa.select(Run.owner).where(Run.id == run_id)) or ""
 
 
 def _verdict(reader: sa.Connection, run_id: int) -> str | None:
@@ -119,8 +150,10 @@ def _dependent(reader: sa.Connection, run_id: int, visitor: Visitor) -> RefusedE
     return RefusedError(403, "own-run", f"you launched {run_name(run_id)}: another reviewer must sign it off")
 
 
-def _barred(reader: sa.Connection, run_id: int, visitor: Visitor) -> str | None:
-    refusals = (_dependent(reader, run_id, visitor), forbidden(visitor, SIGN))
+def _barred(reader: sa.Connection, run_id: int, visitor: Visitor, digest: str) -> str | None:
+    refusals = [_dependent(reader, run_id, visitor), forbidden(visitor, SIGN)]
+    if signs_as(reader, visitor) is not None:
+        refusals.append(_repeated(reader, run_id, visitor.account, "", digest))
     return "; ".join(refusal.detail for refusal in refusals if refusal is not None) or None
 
 

@@ -51,6 +51,9 @@ class SweepSummary(Schema):
     """The description of the parameter."""
     unit: str
     owner: str
+    """The user who launched it, also by a token."""
+    token: str | None
+    """The name of the API token that launched it."""
     created: Instant
     runs: int
     states: dict[str, int]

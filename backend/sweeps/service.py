@@ -90,7 +90,8 @@ def _launch(
         "title": entry.text[:400],
         "unit": entry.unit,
         "nominal": nominal if math.isfinite(nominal) else None,
-        "owner": visitor.user,
+        "owner": visitor.account,
+        "token": visitor.token,
         "created": now(writer),
     }
     sweep_id = int(writer.execute(sa.insert(Sweep).values(**row).returning(Sweep.id)).scalar_one())
@@ -101,7 +102,8 @@ def _launch(
             campaign,
             name=_named(name, options.path, value, entry.unit),
             tags=campaign.tags if options.tags is None else list(dict.fromkeys(options.tags)),
-            owner=visitor.user,
+            owner=visitor.account,
+            token=visitor.token,
             priority=options.priority,
             planned=most(campaign),
             catalogue=catalogue,
@@ -158,7 +160,7 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
     """Cancel all runs of a sweep that have not ended; 404 if there is no such sweep, 403 if it is another user's."""
     with engine.begin() as writer:
         owner = writer.scalar(sa.select(Sweep.owner).where(Sweep.id == sweep_id))
-        require_own(writer, visitor, owner, sweep_name(sweep_id))
+        require_own(visitor, owner, sweep_name(sweep_id))
         changed = []
         of = sa.select(Run.id).join(SweepRun, SweepRun.run_id == Run.id)
         # Runs of which the results were purged have ended.
@@ -176,7 +178,7 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
 
 
 def _summary(row: sa.RowMapping, runs: int, states: dict[str, int]) -> SweepSummary:
-    same = ("name", "campaign_name", "path", "title", "unit", "owner", "created")
+    same = ("name", "campaign_name", "path", "title", "unit", "owner", "token", "created")
     return SweepSummary(id=sweep_name(row["id"]), **{name: row[name] for name in same}, runs=runs, states=states)
 
 

@@ -13,6 +13,8 @@ class AuditEntry(Schema):
     """Seconds since 1970."""
     user: str
     """The user, the API token, or on the command line the user of the operating system."""
+    account: str
+    """The user, also of a token; derived, and no part of the row that is hashed."""
     via: str
     """link, password, token, or cli for the command line."""
     action: str

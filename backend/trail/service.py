@@ -29,7 +29,7 @@ def page(reader: sa.Connection, actor: str, action: str, cursor: str | None, lim
         )
     if cursor is not None:
         filters.append(Audit.id < _number(cursor))
-    of = sa.select(*audit.COLUMNS).where(*filters).order_by(Audit.id.desc()).limit(limit + 1)
+    of = sa.select(*audit.COLUMNS, audit.ACCOUNT).where(*filters).order_by(Audit.id.desc()).limit(limit + 1)
     found = reader.execute(of).mappings().all()
     items = [_entry(audit.as_row(row)) for row in found[:limit]]
     more = len(found) > limit

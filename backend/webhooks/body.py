@@ -23,6 +23,8 @@ def ended(reader: sa.Connection, run_id: int, public_url: str) -> str:
     values = {name: getattr(run, name) for name in _REPORTED}
     campaign = {"name": run.campaign_name, "digest": run.campaign_digest, "seed": run.seed}
     changed = before is not None and run.verdict is not None and run.verdict != before.verdict
+    owner, token = reader.execute(sa.select(Run.owner, Run.token).where(Run.id == run_id)).one()
+    values |= {"owner": owner, "token": token}
     data = {"run": run.id, **values, "campaign": campaign, "address": address, "verdict_changed": changed}
     data["before"] = None if before is None else {"run": before.id, "verdict": before.verdict, "code": before.code}
     return _written(ENDED, run.finished, data)

@@ -10,7 +10,7 @@ from pydantic import Field, computed_field, model_validator
 
 from campaigns.claims.spans import Spans, values, words
 from campaigns.codes import CheckCode
-from campaigns.documented import UNLESS_EMPTY
+from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE
 from campaigns.limits import SAMPLE
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
 from campaigns.results.regression import OptionalRegression
@@ -105,6 +105,9 @@ class Provenance(Versions):
 
     digest: str | None = None
     """Of the campaign."""
+    evidence: Annotated[str | None, UNLESS_NONE] = None
+    """Of the campaign, all evaluations and all results: `campaigns.stored.digest`. Omitted in results of earlier
+    versions."""
     seed: int | None = None
 
 
@@ -154,6 +157,11 @@ class Verdict(Result):
         drawn = 0 if sample is None or sample.source != "certify" else sample.samples
         return not_sampled(self.verdict, [check.name for check in self.checks if not check.ok], drawn)
 
+    @property
+    def headline(self) -> str:
+        """The verdict in large."""
+        return headline(self.verdict, self.not_sampled)
+
     @model_validator(mode="before")
     @classmethod
     def _worded(cls, stored: Any) -> Any:
@@ -166,6 +174,11 @@ class Verdict(Result):
     def reason(self) -> str:
         """Sentence and scope."""
         return f"{self.sentence} {self.scope}".strip()
+
+
+def headline(word: str, lacks_sample: bool | None) -> str:
+    """A verdict in large, with what alone is missing to clear it: `inconclusive: not sampled`."""
+    return f"{word}: not sampled" if lacks_sample else word
 
 
 def not_sampled(word: str | None, lacking: Sequence[str], drawn: int) -> bool:

@@ -19,12 +19,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Case:
-    """One finding: cost and margin [unit of the criterion], parameters by path."""
+    """One finding: the value to state for it and its margin [unit of the criterion], parameters by path.
+
+    evaluated: by the search, if another evaluation of a confirmed violation is milder and therefore stated."""
 
     label: str
     cost: float
     margin: float
     parameters: Mapping[str, float]
+    evaluated: float | None = None
+
+    @property
+    def lower(self) -> str:
+        """The evaluated value as the rest of a clause; empty where it is the stated one."""
+        return "" if self.evaluated in (None, self.cost) else f", evaluated as {self.evaluated:.6g}"
 
 
 @dataclass(frozen=True)
@@ -70,7 +78,9 @@ class EndedRun:
         """The findings that violate the criterion."""
         worst = None if self.verdict is None else self.verdict.worst
         if not self.findings and worst is not None:
-            found: tuple[Case, ...] = (Case(worst.finding, worst.cost, worst.margin, worst.parameters),)
+            found: tuple[Case, ...] = (
+                Case(worst.finding, worst.cost, worst.margin, worst.parameters, worst.evaluated),
+            )
         else:
             found = self.findings
         return tuple(case for case in found if case.margin <= 0)

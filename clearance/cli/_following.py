@@ -138,15 +138,15 @@ def superseded(found: Run) -> str:
     return f"{found.superseded_by} superseded it in the group {found.group}"
 
 
-def _case(found: Finding) -> Case:
+def case(found: Finding) -> Case:
     """A finding by the value to state for it; a service of an earlier version answers without one."""
     stated = found.cost if found.granted is None else found.granted
-    return Case(found.label, stated, found.margin + (stated - found.cost), found.parameters)
+    return Case(found.label, stated, found.margin + (stated - found.cost), found.parameters, found.cost)
 
 
 def _complete(service: Client, ended: EndedRun, launch: Launch, out: Path | None, source: Source | None) -> EndedRun:
     """The run with what only its files state: findings, the campaign's text, the picture of the worst case."""
-    cases = tuple(_case(f) for f in service.findings(ended.run))
+    cases = tuple(case(f) for f in service.findings(ended.run))
     if launch.sarif is not None and source is None:
         address = f"{service.address}/api/v1/runs/{ended.run}/campaign.yaml"
         source = Source(address, service.campaign_text(ended.run))
@@ -213,8 +213,10 @@ def counts(found: Run) -> str:
 
 
 def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
+    from campaigns.results.verdict import headline
+
     if found.state == RunState.DONE:
-        lines = [(found.verdict or "").capitalize(), found.reason or "", counts(found)]
+        lines = [headline(found.verdict or "", found.not_sampled).capitalize(), found.reason or "", counts(found)]
     elif found.state == RunState.CANCELLED:
         lines = ["Cancelled: no verdict", *filter(None, [superseded(found)])]
     else:

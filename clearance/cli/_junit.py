@@ -74,7 +74,7 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
     text = [verdict.reason, *ended.notes, *_worst(verdict), ended.link]
     if ended.replay and verdict.worst is not None:
         text.append(f"{ended.replay} {verdict.worst.finding}")
-    failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
+    failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=verdict.headline)
     failure.text = _clean("\n".join(filter(None, text)))
 
 
@@ -116,7 +116,7 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
 def _violation(ended: EndedRun, found: Case) -> str:
     """A violating finding: its value, parameters and replay command."""
     unit = f" {ended.unit}" if ended.unit else ""
-    head = f"{found.label}: {found.cost:.6g}{unit}, margin {signed(found.margin)}{unit}"
+    head = f"{found.label}: {found.cost:.6g}{unit}, margin {signed(found.margin)}{unit}{found.lower}"
     replay = f"{ended.replay} {found.label}" if ended.replay else ""
     return "\n".join(filter(None, [head, *(f"{path} = {v!r}" for path, v in found.parameters.items()), replay]))
 

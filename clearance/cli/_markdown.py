@@ -30,7 +30,7 @@ def markdown(ended: EndedRun) -> str:
         lines = [f"## ⚠️ {_text(ended.campaign)}: no verdict", f"{run} {_text(ended.state)}. {_text(ended.error)}"]
     else:
         word = str(verdict.verdict)
-        lines = [f"## {SIGNS[word]} {_text(ended.campaign)}: {word}", f"{run}. {_text(verdict.reason)}"]
+        lines = [f"## {SIGNS[word]} {_text(ended.campaign)}: {verdict.headline}", f"{run}. {_text(verdict.reason)}"]
     lines += [_text(note) for note in ended.notes]
     if ended.labels:
         lines.append("Labels: " + ", ".join(f"{_text(key)} = {_text(value)}" for key, value in ended.labels.items()))

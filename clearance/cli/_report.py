@@ -19,7 +19,7 @@ from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.regression import Regression, Standing
-from campaigns.results.verdict import Counts, NominalCost
+from campaigns.results.verdict import Counts, NominalCost, headline
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
 from clearance.cli._ended import changes
 from clearance.local.failures import lines as failures
@@ -75,7 +75,7 @@ def print_report(
     if verdict.regression is not None:
         console.print(_changes(verdict.regression))
     sign, word, colour = VERDICTS[verdict.verdict]
-    console.print(Text(f"{sign} {word}", style=f"bold {colour}"))
+    console.print(Text(f"{sign} {headline(word, verdict.not_sampled)}", style=f"bold {colour}"))
     for line in [verdict.reason, *changes(verdict)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)
     code = identity_of(verdict.provenance, simulator_of(campaign)).text
@@ -175,7 +175,7 @@ def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table
     table.add_row(
         escape(f"{verdict.quantity} [{verdict.unit}]"),
         "" if at_nominal.cost is None else number(at_nominal.cost),
-        *(number(f.cost) for f in store.findings),
+        *(number(f.granted) for f in store.findings),
     )
     table.add_row(
         f"margin to {number(campaign.criterion.threshold)} {verdict.unit}",

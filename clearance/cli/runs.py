@@ -53,6 +53,7 @@ def runs(
 
 
 def _row(run: Run) -> list[str]:
+    from campaigns.results.verdict import headline
     from campaigns.versions import SHORT
     from clearance.cli._following import plain
 
@@ -61,7 +62,7 @@ def _row(run: Run) -> list[str]:
     labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
     return [
         run.id,
-        run.verdict or run.state,
+        headline(run.verdict, run.not_sampled) if run.verdict else run.state,
         margin,
         run.created.strftime("%Y-%m-%dT%H:%M:%SZ"),
         (run.document.get("code") or "")[:SHORT] or ("not identified" if unread else ""),

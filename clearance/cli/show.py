@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clearance.cli._following import AsJson, counts, plain, superseded
+from clearance.cli._following import AsJson, case, counts, plain, superseded
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
-    from clearance.client.answers import Finding, RunDetail
+    from clearance.client.answers import Finding, RunDetail, Signoff
 
 
 def show(
@@ -20,7 +20,7 @@ def show(
     token_file: Token = "",
     patience: Patience = PATIENCE,
 ) -> None:
-    """Print a run of a service: its verdict, the checks, the worst cases. The exit code is not the verdict."""
+    """Print a run of a service: verdict, checks, worst cases, sign-offs. The exit code is not the verdict."""
     import json
 
     with opened(service, token_file, patience) as client:
@@ -28,14 +28,15 @@ def show(
         if as_json:
             typer.echo(json.dumps(found.document, indent=2))
             return
-        findings = client.findings(found)
-        typer.echo("\n".join([*_head(found), *_checks(found), *_findings(found, findings), client.link(found)]))
+        parts = [*_head(found), *_checks(found), *_findings(found, client.findings(found))]
+        typer.echo("\n".join([*parts, *map(_signoff, client.signoffs(found).items), client.link(found)]))
 
 
 def _head(found: RunDetail) -> list[str]:
     from campaigns.identity.identity import Identity
+    from campaigns.results.verdict import headline
 
-    state = found.verdict or found.state
+    state = headline(found.verdict, found.not_sampled) if found.verdict else found.state
     lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
     lines += [plain(text) for text in (found.reason, found.error, found.waits, superseded(found)) if text]
     if found.stage is not None:
@@ -45,6 +46,7 @@ def _head(found: RunDetail) -> list[str]:
         lines.append(f"Code: {plain(Identity.model_validate(code).text)}")
     times = {"Submitted": found.created, "started": found.started, "ended": found.finished}
     lines.append(", ".join(f"{word} {at.strftime('%Y-%m-%dT%H:%M:%SZ')}" for word, at in times.items() if at))
+    lines.append(f"By {plain(found.owner)}" + (f" (token {found.token})" if found.token else ""))
     if found.labels:
         lines.append("Labels: " + ", ".join(f"{key}={value}" for key, value in found.labels.items()))
     if found.baseline is not None:
@@ -61,7 +63,14 @@ def _checks(found: RunDetail) -> list[str]:
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:
     unit = found.unit
     return [
-        f"{f.label}: {found.quantity} {f.cost:.6g} {unit}, margin {f.margin:+.6g} {unit}; "
+        f"{f.label}: {found.quantity} {f.cost:.6g} {unit}, margin {f.margin:+.6g} {unit}{f.lower}; "
         + ", ".join(f"{path} = {value!r}" for path, value in f.parameters.items())
-        for f in findings
+        for f in map(case, findings)
     ]
+
+
+def _signoff(one: Signoff) -> str:
+    typed = ", name as typed" if one.typed else ""
+    return f"Signed off by {plain(one.name)} ({plain(one.role)}{typed})" + (
+        f": {plain(one.sentence)}" if one.sentence else ""
+    )

@@ -136,10 +136,15 @@ class Run(RunAnswer):
     labels: dict[str, str] = {}
     """Given at launch, in alphabetical order."""
     owner: str
+    """The user who submitted it, also by a token."""
+    token: str | None = None
+    """The name of the API token that submitted it; None without one."""
     state: str
     """queued, running, cancelling, cancelled, failed, done"""
     verdict: str | None
     """cleared, violated, inconclusive"""
+    not_sampled: bool | None = None
+    """Whether nothing but an independent sample is missing to clear it."""
     reason: str | None
     """The verdict's sentence."""
     error: str | None
@@ -209,6 +214,10 @@ class Submitted(Run):
 class RunDetail(Run):
     """A run with its campaign, stages and provenance."""
 
+    not_continuable: str | None = None
+    """Why a run that waits for the code that began it cannot be continued as a new run; None if it can be, and for any
+    other run.
+    """
     notes: str
     """In Markdown."""
     baseline: Baseline | None = None
@@ -271,6 +280,57 @@ class Finding(Answer):
     validation: Validation | None = None
     granted: float | None = None
     """The value to state for it: of a confirmed violation the mildest of its values, if they differ."""
+
+
+class Signoff(Answer):
+    """One sign-off and its standing; it is never edited. Times are seconds since 1970."""
+
+    id: int | None = None
+    run: str | None = None
+    """The run whose results were signed, R-0001: an earlier one if it is carried on."""
+    name: str
+    """Who signed: the account, or without accounts the name as typed."""
+    typed: bool | None = None
+    """Whether the name was typed on a service without accounts; no sign-in confirms it."""
+    stated: str | None = None
+    """The name that an earlier version let the account type as well."""
+    role: str
+    """The title, as typed."""
+    comment: str | None = None
+    digest: str | None = None
+    current: bool | None = None
+    """Whether the results are still those that were signed."""
+    standing: str | None = None
+    """`standing`: of these results, and no change is known; `carried on`: so, and a newer run repeats them."""
+    reasons: list[str] = []
+    """Why it is suspect: what has changed since, as clauses."""
+    repeated_by: str | None = None
+    """The newest run that repeats the signed one: the same campaign and code, and the same evaluations bit by bit."""
+    sentence: str | None = None
+    """The standing in words."""
+    account: str | None = None
+    """The user who was signed in to the service, also by a token."""
+    user: str | None = None
+    """That user, or the name of the API token."""
+    own: bool | None = None
+    """Whether this user also launched the run: such a sign-off is not independent."""
+    created: AwareDatetime | None = None
+    withdrawn: AwareDatetime | None = None
+    withdrawn_by: str | None = None
+    withdrawn_reason: str | None = None
+
+
+class Signoffs(Answer):
+    """The sign-offs of a run, oldest first, with those that it carries on, and the digest of its current results."""
+
+    digest: str | None = None
+    can_sign: bool | None = None
+    """Whether the run can be signed off: it has a verdict and is not removed."""
+    barred: str | None = None
+    """Why the caller may not sign it off, such as having launched it; None if they may."""
+    signs_as: str | None = None
+    """The account under which the caller signs; None on a service without accounts, where a name is typed."""
+    items: list[Signoff]
 
 
 class TraceColumn(Answer):
@@ -367,6 +427,9 @@ class Sweep(SweepAnswer):
     """The description of the parameter."""
     unit: str
     owner: str
+    """The user who launched it, also by a token."""
+    token: str | None = None
+    """The name of the API token that launched it."""
     created: AwareDatetime
     runs: int
     states: dict[str, int]

@@ -170,6 +170,11 @@ def findings(run: Named) -> Call[list[answers.Finding]]:
     return Call("GET", "/runs/{run}/findings", list[answers.Finding], _of(run))
 
 
+def signoffs(run: Named) -> Call[answers.Signoffs]:
+    """Who signed off the results, with the standing of each sign-off."""
+    return Call("GET", "/runs/{run}/signoffs", answers.Signoffs, _of(run))
+
+
 def traces(run: Named) -> Call[list[answers.TraceInfo]]:
     """What traces are stored: nominal, F1, F2, ..."""
     return Call("GET", "/runs/{run}/traces", list[answers.TraceInfo], _of(run))

@@ -90,6 +90,7 @@ class _Methods:
     carry_on = _Method(asking(calls.carry_on))
     findings = _Method(scripts.findings)
     evaluations = _Method(scripts.evaluations)
+    signoffs = _Method(asking(calls.signoffs))
     traces = _Method(asking(calls.traces))
     trace = _Method(scripts.trace)
     exports = _Method(asking(calls.exports))

@@ -14,7 +14,7 @@ from backend.db.store import PATIENCE, RunStore
 from campaigns.stages.found import declared
 from campaigns.stages.plan import most
 from clearance.function.result import Origin
-from clearance.local.results import write_evidence, write_results
+from clearance.local.results import write_results
 from clearance.local.summary import summary
 from worker.running.runs import identity
 
@@ -24,8 +24,7 @@ def save(origin: Origin, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     assert origin.store.verdict is not None
     result = summary(origin.campaign, origin.store, origin.store.verdict)
-    write_results(folder, origin.campaign, origin.store, result, origin.problem)
-    write_evidence(folder, origin.campaign, origin.store, origin.known)
+    write_results(folder, origin.campaign, origin.store, result, origin.problem, origin.known)
     return folder
 
 

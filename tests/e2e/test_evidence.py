@@ -22,6 +22,7 @@ from playwright.sync_api import Browser, Download, Page, Route, expect
 
 from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
+from backend.signoffs.present import changed_campaign
 from campaigns.catalogue import UnusableEntry
 from tests.e2e.browser import Visit, nightly_but, visiting
 from tests.e2e.looking import looks
@@ -221,13 +222,15 @@ def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit, page: Page) 
     dialog = page.get_by_role("dialog")
     dialog.get_by_role("textbox", name="Name").fill("Grace Hopper")
     expect(dialog).to_contain_text("You launched R-0001, and the sign-off states that.")
-    role = dialog.get_by_role("combobox", name="Role")
+    role = dialog.get_by_role("combobox", name="Title")
     expect(role).to_have_value("")  # no independent review by who launched it
     role.fill("Designer")
     dialog.get_by_role("textbox", name="Comment").fill("Bounds agree with the hazard log.")
     dialog.get_by_role("button", name="Sign off").click()
     row = card.get_by_role("row", name=re.compile("Grace Hopper"))
-    expect(row).to_contain_text("Valid")
+    expect(row).to_contain_text("Suspect")  # R-0002 has another campaign of that name, and the catalogue other code
+    expect(row).to_contain_text(changed_campaign(2))
+    visit.shot("signoff-suspect-1440-light")
     row.get_by_role("button", name="Withdraw").click()
     page.get_by_role("textbox", name="Reason").fill("Signed too early.")
     page.get_by_role("dialog").get_by_role("button", name="Withdraw").click()

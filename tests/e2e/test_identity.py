@@ -10,7 +10,7 @@ import io
 import json
 import subprocess
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -35,36 +35,12 @@ from tests.e2e.looking import looks
 from tests.faults.cases import campaign
 from tests.faults.processes import CLEARANCE, until
 from tests.faults.serving import Service, serving
+from tests.given.own_files import POST
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(420)]
 DRAWS = False
 REQUIREMENT = "SYS-1"
 
-POST = '''"""Post: a point in the plane."""
-
-from typing import Annotated, NamedTuple
-
-from worker.engine.kernels.component import Obstacle, Parameter
-from worker.engine.kernels.maths import kernel, norm2
-from worker.engine.kernels.views import Body
-
-SHIFT = 0.0
-
-
-class Post(NamedTuple):
-    x: Annotated[float, Parameter("m", "Position, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Position, y", -1e6, 1e6)] = 0.0
-
-
-@kernel
-def body(t, o, q, p):
-    dx, dy = q[0] - p.x - SHIFT, q[1] - p.y
-    d = norm2(dx, dy)
-    return Body(p.x + SHIFT, p.y, 0.0, 0.0, 0.0, d, dx / (d + 1e-12), dy / (d + 1e-12))
-
-
-component = Obstacle(name="post_here", title="Post", dimension=2, parameters=Post, body=body)
-'''
 PENDULUM = '''"""A length above a wave of the wind."""
 
 import clearance
@@ -80,11 +56,15 @@ def pendulum(wind: float) -> float:
     return 2.0 - wind * wind - SHIFT
 '''
 
+HELPED = PENDULUM.replace("SHIFT = 0.0", "from lowered import SHIFT")
+"""By a module next to it."""
+
 
 @dataclass(frozen=True)
 class Case:
     """A kind of own files. name: in identities; file: in the operator's folder; text: its first version, of which
-    `SHIFT` is edited; campaign: what runs it; published: whether workers publish its digest as soon as it changes."""
+    `SHIFT` is edited; more: files next to it; campaign: what runs it;
+    published: whether workers publish its digest as soon as it changes."""
 
     name: str
     file: str
@@ -92,6 +72,7 @@ class Case:
     campaign: Callable[[], dict[str, Any]]
     published: bool = True
     what_if: str = "flights"
+    more: Mapping[str, str] = field(default_factory=dict)
 
 
 def past_the_post() -> dict[str, Any]:
@@ -122,6 +103,9 @@ def stated(document: dict[str, Any]) -> dict[str, Any]:
 CASES = {
     "component": Case("components/post_here.py", "post_here.py", POST, past_the_post),
     "simulator": Case("simulators/pendulum", "pendulum.py", PENDULUM, in_the_wind, published=True, what_if="cases"),
+    "helper": Case(
+        "simulators/pendulum", "lowered.py", "SHIFT = 0.0\n", in_the_wind, what_if="cases", more={"pendulum.py": HELPED}
+    ),
 }
 
 
@@ -299,7 +283,8 @@ def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     case, place = CASES[request.param], tmp_path_factory.mktemp("identity")
     folder = place / "own"
     folder.mkdir()
-    (folder / case.file).write_text(case.text, encoding="utf-8")
+    for file, text in {case.file: case.text, **case.more}.items():
+        (folder / file).write_text(text, encoding="utf-8")
     patch = pytest.MonkeyPatch()
     environment = {f"CLEARANCE_{case.name.partition('/')[0].upper()}": str(folder)}
     for variable, value in environment.items():
@@ -347,7 +332,7 @@ def test_the_trend_names_the_file_where_it_changed(home: Home) -> None:
 
 
 def test_the_pages_name_the_file(home: Home, browser: Browser) -> None:
-    kind, (first, second), name = home.case.name.partition("/")[0], home.runs, home.case.name
+    kind, (first, second), name = home.case.file.partition(".")[0], home.runs, home.case.name
     digest = home.get(f"/runs/{first}").json()["campaign_digest"]
     with visiting(browser, home.service.link().partition("/login")[0]) as visit:
         page = visit.page

@@ -61,7 +61,7 @@ def other_session(client: httpx.Client) -> str:
 
 def signed(client: httpx.Client) -> str:
     digest = client.get(f"{API}/runs/R-0002/signoffs").json()["digest"]
-    body = {"name": "Grace", "role": "Review", "comment": "", "digest": digest}
+    body = {**_named(client), "role": "Review", "comment": "", "digest": digest}
     return f"/runs/R-0002/signoffs/{client.post(f'{API}/runs/R-0002/signoffs', json=body).json()['id']}"
 
 
@@ -76,6 +76,14 @@ def written(client: httpx.Client) -> Sent:
 
 
 SWEEP = {"campaign": campaign(), "path": "avoider.d_0", "values": [1.0, 2.0, 3.0]}
+
+
+def _named(client: httpx.Client, name: str = "Grace") -> dict[str, str]:
+    """A name where there are no accounts."""
+    account = client.get(f"{API}/runs/R-0002/signoffs").json()["signs_as"]
+    return {"name": name} if account is None else {}
+
+
 DRAFT = {"name": "", "text": "name:"}
 FILE = {"kind": "csv", "name": "a.csv", "id_attribute": "id", "text_attribute": "text"}
 REQUIREMENT = {"id": "REQ-9", "text": "It stops."}
@@ -132,7 +140,7 @@ TOKEN = {"name": "revoked", "scope": "run"}
 
 def signing(client: httpx.Client) -> Sent:
     digest = client.get(f"{API}/runs/R-0002/signoffs").json()["digest"]
-    return Sent("/runs/R-0002/signoffs", {"name": "Ada", "role": "Review", "comment": "", "digest": digest})
+    return Sent("/runs/R-0002/signoffs", {**_named(client, "Ada"), "role": "Review", "comment": "", "digest": digest})
 
 
 def invited(client: httpx.Client) -> Sent:

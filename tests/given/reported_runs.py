@@ -42,10 +42,13 @@ def finish_fully(
     criteria: int = 1,
     further: Sequence[Check] = (),
     nominal: Trace | None = None,
+    found: Sequence[Finding] = (),
+    **values: Any,
 ) -> None:
     """Finish the next run in the queue with every kind of result; `text`, `checked` and `further` are of the verdict.
 
-    nominal: the trace of the nominal case, which failed; by default it succeeded.
+    nominal: the trace of the nominal case, which failed; by default it succeeded. found: in place of two findings above
+    the threshold. values: other parts of the verdict.
     """
     claim = Queue(service.engine).claim("w1")
     assert claim is not None
@@ -61,8 +64,14 @@ def finish_fully(
     store.finish(1, sensitivity(), 0.1)
     store.finish(2, results.searched(1.3, PARAMETERS), 1.0)
     store.finish(3, CertifyResult(sample=sample(), grid=None, stop=results.ENDED, text=""), 2.0)
-    found = [finding(), finding().model_copy(update={"label": "F2", "cost": 1.32, "margin": 0.82, "slices": None})]
-    store.finish(4, validated(), 0.5, findings=found, traces=[flight("F1", 301, 0.8), flight("F2", 301, 0.85)])
+    second = finding().model_copy(update={"label": "F2", "cost": 1.32, "margin": 0.82, "slices": None})
+    store.finish(
+        4,
+        validated(),
+        0.5,
+        findings=list(found) or [finding(), second],
+        traces=[flight("F1", 301, 0.8), flight("F2", 301, 0.85)],
+    )
     stated = Statistics.model_validate(sample().model_dump())
     checks = [
         Check(code="nominal", ok=True, statement=results.statement("margin +0.9 m")),
@@ -71,8 +80,8 @@ def finish_fully(
     ]
     origin = Provenance(seed=1, clearance="0.1.0", packages={"numpy": "2.4.6"}, cpu=Processor(model="A CPU"))
     scope = "Scope: one obstacle; horizon 15 s."
-    known = {"scope": scope, "checks": checks, "statistics": stated, "provenance": origin}
-    store.conclude(results.verdict(verdict, text, 1.4, 1.3, **known))
+    known = {"scope": scope, "checks": checks, "statistics": stated, "provenance": origin, "worst": 1.3} | values
+    store.conclude(results.verdict(verdict, text, 1.4, **known))
 
 
 def sensitivity() -> SensitivityResult:

@@ -19,6 +19,7 @@ from campaigns.results.base import Status
 def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     """One row for the nominal case and each finding, with every criterion's value, even without a stored flight.
 
+    A finding's value is the one to state for it, `evaluated` the one that the search found.
     The last column has the units of the columns whose headers have none: their names are as scripts know them.
     """
     run = runs.detail(reader, run_id)
@@ -28,7 +29,7 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)} if flies else {}
     paths = list(run.campaign["uncertain"])
     heads = list(starmap(headed, headings(run.criteria)))
-    columns = ["margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths, "units"]
+    columns = ["margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths, "evaluated", "units"]
     yield lines([["flight", *heads, *columns]])
     parameters = sheet(reader, run_id, runs.campaign(reader, run_id)).parameters
     units = "; ".join(f"{name} [{unit}]" for name, unit in [("margin", run.unit), *parameters] if unit)
@@ -40,11 +41,14 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
             cost, of = head.cost, finding.parameters if finding else head.parameters
         values = head.values if head is not None and head.values else {run.criteria[0].name: cost}
         criterion_values = [values.get(criterion.name) for criterion in run.criteria]
+        evaluated = finding.cost if finding else None
+        if finding and finding.granted != finding.cost:
+            criterion_values[0] = finding.granted
         margin = None if criterion_values[0] is None or run.threshold is None else criterion_values[0] - run.threshold
         by = " ".join(finding.methods) if finding else ""
         ok = finding.validation.ok if finding and finding.validation else None
         at = [head.closest.time, head.closest.speed] if head is not None and head.closest else [None, None]
-        yield lines([[name, *criterion_values, margin, *at, ok, by, *(of.get(p) for p in paths), units]])
+        yield lines([[name, *criterion_values, margin, *at, ok, by, *(of.get(p) for p in paths), evaluated, units]])
 
 
 def _nominal(reader: sa.Connection, run_id: int) -> NominalResult:

@@ -32,6 +32,7 @@ from backend.scenes.base.dress import OPENED_ALONE, SANDBOX, font_inside
 from backend.scenes.base.flight import from_stored
 from backend.scenes.recordings.caption import POLICY, Caption, with_caption
 from backend.scenes.recordings.recording import Cast, record
+from campaigns.results.verdict import headline
 from campaigns.version import VERSION
 
 router = APIRouter(include_in_schema=False)
@@ -111,7 +112,7 @@ def _asked(reader: sa.Connection, run_id: int, label: str, dark: bool) -> _Asked
     caption = Caption(
         run.id,
         run.name,
-        run.verdict or run.state,
+        headline(run.verdict, run.not_sampled) if run.verdict else run.state,
         run.campaign_digest,
         results_digest(reader, run_id),
         _costs(reader, run_id, run.nominal_cost),

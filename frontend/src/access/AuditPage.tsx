@@ -6,6 +6,7 @@ import { useNavigate, useSearch } from '@tanstack/react-router'
 import { listAudit } from '../api/access'
 import type { AuditEntry, AuditPage as Page } from '../client'
 import { count } from '../format/numbers'
+import { viaOf } from '../format/people'
 import { moment } from '../format/time'
 import { Loaded } from '../page/Trouble'
 import { Card } from '../ui/Card'
@@ -126,7 +127,7 @@ function EntriesList({ entries, onAll }: { entries: readonly AuditEntry[]; onAll
 const COLUMNS: readonly Column<AuditEntry>[] = [
   { head: 'Row', num: true, label: 'Row', cell: ({ id }) => id },
   { head: 'When', tone: 'sec nw', label: 'When', cell: ({ at }) => moment(at) },
-  { head: 'User', tone: styles.who, label: 'User', cell: ({ user, via }) => [`${user} `, <span key="via" className="mut">{via}</span>] },
+  { head: 'User', tone: styles.who, label: 'User', cell: (entry) => [`${entry.account} `, <span key="via" className="mut">{viaOf(entry)}</span>] },
   { head: 'Action', tone: 'nw', label: 'Action', cell: ({ action }) => action },
   { head: 'Subject', tone: styles.who, label: 'Subject', cell: ({ subject }) => subject },
   {

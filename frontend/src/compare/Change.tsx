@@ -1,7 +1,7 @@
 // The change of verdict and worst case from the first run to the others, in one sentence.
 import { decimalsFor, fixed, signed } from '../format/numbers'
 import { Sign } from '../ui/Sign'
-import { lookOf, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
+import { lookOf, OutcomeIcon, outcomeOf, wordOf } from '../ui/VerdictBadge'
 import { type Compared, unitOf } from './data'
 import { OtherCode } from './OtherCode'
 import cards from '../ui/cards.module.css'
@@ -11,7 +11,7 @@ export function Change({ runs }: { runs: Compared[] }) {
   if (!a || !b) return null
   const last = runs.length === 2 ? b : worstOf(runs)
   const outcome = outcomeOf(last.run)
-  const words = runs.map(({ run }) => lookOf(outcomeOf(run)).word.toLowerCase())
+  const words = runs.map(({ run }) => wordOf(run).toLowerCase())
   const same = words.every((word) => word === words[0])
   return (
     <section className={cards.banner} data-tone={lookOf(outcome).tone} aria-label="Change of the verdict">

@@ -7,7 +7,7 @@ import { clsx } from 'clsx'
 import { type ReactNode, useState } from 'react'
 import { listRuns } from '../api/calls'
 import type { Column } from '../ui/Table'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import type { Compared, Comparison } from './data'
 import { MOST, withRun } from './search'
 import buttons from '../ui/buttons.module.css'
@@ -63,7 +63,7 @@ function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void
           <span className="mono">{run.id}</span> · {run.campaign_name}
         </small>
       </div>
-      <VerdictBadge outcome={outcomeOf(run)} />
+      <RunBadge run={run} />
       <Remove id={run.id} onRemove={onRemove} />
     </div>
   )

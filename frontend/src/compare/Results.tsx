@@ -4,7 +4,7 @@ import { count, decimalsFor, fixed, NONE, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import { boundOf, type Compared, sampleOf, unitOf } from './data'
 import { apartColumn, runColumns } from './Picks'
 
@@ -42,7 +42,7 @@ export function Results({ runs, className }: { runs: Compared[]; className: stri
             <td>Verdict</td>
             {runs.map(({ run }) => (
               <td key={run.id} className="num">
-                <VerdictBadge outcome={outcomeOf(run)} />
+                <RunBadge run={run} />
               </td>
             ))}
             {two && <td />}

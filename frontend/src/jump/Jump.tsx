@@ -9,7 +9,7 @@ import { type ReactNode, useEffect, useMemo, useState } from 'react'
 import * as calls from '../api/calls'
 import { catalogueQuery, libraryQuery } from '../api/queries'
 import type { RunSummary } from '../client'
-import { OutcomeIcon, lookOf, outcomeOf } from '../ui/VerdictBadge'
+import { OutcomeIcon, lookOf, outcomeOf, wordOf } from '../ui/VerdictBadge'
 import { matching, type Place, placesOf } from './places'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
@@ -103,7 +103,7 @@ function runOption(run: RunSummary): ReactNode {
       </span>
       <span className={layout.one}>{run.name}</span>
       <span className={clsx(styles.what, layout.one)}>
-        {run.id} · {lookOf(outcome).word} · {run.campaign_name}
+        {run.id} · {wordOf(run)} · {run.campaign_name}
       </span>
     </Combobox.Option>
   )

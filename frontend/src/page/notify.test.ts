@@ -28,8 +28,9 @@ it('finds those that are live no more', () => {
 })
 
 it('states the outcome', () => {
-  const run = { name: 'Release', margin: -2.3, unit: 'm', error: null, verdict: 'violated' as const }
+  const run = { name: 'Release', token: null, margin: -2.3, unit: 'm', error: null, verdict: 'violated' as const }
   expect(notify.bodyOf(run)).toBe('Release: margin \u22122.300 m')
   expect(notify.bodyOf({ ...run, verdict: null, error: 'diverged' })).toBe('Release: diverged')
   expect(notify.bodyOf({ ...run, verdict: null })).toBe('Release')
+  expect(notify.bodyOf({ ...run, token: 'nightly' })).toBe('Release (token nightly): margin \u22122.300 m')
 })

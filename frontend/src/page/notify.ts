@@ -7,7 +7,7 @@ import { sessionQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { decimalsFor, signed } from '../format/numbers'
 import { storeOf } from '../ui/store'
-import { lookOf, outcomeOf } from '../ui/VerdictBadge'
+import { wordOf } from '../ui/VerdictBadge'
 
 export interface Wanted {
   /** All runs that I submit. */
@@ -88,7 +88,7 @@ export function endedOf(before: ReadonlySet<string>, live: readonly RunSummary[]
 /** Notifies of ended runs while this tab is open. */
 export function useNotifier(open: (run: string) => void): void {
   const { mine, runs } = useWanted()
-  const user = useQuery(sessionQuery).data?.user
+  const user = useQuery(sessionQuery).data?.account
   const on = (mine || runs.length > 0) && 'Notification' in window && Notification.permission === 'granted'
   useEffect(() => {
     if (!on) return
@@ -109,7 +109,7 @@ export function useNotifier(open: (run: string) => void): void {
 function tell(run: RunSummary, open: (run: string) => void): void {
   if (wanted.get().runs.includes(run.id)) want({ ...wanted.get(), runs: wanted.get().runs.filter((id) => id !== run.id) })
   // The tag merges notifications from several tabs.
-  const message = new Notification(`${run.id} ${lookOf(outcomeOf(run)).word.toLowerCase()}`, {
+  const message = new Notification(`${run.id} ${wordOf(run).toLowerCase()}`, {
     body: bodyOf(run),
     tag: run.id,
     icon: '/favicon.svg',
@@ -121,8 +121,9 @@ function tell(run: RunSummary, open: (run: string) => void): void {
   }
 }
 
-export function bodyOf(run: Pick<RunSummary, 'name' | 'margin' | 'unit' | 'error' | 'verdict'>): string {
+export function bodyOf(run: Pick<RunSummary, 'name' | 'token' | 'margin' | 'unit' | 'error' | 'verdict'>): string {
   const margin = run.verdict && run.margin !== null
-  if (margin) return `${run.name}: margin ${signed(run.margin, decimalsFor([run.margin]))} ${run.unit}`
-  return run.error ? `${run.name}: ${run.error}` : run.name
+  const name = run.token ? `${run.name} (token ${run.token})` : run.name
+  if (margin) return `${name}: margin ${signed(run.margin, decimalsFor([run.margin]))} ${run.unit}`
+  return run.error ? `${name}: ${run.error}` : name
 }

@@ -1,6 +1,6 @@
 // All reports: one for every run that has ended, with verdict, sign-offs, digest and files.
 import { clsx } from 'clsx'
-import { IconFileText, IconFileTypePdf, IconSignature } from '@tabler/icons-react'
+import { IconFileText, IconFileTypePdf } from '@tabler/icons-react'
 import { infiniteQueryOptions, useInfiniteQuery, useMutation } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useCallback } from 'react'
@@ -11,6 +11,7 @@ import { moment, when } from '../format/time'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { SignedBy } from '../signoffs/SignedBy'
 import { Button } from '../ui/Button'
 import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
@@ -18,7 +19,7 @@ import { Digest } from '../ui/Digests'
 import { Table } from '../ui/Table'
 import { save } from '../ui/files'
 import { SearchBox } from '../ui/SearchBox'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
@@ -97,7 +98,7 @@ function Reports({ items }: { items: readonly Report[] }) {
       rows={items}
       by={({ run }) => run}
       columns={[
-        { head: 'Verdict', cell: (report) => <VerdictBadge outcome={outcomeOf(report)} /> },
+        { head: 'Verdict', cell: (report) => <RunBadge run={report} /> },
         {
           head: 'Run',
           cell: ({ run, name, campaign_name }) => (
@@ -113,7 +114,7 @@ function Reports({ items }: { items: readonly Report[] }) {
           ),
         },
         { head: 'Report', label: 'Report', className: layout.hideN, tone: 'sec nw', cell: ({ id }) => id },
-        { head: 'Sign-off', label: 'Sign-off', cell: (report) => <Signed report={report} /> },
+        { head: 'Sign-off', label: 'Sign-off', className: styles.signed, cell: ({ signoffs }) => (signoffs.length > 0 ? <SignedBy items={signoffs} /> : <span className="mut">none</span>) },
         {
           head: 'Finished',
           label: 'Finished',
@@ -140,21 +141,6 @@ function Reports({ items }: { items: readonly Report[] }) {
         },
       ]}
     />
-  )
-}
-
-function Signed({ report }: { report: Report }) {
-  const { signed, outdated, signed_by: names } = report
-  return (
-    <span className={clsx(tables.rn, styles.signed)}>
-      {signed > 0 && (
-        <span className="ok-t nw">
-          <IconSignature className="i s" aria-hidden /> {names.join(', ')}
-        </span>
-      )}
-      {outdated > 0 && <span className="bad-t nw">{count(outdated)} of other results</span>}
-      {signed + outdated === 0 && <span className="mut">none</span>}
-    </span>
   )
 }
 

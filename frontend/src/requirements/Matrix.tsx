@@ -4,7 +4,7 @@ import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { RequirementRow, RequirementRun } from '../client'
 import { NONE } from '../format/numbers'
-import { moment } from '../format/time'
+import { SignedBy } from '../signoffs/SignedBy'
 import { DateCell, marginOf, OutcomeBadge } from '../trends/cells'
 import { leftOut, type Status, STATUSES } from './status'
 import badges from '../ui/badges.module.css'
@@ -141,20 +141,5 @@ function Cells({ run }: { run: RequirementRun }) {
 
 function Signed({ run }: { run: RequirementRun }) {
   if (run.signoffs.length === 0) return <span className="mut">{run.verdict ? 'none' : NONE}</span>
-  return (
-    <span className={tables.rn}>
-      {run.signoffs.map((one) => (
-        <span key={`${one.name} ${one.created}`} className={one.current ? 'ok-t' : 'bad-t'} title={moment(one.created)}>
-          {one.name}
-          {!one.current && ', of other results'}
-          {one.own && ', who launched it'}
-        </span>
-      ))}
-      {run.suspect && (
-        <span className="unk-t">
-          <b>Suspect:</b> {run.changes.join('; ')}
-        </span>
-      )}
-    </span>
-  )
+  return <SignedBy items={run.signoffs} />
 }

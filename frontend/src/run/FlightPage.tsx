@@ -8,7 +8,7 @@ import { isLive } from '../api/queries'
 import type { RunDetail } from '../client'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import { useRunData } from './data/data'
 import { useRun } from './data/useRun'
 import { hasView } from './flight/declared'
@@ -84,7 +84,7 @@ function Page({ run }: { run: RunDetail }) {
           </nav>
           <div className={styles.titles}>
             <h1>{run.name}</h1>
-            <VerdictBadge outcome={outcomeOf(run)} />
+            <RunBadge run={run} />
           </div>
         </div>
       </div>

@@ -241,7 +241,7 @@ function Cases({ data, whatIf, flown, flies, lowest, raised, sensitivity }: Page
         title={titleOf(data)}
         note={finding || chosen === NOMINAL ? undefined : 'not validated'}
         column={chosen === NOMINAL ? null : finding ? calledOf(chosen) : 'Lowest'}
-        worst={finding ? { ...finding, method: finderOf(data, finding), atBounds: finding.at_bounds } : lowest}
+        worst={finding ? { ...finding, cost: finding.granted, method: finderOf(data, finding), atBounds: finding.at_bounds } : lowest}
       />
       {raised && sensitivity && <Tornado data={data} result={sensitivity} className="" />}
     </>

@@ -58,7 +58,7 @@ const TABLE = {
   },
   started: { name: 'Started', width: 100, sort: 'started', down: true, field: 'started', kind: 'time' },
   finished: { name: 'Finished', width: 100, sort: 'finished', down: true, field: 'finished', kind: 'time' },
-  owner: { name: 'User', width: 80, sort: 'owner', usual: true, wide: 1300, field: 'owner', kind: 'text' },
+  owner: { name: 'User', width: 80, sort: 'owner', usual: true, wide: 1300 },
 } as const satisfies Record<string, Declared>
 
 export type ColumnKey = keyof typeof TABLE

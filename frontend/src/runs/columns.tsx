@@ -4,13 +4,15 @@ import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'
 import { withoutValue } from '../format/counts'
 import { count, duration, NONE, percent } from '../format/numbers'
+import { launchedBy } from '../format/people'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import { amount, Margin, Removal, Tags, Time } from './cells'
 import { COLUMN_KEYS, type ColumnKey, DECLARED, type SortKey } from './columnKeys'
 import { Spark } from './Spark'
 import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 
 export interface CellContext {
   /** Units are in the cells because rows differ. */
@@ -51,7 +53,7 @@ const unitOf = ({ unit }: Common): string => unit ?? ''
 
 /** The cells that need more than one field, and the headers that name the criterion or its unit. */
 const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?: Column['head'] }>> = {
-  verdict: { cell: (run) => <VerdictBadge outcome={outcomeOf(run)} /> },
+  verdict: { cell: (run) => <RunBadge run={run} /> },
   worst: {
     head: ({ quantity }) => <>Worst {quantity ? <Sign text={quantity} /> : 'value'}</>,
     under: unitOf,
@@ -99,6 +101,14 @@ const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?:
     ),
   },
   tags: { cell: (run, { onTag, onLabel }) => <Tags run={run} onTag={onTag} onLabel={onLabel} /> },
+  owner: {
+    cell: (run) => (
+      <span className={tables.rn} title={launchedBy(run)}>
+        <span className={clsx(layout.cut, 'sec')}>{run.owner}</span>
+        {run.token !== null && <small className={layout.cut}>token {run.token}</small>}
+      </span>
+    ),
+  },
   duration: {
     cell: (run, { now }) => (
       <span className="sec">{run.started ? duration((run.finished ?? now) - run.started) : NONE}</span>

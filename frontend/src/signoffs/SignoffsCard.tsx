@@ -1,12 +1,14 @@
 // Reviewers' sign-offs on a run's page: who signed which results, whether these are unchanged, signing, withdrawal.
 import { clsx } from 'clsx'
-import { IconCircleCheck, IconCircleX, IconSignature } from '@tabler/icons-react'
+import { IconSignature } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { getSignoffs, signOff, withdrawSignoff } from '../api/calls'
 import { useBarredFromOwn } from '../api/may'
 import { sessionQuery } from '../api/queries'
 import type { RunDetail, Signoff, Signoffs } from '../client'
+import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
 import { Failed } from '../page/Trouble'
 import { Button } from '../ui/Button'
@@ -17,6 +19,7 @@ import { Modal } from '../ui/Modal'
 import { hiddenHead, Table } from '../ui/Table'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
+import { sentenceOf, STANDINGS } from './SignedBy'
 import styles from './signoffs.module.css'
 
 const signoffsQuery = (run: string) =>
@@ -58,7 +61,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
               : 'A removed run cannot be signed off.'}
         </p>
       )}
-      {data && data.items.length > 0 && <Rows items={data.items} onWithdraw={setLeaving} />}
+      {data && data.items.length > 0 && <Rows run={run.id} items={data.items} onWithdraw={setLeaving} />}
       <Modal opened={signing} onClose={() => setSigning(false)} title={`Sign off ${run.id}`}>
         {signing && data && <SignForm run={run} seen={data} onDone={() => setSigning(false)} />}
       </Modal>
@@ -69,7 +72,13 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
   )
 }
 
-function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (signoff: Signoff) => void }) {
+interface RowsProps {
+  run: string
+  items: readonly Signoff[]
+  onWithdraw: (signoff: Signoff) => void
+}
+
+function Rows({ run, items, onWithdraw }: RowsProps) {
   return (
     <Table
       stack
@@ -77,66 +86,64 @@ function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (s
       rows={items}
       by={({ id }) => id}
       columns={[
-        { head: 'Status', cell: (item) => <Standing item={item} /> },
+        { head: 'Status', label: 'Status', className: styles.status, cell: (item) => <Status item={item} run={run} /> },
         {
-          head: 'Name, role',
-          label: 'Name, role',
-          cell: ({ name, role }) => (
+          head: 'Signed by',
+          label: 'Signed by',
+          cell: ({ name, typed, stated, role }) => (
             <span className={tables.rn}>
               <span className={clsx('m', layout.wrapAny)}>{name}</span>
               <small>{role}</small>
+              {typed && <small>name as typed, without an account</small>}
+              {stated !== null && <small>name typed then: {stated}</small>}
             </span>
           ),
         },
         {
           head: 'When, signed in as',
           label: 'When',
-          cell: ({ created, user, own }) => (
+          cell: ({ created, account, user }) => (
             <span className={tables.rn}>
               <span className="sec">{moment(created)}</span>
-              <small className={layout.wrapAny}>{user}</small>
-              {own && <small className="unk-t">who also launched the run</small>}
+              <small className={layout.wrapAny}>{launchedBy({ owner: account, token: user === account ? null : user })}</small>
             </span>
           ),
         },
-        { head: 'Comment', label: 'Comment', tone: clsx('sec', styles.comment), cell: (item) => <Comment item={item} /> },
+        { head: 'Comment', label: 'Comment', tone: clsx('sec', styles.comment), cell: ({ comment }) => comment },
         {
           head: hiddenHead('Withdraw'),
           tone: 'num',
-          cell: (item) => item.withdrawn === null && <Withdraw item={item} onAsk={() => onWithdraw(item)} />,
+          cell: (item) => item.withdrawn === null && item.run === run && <Withdraw item={item} onAsk={() => onWithdraw(item)} />,
         },
       ]}
     />
   )
 }
 
-function Comment({ item: { comment, withdrawn, withdrawn_by, withdrawn_reason } }: { item: Signoff }) {
-  return (
-    <>
-      {comment}
-      {withdrawn !== null && (
-        <span className="bad-t">
-          Withdrawn {moment(withdrawn)} by {withdrawn_by}: {withdrawn_reason}
-        </span>
-      )}
-    </>
-  )
-}
-
 function Withdraw({ item, onAsk }: { item: Signoff; onAsk: () => void }) {
-  const barred = useBarredFromOwn('reviewer', { id: 'This sign-off', owner: item.user })
+  const barred = useBarredFromOwn('reviewer', { id: 'This sign-off', owner: item.account })
   return (
     <Button small barred={barred} onClick={onAsk}>Withdraw …</Button>
   )
 }
 
-function Standing({ item }: { item: Signoff }) {
-  const good = item.current && item.withdrawn === null
-  const Icon = good ? IconCircleCheck : IconCircleX
-  const words = item.withdrawn !== null ? 'Withdrawn' : item.current ? 'Valid' : 'Results have changed'
+function Status({ item, run }: { item: Signoff; run: string }) {
+  const { word, tone, icon: Icon } = STANDINGS[item.standing]
+  const other = item.run === run ? item.repeated_by : item.run
   return (
-    <span className={good ? 'ok-t nw' : 'bad-t'} title={`Signed results: sha256 ${item.digest}`}>
-      <Icon className="i s" aria-hidden /> {words}
+    <span className={clsx(tables.rn, tone)} title={`Signed results: sha256 ${item.digest}`}>
+      <span className="nw">
+        <Icon className="i s" aria-hidden /> {word}
+        {other !== null && other !== run && (
+          <>
+            {item.run === run ? ' by ' : ' from '}
+            <Link to="/runs/$id" params={{ id: other }}>
+              {other}
+            </Link>
+          </>
+        )}
+      </span>
+      <small>{sentenceOf(item)}</small>
     </span>
   )
 }
@@ -152,7 +159,7 @@ function useChange<T>(run: string, call: (body: T) => Promise<unknown>, onDone: 
   })
 }
 
-const ROLES = ['Independent review', 'Safety engineer', 'Safety authority', 'Prepared']
+const TITLES = ['Independent review', 'Safety engineer', 'Safety authority', 'Prepared']
 
 interface SignFormProps {
   run: RunDetail
@@ -164,28 +171,35 @@ interface SignFormProps {
 function SignForm({ run, seen, onDone }: SignFormProps) {
   const session = useQuery(sessionQuery).data
   const [name, setName] = useState('')
-  const own = session !== undefined && session.user === run.owner
+  const own = session !== undefined && session.account === run.owner
+  const account = seen.signs_as
   // Whoever launched a run is not independent of it.
-  const [role, setRole] = useState(own ? '' : (ROLES[0] ?? ''))
+  const [role, setRole] = useState(own ? '' : (TITLES[0] ?? ''))
   const [comment, setComment] = useState('')
   const [digest] = useState(seen.digest)
   const sign = useChange(
     run.id,
-    () => signOff(run.id, { name: name.trim(), role: role.trim(), comment: comment.trim(), digest }),
+    () => signOff(run.id, { ...(account === null && { name: name.trim() }), role: role.trim(), comment: comment.trim(), digest }),
     onDone,
   )
   return (
-    <Form sent={sign} onSend={() => sign.mutate(undefined)} send="Sign off" onLeave={onDone} off={!name.trim() || !role.trim()}>
+    <Form sent={sign} onSend={() => sign.mutate(undefined)} send="Sign off" onLeave={onDone} off={(account === null && !name.trim()) || !role.trim()}>
       <p className="sec">
         You sign the verdict <b>{run.verdict}</b> with its findings and stages, sha256{' '}
         <span className="mono">{digest.slice(0, 16)}</span>
-        {session && <>, signed in as {session.user}</>}. This cannot be edited later, only withdrawn.
+        {account !== null && (
+          <>
+            , as <b>{account}</b>
+          </>
+        )}
+        . This cannot be edited later, only withdrawn.
+        {account === null && ' This service has no accounts: the name is recorded as typed.'}
         {own && ` You launched ${run.id}, and the sign-off states that.`}
       </p>
-      <Field label="Name" value={name} maxLength={120} required data-autofocus onChange={setName} />
-      <Field label="Role" value={role} maxLength={120} required list="signoff-roles" onChange={setRole} />
-      <datalist id="signoff-roles">
-        {ROLES.map((known) => (
+      {account === null && <Field label="Name" value={name} maxLength={120} required data-autofocus onChange={setName} />}
+      <Field label="Title" value={role} maxLength={120} required list="signoff-titles" onChange={setRole} />
+      <datalist id="signoff-titles">
+        {TITLES.map((known) => (
           <option key={known} value={known} />
         ))}
       </datalist>

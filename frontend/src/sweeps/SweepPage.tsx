@@ -11,6 +11,7 @@ import { type At, codesOf, sampleOf } from '../charts/outcomes'
 import { OutcomesChart } from '../charts/OutcomesChart'
 import type { SweepDetail } from '../client'
 import { plain } from '../format/numbers'
+import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
 import { unitText } from '../format/units'
 import { PageHead } from '../page/PageHead'
@@ -83,7 +84,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
         <ChartCard title={`Worst margin and P(violation) over ${sweep.path}`} note={sweep.title} className={layout.c12} run={sweep.id} data={data}>
           <OutcomesChart points={points} axis={axis} sync={sweep.id} name={({ x }) => axis.xText(x)} />
         </ChartCard>
-        <Card title="Runs" note={`Submitted by ${sweep.owner}, ${moment(sweep.created)}`} className={layout.c12} flush>
+        <Card title="Runs" note={`Submitted by ${launchedBy(sweep)}, ${moment(sweep.created)}`} className={layout.c12} flush>
           <Points sweep={sweep} />
         </Card>
       </div>

@@ -5,6 +5,7 @@ import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { listSweeps } from '../api/calls'
 import { count } from '../format/numbers'
+import { launchedBy } from '../format/people'
 import { moment, when } from '../format/time'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
@@ -59,7 +60,7 @@ export function SweepsPage() {
               { head: 'Parameter', label: 'Parameter', tone: 'sec', cell: ({ path }) => path },
               { head: 'Runs', num: true, label: 'Runs', cell: ({ runs }) => count(runs) },
               { head: 'State', label: 'State', tone: 'sec nw', cell: ({ states }) => statementOf(states) },
-              { head: 'User', label: 'User', className: layout.hideS, tone: 'sec', cell: ({ owner }) => owner },
+              { head: 'User', label: 'User', className: layout.hideS, tone: 'sec', cell: launchedBy },
               { head: 'Submitted', label: 'Submitted', tone: 'sec nw', tip: ({ created }) => moment(created), cell: ({ created }) => when(created) },
             ]}
           />

@@ -6,12 +6,12 @@ import { rfc3339, when } from '../format/time'
 import { unreadOf } from './code'
 import { Digest } from '../ui/Digests'
 import type { Column } from '../ui/Table'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import tables from '../ui/tables.module.css'
 
 /** The verdict or the state of a run, as icon and word. */
 export function OutcomeBadge({ outcome }: { outcome: Outcome | null }) {
-  return outcome ? <VerdictBadge outcome={outcomeOf(outcome)} /> : <span className="mut">Purged</span>
+  return outcome ? <RunBadge run={outcome} /> : <span className="mut">Purged</span>
 }
 
 export const marginOf = (outcome: Outcome | null): string => {

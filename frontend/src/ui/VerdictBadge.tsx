@@ -39,8 +39,16 @@ export function OutcomeIcon({ outcome, className = 'i' }: { outcome: Outcome; cl
   return <Icon className={clsx(className, busy && icons.spin)} aria-hidden="true" />
 }
 
-export function VerdictBadge({ outcome }: { outcome: Outcome }) {
-  const { tone, word } = LOOK[outcome]
+type Ended = Pick<RunSummary, 'state' | 'verdict'> & { readonly not_sampled?: boolean }
+
+/** The outcome in words, with what alone is missing to clear the run. */
+export const wordOf = (run: Ended): string =>
+  `${LOOK[outcomeOf(run)].word}${run.verdict && run.not_sampled ? ': not sampled' : ''}`
+
+export const RunBadge = ({ run }: { run: Ended }) => <VerdictBadge outcome={outcomeOf(run)} word={wordOf(run)} />
+
+export function VerdictBadge({ outcome, word = LOOK[outcome].word }: { outcome: Outcome; word?: string }) {
+  const { tone } = LOOK[outcome]
   return (
     <span className={badges.vd} data-tone={tone}>
       <OutcomeIcon outcome={outcome} />

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db.tables import Audit, CatalogueDocument, Finding, Run
-from backend.requirements.matrix import OTHER_TEXT
+from backend.signoffs.texts import OTHER_TEXT
 from tests.given.code_versions import CODE, OTHER, edited
 from tests.given.databases import AT_NIGHT, BOTH
 from tests.given.joined_users import joined

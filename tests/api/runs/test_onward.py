@@ -36,8 +36,8 @@ def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Se
     assert (found["state"], found["other_code"], found["evaluations"]) == ("queued", DIFFERS, 100)
     assert found["waits"] == (
         f"Other code began it than the running workers have: {DIFFERS}. Start a worker of the version that began it, "
-        "and it continues; or begin it again, without its 100 evaluations; or continue it as a new run, with the "
-        "evaluations that are still valid."
+        "and it continues; or begin it again, without its 100 evaluations; or continue it as a new run, with "
+        "those that are still valid, if any."
     )
     arrive(service, "old", OLD)
     found = one(client, run)
@@ -62,6 +62,7 @@ def test_begun_again_it_has_nothing_of_before(service: Service, client: httpx.Cl
 
 def test_continued_as_a_new_run(service: Service, client: httpx.Client) -> None:
     run = waiting(service, client)
+    assert one(client, run)["not_continuable"] is None
     answer = client.post(f"/api/v1/runs/{run}/continuation")
     assert answer.status_code == 201, answer.text
     made = answer.json()
@@ -86,6 +87,7 @@ def test_evaluations_of_another_model_are_not_continued(service: Service, client
         writer.execute(sa.update(CatalogueDocument).values(document=edited()))
     answer = client.post(f"/api/v1/runs/{run}/continuation")
     assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
+    assert one(client, run)["not_continuable"] == answer.json()["detail"]
     assert one(client, run)["state"] == "queued"
 
 
@@ -96,6 +98,7 @@ def test_evaluations_of_an_unknown_model_are_not_continued(service: Service, cli
         writer.execute(sa.update(Run).values(flown=VERSIONS.model_dump(mode="json")))
     answer = client.post(f"/api/v1/runs/{run}/continuation")
     assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
+    assert one(client, run)["not_continuable"] == answer.json()["detail"]
     assert one(client, run)["state"] == "queued"
 
 

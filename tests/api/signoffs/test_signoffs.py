@@ -102,11 +102,18 @@ def test_other_results_than_those_reviewed_are_not_signed(client: httpx.Client, 
 
 
 @AT_NIGHT
-def test_the_same_word_is_taken_once(client: httpx.Client, run: str) -> None:
+def test_a_typed_name_signs_once(client: httpx.Client, run: str) -> None:
+    """Under whatever title, and in whatever case, spaces and form of characters."""
     body = given(client, run)
-    assert client.post(run, json=body).status_code == 201
-    assert "already" in str(problem(client.post(run, json=body), 409)["detail"])
-    assert client.post(run, json=body | {"role": "Safety authority"}).status_code == 201
+    signed = client.post(run, json=body).json()
+    assert (signed["name"], signed["typed"], signed["account"]) == ("Grace Hopper", True, "local")
+    for name in ("Grace Hopper", "grace  HOPPER", "Ｇｒａｃｅ Hopper"):
+        for role in (body["role"], "Safety authority"):
+            detail = str(problem(client.post(run, json=body | {"name": name, "role": role}), 409)["detail"])
+            assert detail.startswith("Grace Hopper")
+            assert "as Independent review" in detail
+    assert client.post(run, json=body | {"name": "Ada Lovelace"}).status_code == 201
+    assert "has no accounts" in str(problem(client.post(run, json=body | {"name": None}), 422)["detail"])
 
 
 WRONG = "The bounds were wrong."
@@ -119,8 +126,9 @@ def test_a_sign_off_is_withdrawn_once_and_stays_on_record(service: Service, clie
     problem(client.post(address, json={"reason": ""}), 422)
     problem(client.post(address, json={}), 422)
     withdrawn = client.post(address, json={"reason": WRONG}).json()
-    kept = {k: v for k, v in withdrawn.items() if not k.startswith("withdrawn")}
-    assert kept == {k: v for k, v in signed.items() if not k.startswith("withdrawn")}
+    new = ("standing", "sentence", "withdrawn", "withdrawn_by", "withdrawn_reason")
+    assert {k: v for k, v in withdrawn.items() if k not in new} == {k: v for k, v in signed.items() if k not in new}
+    assert (signed["standing"], withdrawn["standing"]) == ("standing", "withdrawn")
     assert withdrawn["withdrawn_reason"] == WRONG
     assert withdrawn["withdrawn"] >= signed["created"]
     problem(client.post(address, json={"reason": "Again."}), 409)

@@ -7,7 +7,7 @@ nor has a function whose code cannot be read exactly: nothing rules out that it 
 from __future__ import annotations
 
 from campaigns.catalogue import Catalogue
-from worker.engine.systems.simulators.declared.reached import UNREAD
+from campaigns.identity.identity import UNREAD
 from worker.engine.systems.simulators.declared.simulator import Program, Simulator
 from worker.running.catalogue.files import PythonFunction, digest_of
 from worker.running.catalogue.installed import simulators

@@ -36,7 +36,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
   const names = [...findings.map((finding) => finding.label), NOMINAL]
   const step = (by: number) => choose(names[Math.min(names.length - 1, Math.max(0, names.indexOf(chosen) + by))] ?? NOMINAL)
   useHotkeys({ j: () => step(1), k: () => step(-1) })
-  const decimals = decimalsApart([run.nominal_cost, ...findings.map((finding) => finding.cost)], 4, 6)
+  const decimals = decimalsApart([run.nominal_cost, ...findings.flatMap(({ cost, granted }) => [cost, granted])], 4, 6)
   const shared = { data, decimals, choose }
   const flown = hasScenario(data.campaign)
   return (
@@ -99,12 +99,20 @@ interface RowProps {
 
 function Row({ data, decimals, choose, on, finding }: RowProps & { finding: FindingDetail }) {
   const { parameters } = data
-  const { label, cost, margin } = finding
+  const { label, cost, granted } = finding
+  const margin = finding.margin + (granted - cost)
   return (
     <tr {...picking(label, on, choose)} data-finding={label}>
       <Name name={label} on={on} choose={choose} />
       {hasScenario(data.campaign) && <Picture data={data} name={label} />}
-      <td className="num b">{fixed(cost, decimals)}</td>
+      <td className="num b">
+        {fixed(granted, decimals)}
+        {granted !== cost && (
+          <small className={styles.evaluated} title="What the search found. Another evaluation of this case is milder, and that one is stated.">
+            evaluated {fixed(cost, decimals)}
+          </small>
+        )}
+      </td>
       <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
       <Met data={data} name={label} values={finding.values} />
       {parameters.map((p) => (

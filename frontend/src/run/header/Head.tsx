@@ -12,11 +12,12 @@ import type { RunDetail } from '../../client'
 import { ExportMenu } from '../../exports/ExportMenu'
 import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
+import { launchedBy } from '../../format/people'
 import { dayAndClock, moment } from '../../format/time'
 import { Button } from '../../ui/Button'
 import { Form } from '../../ui/Form'
 import { Tags } from '../../ui/Card'
-import { outcomeOf, VerdictBadge } from '../../ui/VerdictBadge'
+import { RunBadge } from '../../ui/VerdictBadge'
 import { Modal } from '../../ui/Modal'
 import { Bell } from './Bell'
 import { EditRun } from './EditRun'
@@ -39,14 +40,14 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
         <div className={runStyles.titles}>
           <h1>{run.name}</h1>
           <span data-testid="outcome" aria-live="polite">
-            <VerdictBadge outcome={outcomeOf(run)} />
+            <RunBadge run={run} />
           </span>
           <Tags tags={run.tags} />
           <Labels labels={run.labels} />
           <Requirements run={run} />
           {run.removed === null && <EditRun run={run} />}
           <span className="small mut nw" title={moment(run.created)}>
-            {dayAndClock(run.created)}, {run.owner}
+            {dayAndClock(run.created)}, {launchedBy(run)}
           </span>
           {run.evaluations > 0 && (
             <span className="small mut nw" data-testid="counts">

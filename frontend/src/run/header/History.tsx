@@ -2,6 +2,7 @@
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getHistory } from '../../api/calls'
+import { viaOf } from '../../format/people'
 import { moment } from '../../format/time'
 import { Failed } from '../../page/Trouble'
 import { Button } from '../../ui/Button'
@@ -38,9 +39,9 @@ export function History({ run }: { run: string }) {
               head: 'User',
               width: 160,
               tone: 'nw',
-              cell: ({ user, via }) => (
+              cell: (entry) => (
                 <>
-                  {user} <span className="mut small">by {{ link: 'login link', provider: 'single sign-on' }[via] ?? via}</span>
+                  {entry.account} <span className="mut small">{viaOf(entry)}</span>
                 </>
               ),
             },

@@ -24,11 +24,16 @@ export function OtherCode({ run }: { run: RunDetail }) {
   return (
     <div style={{ marginBottom: 'var(--gap)' }}>
       <div className={layout.acts}>
-        <Button disabled={busy} barred={barred} onClick={() => carry.mutate()}>Continue as a new run</Button>
+        {run.not_continuable === null && (
+          <Button disabled={busy} barred={barred} onClick={() => carry.mutate()}>
+            Continue as a new run
+          </Button>
+        )}
         <Button danger disabled={busy} barred={barred} onClick={() => restart.mutate()}>
           Begin again, discard {count(run.evaluations)} {run.evaluations === 1 ? 'evaluation' : 'evaluations'}
         </Button>
       </div>
+      {run.not_continuable !== null && <p className="small sec">It cannot be continued as a new run: {run.not_continuable}.</p>}
       {refused && (
         <p className={fields.ferr} role="alert">
           {refused.message}

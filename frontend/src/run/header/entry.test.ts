@@ -4,7 +4,7 @@ import type { HistoryEntry } from '../../client'
 import { statementOf } from './entry'
 
 const entry = (action: string, detail: HistoryEntry['detail'] = {}) =>
-  statementOf({ at: 0, user: 'ada', via: 'link', action, detail })
+  statementOf({ at: 0, user: 'ada', account: 'ada', via: 'link', action, detail })
 
 it('describes what an edit changed', () => {
   expect(entry('run.edited', { pinned: true })).toBe('Pinned it')

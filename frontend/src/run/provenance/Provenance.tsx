@@ -7,6 +7,7 @@ import type { ReactNode } from 'react'
 import { getRunText } from '../../api/calls'
 import type { Identity, Provenance as Origin, RunDetail, Versions } from '../../client'
 import { plain } from '../../format/numbers'
+import { launchedBy } from '../../format/people'
 import { moment } from '../../format/time'
 import { idOfComponent } from '../../help/links'
 import { unreadOf } from '../../trends/code'
@@ -109,7 +110,7 @@ function flightRows(data: RunData, origin: Origin): Rows {
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
     ['Sample seed', sampleSeed(data)],
     ...(campaign.simulator ? [partRow(data, 'simulator', campaign.simulator.name)] : loopRows(data, origin)),
-    ['Started by', `${run.owner}, ${moment(run.created)}`],
+    ['Started by', `${launchedBy(run)}, ${moment(run.created)}`],
     ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
   ]
 }

@@ -6,7 +6,7 @@ import { count } from '../../format/numbers'
 import { words } from '../../format/spans'
 import { HelpLink } from '../../help/links'
 import { Spans } from '../../ui/Spans'
-import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../../ui/VerdictBadge'
+import { lookOf, type Outcome, OutcomeIcon, outcomeOf, wordOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
 import { NextSteps } from './NextSteps'
 import cards from '../../ui/cards.module.css'
@@ -16,13 +16,13 @@ export function Banner({ data }: { data: RunData }) {
   const { run } = data
   const outcome = outcomeOf(run)
   const { summary } = run
-  const { tone, word } = lookOf(outcome)
+  const { tone } = lookOf(outcome)
   return (
     <section className={cards.banner} data-tone={tone} aria-label="Verdict" role={run.verdict ? undefined : 'alert'}>
       <OutcomeIcon outcome={outcome} />
       <div>
         <div className={cards.w} data-testid="verdict">
-          {run.verdict ? `${word}${summary?.not_sampled ? ': not sampled' : ''}` : `${word}: no verdict`}
+          {run.verdict ? wordOf(run) : `${wordOf(run)}: no verdict`}
         </div>
         <span className={styles.bannerHelp}>
           <HelpLink to="/help" at={outcome}>

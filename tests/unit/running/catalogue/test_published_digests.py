@@ -10,10 +10,10 @@ import pytest
 import yaml
 
 from campaigns.asked.load import load_document
+from campaigns.identity.identity import UNREAD
 from tests.simulators import package
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.declared.descriptor import read
-from worker.engine.systems.simulators.declared.reached import UNREAD
 from worker.engine.systems.simulators.declared.simulator import Program
 from worker.evidence.scopes.simulators import terms
 from worker.running.catalogue import installed

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from campaigns.catalogue import SimulatorEntry
+from campaigns.identity.identity import UNREAD
 from campaigns.results.base import FAILED, OK
 from campaigns.results.scene import Scene
 from worker.engine.search.base import Batch
@@ -25,7 +26,6 @@ from worker.engine.systems.simulators.cluster.work import Files
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.folder import files_of_place
 from worker.engine.systems.simulators.declared.function import Settings
-from worker.engine.systems.simulators.declared.reached import UNREAD
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.identity import identified
 from worker.engine.systems.simulators.simulated import Simulated

@@ -9,7 +9,8 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from worker.engine.systems.simulators.declared.reached import UNREAD, Reached, reached
+from campaigns.identity.identity import UNREAD
+from worker.engine.systems.simulators.declared.reached import Reached, reached
 
 FOLDERS = "CLEARANCE_SIMULATORS"
 """The environment variable that lists the operator's folders."""

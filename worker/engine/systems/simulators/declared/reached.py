@@ -22,8 +22,6 @@ from worker.engine.systems.simulators.declared.statements import Statements, sta
 OURS = frozenset({"backend", "campaigns", "clearance", "worker"})
 """Identified by the code of a run."""
 COMPILED = (*importlib.machinery.EXTENSION_SUFFIXES, ".pyc")
-UNREAD = "unidentified-"
-"""How a digest begins that does not cover everything."""
 
 
 @dataclass

@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from backend.catalog.service import published
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, SweepRun
-from campaigns import Catalogue
+from campaigns import CampaignError, Catalogue
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import definition
 from campaigns.identity.identity import ENGINE, Identity, installed
@@ -19,6 +19,7 @@ from campaigns.identity.identity import changes as differing
 from campaigns.runs import run_name
 
 Value = TypeVar("Value", int, str)
+NO_CODE = "no worker has published the code to compare it with"
 NOT_STORED = "its code is not stored, so a change of the model cannot be excluded"
 CHUNK = 500
 """Values that are read in one statement."""
@@ -59,18 +60,28 @@ def present(reader: sa.Connection, names: Collection[str]) -> Present:
     return Present(catalogue if catalogue is not None and catalogue.code is not None else None, newest)
 
 
+def changed_campaign(newer: int) -> str:
+    """The clause; newer: the run with another definition."""
+    return f"its campaign has changed, see {run_name(newer)}"
+
+
 def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], then: Identity | None) -> Iterator[str]:
     """What differs between a run and now, as clauses; what is not stored is named, not taken for equal."""
     newer, defined = now.newest.get(name, (run_id, ""))
     if defined and defined != definition(document):
-        yield f"its campaign has changed, see {run_name(newer)}"
+        yield changed_campaign(newer)
     if now.catalogue is None:
-        yield "no worker has published the code to compare it with"
+        yield NO_CODE
         return
     if then is None:
         yield NOT_STORED
         return
-    here = installed(load_document(document, f"the campaign of {run_name(run_id)}"), now.catalogue, then)
+    try:
+        campaign = load_document(document, f"the campaign of {run_name(run_id)}")
+    except CampaignError:
+        yield "this version cannot read its campaign, so a change cannot be excluded"
+        return
+    here = installed(campaign, now.catalogue, then)
     yield from (change.text for change in differing(then, here))
     if ENGINE in here.unidentified:
         yield "a part of it is no longer installed"

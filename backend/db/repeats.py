@@ -1,0 +1,74 @@
+"""The digest of what a run evaluated and found, without times and machine: equal for two runs that repeat each other.
+
+SHA-256 over verdict, stage results, findings and traces as canonical JSON, and over points, costs and status of every
+evaluation, bit by bit, however they were divided into chunks.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
+
+_RUN = ("state", "verdict", "reason", "error", "summary", "nominal_cost", "worst_cost")
+_STAGE = ("position", "kind", "method", "state", "evaluations", "failed", "excluded", "best", "best_index", "result")
+_FINDING = (
+    "label", "cost", "margin", "parameters", "point", "methods", "found", "at_bounds", "validation", "slices",
+    "boundary", "closest",
+)  # fmt: skip
+_TRACE = ("name", "columns", "rows", "meta")
+_BITS = ("points", "costs", "status")
+_NOT_REPEATED = ("seconds", "provenance")
+"""Keys of stored results: working time, and the machine."""
+
+
+def repeat_digest(reader: sa.Connection, run_id: int) -> str:
+    parts = [
+        _rows(reader, table, names, order, run_id)
+        for table, names, order in (
+            (Stage, _STAGE, Stage.position),
+            (Finding, _FINDING, Finding.label),
+            (Trace, _TRACE, Trace.name),
+        )
+    ]
+    parts.append([list(row) for row in reader.execute(sa.select(*_columns(Run, _RUN)).where(Run.id == run_id))])
+    canonical = json.dumps(_repeated(parts), sort_keys=True, separators=(",", ":"), allow_nan=False)
+    whole = hashlib.sha256(canonical.encode())
+    traces = sa.select(Trace.data).where(Trace.run_id == run_id).order_by(Trace.name)
+    for data in reader.scalars(traces):
+        whole.update(hashlib.sha256(data).digest())
+    for digest in _evaluations(reader, run_id):
+        whole.update(digest)
+    return whole.hexdigest()
+
+
+def _evaluations(reader: sa.Connection, run_id: int) -> list[bytes]:
+    """The digest of each column of each stage; one chunk at a time in memory."""
+    of = sa.select(EvaluationChunk.position, *_columns(EvaluationChunk, _BITS)).where(EvaluationChunk.run_id == run_id)
+    found: dict[int, list[Any]] = {}
+    with reader.execute(of.order_by(EvaluationChunk.position, EvaluationChunk.first)) as rows:
+        for position, *columns in rows:
+            for digest, column in zip(
+                found.setdefault(position, [hashlib.sha256() for _ in _BITS]), columns, strict=True
+            ):
+                digest.update(column)
+    return [digest.digest() for digests in found.values() for digest in digests]
+
+
+def _rows(reader: sa.Connection, table: Any, names: tuple[str, ...], order: Any, run_id: int) -> list[list[Any]]:
+    of = sa.select(*_columns(table, names)).where(table.run_id == run_id).order_by(order)
+    return [list(row) for row in reader.execute(of)]
+
+
+def _columns(table: Any, names: tuple[str, ...]) -> list[Any]:
+    return [getattr(table, name) for name in names]
+
+
+def _repeated(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _repeated(one) for key, one in value.items() if key not in _NOT_REPEATED}
+    return [_repeated(one) for one in value] if isinstance(value, list) else value

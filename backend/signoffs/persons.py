@@ -1,0 +1,28 @@
+"""One person signs once: by the account, or without accounts by the name as typed, in whatever case and spaces."""
+
+from __future__ import annotations
+
+import unicodedata
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db import users
+from backend.db.access import LOCAL, Visitor
+from backend.db.signed import signer
+
+
+def signs_as(reader: sa.Connection, visitor: Visitor) -> str | None:
+    """The account under which a visitor signs; None while `local` is the only user, so that a name is typed."""
+    return None if visitor.account == LOCAL and users.only_local(reader) else visitor.account
+
+
+def person(row: Any) -> tuple[bool, str]:
+    """Equal for two sign-offs of one person, as far as the service can tell."""
+    name, typed = signer(row.account, row.name)
+    return typed, folded(name) if typed else name
+
+
+def folded(name: str) -> str:
+    """Equal for names that a reader would take for the same."""
+    return " ".join(unicodedata.normalize("NFKC", name).casefold().split())

@@ -1,0 +1,37 @@
+// Who signed, with the standing of each sign-off: in the lists of requirements and of reports.
+import { IconAlertTriangle, IconCircleX, IconRepeat, IconSignature } from '@tabler/icons-react'
+import type { Signoff } from '../client'
+import { moment } from '../format/time'
+import tables from '../ui/tables.module.css'
+
+export type Standing = Signoff['standing']
+
+export const STANDINGS: Readonly<Record<Standing, { word: string; tone: 'ok-t' | 'unk-t' | 'bad-t'; icon: typeof IconSignature }>> = {
+  standing: { word: 'Valid', tone: 'ok-t', icon: IconSignature },
+  'carried on': { word: 'Carried on', tone: 'ok-t', icon: IconRepeat },
+  suspect: { word: 'Suspect', tone: 'unk-t', icon: IconAlertTriangle },
+  'of other results': { word: 'Results have changed', tone: 'bad-t', icon: IconCircleX },
+  withdrawn: { word: 'Withdrawn', tone: 'bad-t', icon: IconCircleX },
+}
+
+/** The standing as a sentence. */
+export const sentenceOf = ({ sentence }: Pick<Signoff, 'sentence'>): string => `${sentence.charAt(0).toUpperCase()}${sentence.slice(1)}`
+
+export function SignedBy({ items }: { items: readonly Signoff[] }) {
+  return (
+    <span className={tables.rn}>
+      {items.map((one) => {
+        const { tone, icon: Icon } = STANDINGS[one.standing]
+        return (
+          <span key={one.id} className={`${tables.rn ?? ''} ${tone}`} title={`${one.role}, ${moment(one.created)}`}>
+            <span>
+              <Icon className="i s" aria-hidden /> {one.name}
+              {one.typed && <span className="mut small"> as typed</span>}
+            </span>
+            {(one.standing !== 'standing' || one.own) && <small>{sentenceOf(one)}</small>}
+          </span>
+        )
+      })}
+    </span>
+  )
+}

@@ -1,0 +1,306 @@
+"""What makes a sign-off suspect is stated in every place that shows it, and so is the run that carries it on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+import yaml
+
+from backend.db.tables import (
+    CatalogueDocument,
+    EvaluationChunk,
+    Finding,
+    Requirement,
+    Run,
+    RunRequirement,
+    Signoff,
+    Stage,
+    Trace,
+)
+from backend.signoffs.present import NO_CODE, NOT_STORED, changed_campaign
+from backend.signoffs.texts import CHANGED_TEXT, LATER_TEXT, OTHER_TEXT
+from campaigns.identity.identity import Change
+from clearance.cli import invoke
+from tests.given.code_versions import CODE, OTHER, VERSIONS, edited
+from tests.given.databases import AT_NIGHT
+from tests.given.reported_runs import finish_fully
+from tests.given.row_changes import changed
+from tests.given.service import Service
+from tests.given.submissions import submit
+
+API = "/api/v1"
+REQUIREMENT = "SYS-1"
+
+
+def ran(service: Service, client: httpx.Client, **changes: Any) -> str:
+    """A run that states the requirement by its id alone."""
+    run = submit(client, criterion={"threshold": 0.5, "requirements": [REQUIREMENT]}, **changes)
+    finish_fully(service)
+    return run
+
+
+def sign(client: httpx.Client, run: str, name: str = "Grace Hopper") -> dict[str, Any]:
+    address = f"{API}/runs/{run}/signoffs"
+    body = {"name": name, "role": "Review", "digest": client.get(address).json()["digest"]}
+    answer = client.post(address, json=body)
+    assert answer.status_code == 201, answer.text
+    return dict(answer.json())
+
+
+def word(client: httpx.Client, text: str) -> None:
+    assert client.put(f"{API}/requirements", json={"id": REQUIREMENT, "text": text}).status_code == 200
+
+
+@pytest.fixture
+def signed(service: Service, client: httpx.Client) -> str:
+    """A signed run of a requirement that is met."""
+    word(client, "Keep 0.5 m.")
+    run = ran(service, client)
+    sign(client, run)
+    return run
+
+
+def _on_the_run(client: httpx.Client, run: str) -> str:
+    return "\n".join(one["sentence"] for one in client.get(f"{API}/runs/{run}/signoffs").json()["items"])
+
+
+def _in_the_run_file(client: httpx.Client, run: str) -> str:
+    found = client.get(f"{API}/runs/{run}/exports/run.json").json()["signoffs"]
+    return "\n".join(one["sentence"] for one in found)
+
+
+def _in_the_report(client: httpx.Client, run: str) -> str:
+    return client.get(f"{API}/runs/{run}/report.html").text.partition("12. Approval")[2]
+
+
+def _among_the_reports(client: httpx.Client, run: str) -> str:
+    (found,) = [one for one in client.get(f"{API}/reports").json()["items"] if one["run"] == run]
+    return "\n".join(one["sentence"] for one in found["signoffs"])
+
+
+def _in_the_matrix(client: httpx.Client, run: str) -> str:
+    (row,) = client.get(f"{API}/requirements").json()["items"]
+    return "\n".join(one["sentence"] for edge in row["runs"] if edge["id"] == run for one in edge["signoffs"])
+
+
+def _in_the_table(client: httpx.Client, run: str) -> str:
+    lines = client.get(f"{API}/requirements/export/matrix.csv").text.splitlines()
+    return "\n".join(line for line in lines if f",{run}," in line)
+
+
+def _in_the_argument(client: httpx.Client, run: str) -> str:
+    nodes = yaml.safe_load(client.get(f"{API}/requirements/export/argument.gsn.yaml").text)
+    return "\n".join(node["text"] for name, node in nodes.items() if name.endswith(run) and "claim" in node)
+
+
+PLACES: dict[str, Callable[[httpx.Client, str], str]] = {
+    "run": _on_the_run,
+    "run.json": _in_the_run_file,
+    "report": _in_the_report,
+    "reports": _among_the_reports,
+    "matrix": _in_the_matrix,
+    "matrix.csv": _in_the_table,
+    "argument": _in_the_argument,
+}
+
+FLOWN = VERSIONS.model_dump(mode="json") | {"code": CODE.digest}
+EDITED = sa.update(CatalogueDocument).values(document=edited())
+NOTHING = sa.update(CatalogueDocument).values(document={k: v for k, v in edited().items() if k != "code"})
+SUSPECT: dict[str, tuple[sa.Update, str]] = {
+    "code": (EDITED, Change("engine", CODE.digest, OTHER.digest).text),
+    "no worker": (NOTHING, NO_CODE),
+    "code not stored": (sa.update(Run).values(flown=None), NOT_STORED),
+    "own component": (
+        sa.update(Run).values(flown=FLOWN | {"components": {"a.py": "0"}}),
+        Change("components/a.py", "0", "").text,
+    ),
+    "text": (
+        sa.update(Requirement).values(text="Keep 0.6 m."),
+        CHANGED_TEXT,
+    ),
+    "stated text": (
+        sa.update(RunRequirement).values(text="Keep 0.4 m."),
+        OTHER_TEXT,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("cause", SUSPECT)
+def test_suspect_is_stated_in_every_place(
+    service: Service, client: httpx.Client, signed: str, cause: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    change, reason = SUSPECT[cause]
+    before = client.get(f"{API}/runs/{signed}/exports/run.json").headers["etag"]
+    with changed(service.engine, change):
+        for place, shown in PLACES.items():
+            assert "suspect" in shown(client, signed).lower(), place
+            assert reason in shown(client, signed), place
+        assert reason in _by_command(service, signed, capsys)
+        assert client.get(f"{API}/runs/{signed}/exports/run.json").headers["etag"] != before
+        assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "suspect"
+    for place, shown in PLACES.items():
+        assert "of these results" in shown(client, signed), place
+        assert "suspect" not in shown(client, signed).lower().replace(",no,", ""), place
+
+
+def _by_command(service: Service, run: str, capsys: pytest.CaptureFixture[str]) -> str:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CLEARANCE_SERVICE", service.url)
+        patch.setenv("CLEARANCE_TOKEN", service.token(f"t{run[-1]}"))
+        assert invoke(["show", run]) == 0
+    return capsys.readouterr().out
+
+
+def test_a_newer_campaign_is_stated_in_every_place(service: Service, client: httpx.Client, signed: str) -> None:
+    submit(client, criterion={"threshold": 0.6, "requirements": [REQUIREMENT]})
+    for place, shown in PLACES.items():
+        assert changed_campaign(2) in shown(client, signed), place
+
+
+def test_a_text_that_is_changed_back_is_the_signed_one(service: Service, client: httpx.Client, signed: str) -> None:
+    """And one that is no longer registered is not: the campaign states none."""
+    word(client, "Keep 0.6 m.")
+    assert CHANGED_TEXT in _on_the_run(client, signed)
+    sign(client, signed, "Ada Lovelace")
+    assert [one["standing"] for one in client.get(f"{API}/runs/{signed}/signoffs").json()["items"]] == [
+        "suspect", "standing",
+    ]  # fmt: skip
+    assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "met", "one sign-off is valid"
+    word(client, " Keep  0.5 m.")
+    assert [one["standing"] for one in client.get(f"{API}/runs/{signed}/signoffs").json()["items"]] == [
+        "standing", "suspect",
+    ]  # fmt: skip
+    assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "met"
+    assert client.delete(f"{API}/requirements", params={"requirement": REQUIREMENT}).status_code == 204
+    assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "suspect"
+
+
+def test_a_sign_off_without_stored_texts_is_judged_by_its_time(
+    service: Service, client: httpx.Client, signed: str
+) -> None:
+    """As earlier versions stored it: a text that was changed back was changed all the same."""
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Signoff).values(texts=sa.null()))
+    assert _on_the_run(client, signed).startswith("of these results")
+    word(client, "Keep 0.6 m.")
+    word(client, "Keep 0.5 m.")
+    assert f"{REQUIREMENT}: {LATER_TEXT}" in _on_the_run(client, signed)
+
+
+@AT_NIGHT
+def test_a_repetition_carries_the_sign_off_on(service: Service, client: httpx.Client, signed: str) -> None:
+    again = ran(service, client)
+    _divide(service, 2)
+    for run in (signed, again):
+        for place, shown in PLACES.items():
+            if run == again or place not in (
+                "matrix",
+                "matrix.csv",
+                "argument",
+            ):  # there, the newest run is the evidence
+                assert f"repeated by {again}, bit by bit" in shown(client, run), (place, run)
+    (one,) = client.get(f"{API}/runs/{again}/signoffs").json()["items"]
+    assert (one["run"], one["standing"], one["repeated_by"]) == (signed, "carried on", again)
+    (row,) = client.get(f"{API}/requirements").json()["items"]
+    assert row["status"] == "met"
+    assert f"repeats {signed} bit by bit" in row["sentence"]
+    with changed(service.engine, EDITED):
+        for place, shown in PLACES.items():
+            assert "suspect" in shown(client, again).lower(), place
+    sign(client, again)
+    assert [one["run"] for one in client.get(f"{API}/runs/{again}/signoffs").json()["items"]] == [again], "shown once"
+    third = ran(service, client)
+    assert [one["run"] for one in client.get(f"{API}/runs/{third}/signoffs").json()["items"]] == [again], "the newest"
+
+
+def _divide(service: Service, run_id: int) -> None:
+    """Store the evaluations of a run in two chunks where there was one: when they are stored is a matter of time."""
+    with service.engine.begin() as writer:
+        row = (
+            writer.execute(sa.select(EvaluationChunk.__table__).where(EvaluationChunk.run_id == run_id))
+            .mappings()
+            .one()
+        )
+        half, names = row["count"] // 2, ("points", "costs", "status", "seconds")
+        sizes = {name: len(row[name]) // row["count"] * half for name in names}
+        first = {name: row[name][: sizes[name]] for name in names} | {"count": half}
+        rest = {name: row[name][sizes[name] :] for name in names} | {"count": row["count"] - half, "first": half}
+        writer.execute(sa.delete(EvaluationChunk).where(EvaluationChunk.run_id == run_id))
+        writer.execute(sa.insert(EvaluationChunk), [dict(row) | first, dict(row) | rest])
+
+
+def _bit(service: Service, name: str) -> bytes:
+    """A column of the evaluations of the second run with one bit changed."""
+    with service.engine.connect() as reader:
+        data = bytearray(
+            reader.scalar(sa.select(getattr(EvaluationChunk, name)).where(EvaluationChunk.run_id == 2)) or b""
+        )
+    data[-1] ^= 1
+    return bytes(data)
+
+
+OF_SECOND = {
+    "another verdict": sa.update(Run).where(Run.id == 2).values(verdict="inconclusive"),
+    "another sentence": sa.update(Run).where(Run.id == 2).values(reason="Another."),
+    "other code": sa.update(Run).where(Run.id == 2).values(flown={"code": "0" * 64}),
+    "code not stored": sa.update(Run).where(Run.id == 2).values(flown=None),
+    "another component": sa.update(Run).where(Run.id == 2).values(flown=FLOWN | {"components": {"a.py": "0"}}),
+    "another package": sa.update(Run).where(Run.id == 2).values(flown=FLOWN | {"packages": {"numpy": "2.4.7"}}),
+    "another loop": sa.update(Run).where(Run.id == 2).values(flown=FLOWN | {"loop": "0"}),
+    "another finding": sa.update(Finding).where(Finding.run_id == 2).values(cost=1.2999999999999998),
+    "another stage": sa.update(Stage).where(Stage.run_id == 2, Stage.kind == "search").values(best=1.0),
+    "another trace": sa.update(Trace).where(Trace.run_id == 2).values(data=b"\0" * 301 * 10 * 8),
+    "removed": sa.update(Run).where(Run.id == 2).values(removed=1.0),
+    "the signed one removed": sa.update(Run).where(Run.id == 1).values(removed=1.0),
+    "results of the signed one changed": sa.update(Stage).where(Stage.run_id == 1).values(evaluations=7),
+    "withdrawn": sa.update(Signoff).values(withdrawn=1.0, withdrawn_by="local", withdrawn_reason="x"),
+}
+
+
+def carried(client: httpx.Client) -> bool:
+    items = client.get(f"{API}/runs/R-0002/signoffs").json()["items"]
+    return bool([one for one in items if one["run"] == "R-0001"])
+
+
+@pytest.mark.parametrize("what", [*OF_SECOND, "points", "costs", "status"])
+def test_what_is_no_repetition_carries_nothing(service: Service, client: httpx.Client, signed: str, what: str) -> None:
+    ran(service, client)
+    assert carried(client)
+    change = OF_SECOND.get(what)
+    if change is None:
+        change = sa.update(EvaluationChunk).where(EvaluationChunk.run_id == 2).values({what: _bit(service, what)})
+    with changed(service.engine, change):
+        assert not carried(client)
+        assert "repeated by" not in _on_the_run(client, signed)
+    assert carried(client)
+
+
+def test_another_campaign_is_no_repetition(service: Service, client: httpx.Client, signed: str) -> None:
+    ran(service, client, seed=2)
+    assert not carried(client)
+
+
+def test_times_and_machine_are_no_difference(service: Service, client: httpx.Client, signed: str) -> None:
+    ran(service, client)
+    with service.engine.begin() as writer:
+        summary = dict(writer.scalar(sa.select(Run.summary).where(Run.id == 2)) or {})
+        summary["provenance"] = {**summary["provenance"], "cpu": {"model": "Another CPU", "target": "", "features": ""}}
+        writer.execute(sa.update(Run).where(Run.id == 2).values(summary=summary, worker="w9", started=1.0))
+        writer.execute(sa.update(Stage).where(Stage.run_id == 2).values(seconds=99.0, finished=5.0))
+    assert carried(client)
+
+
+def test_a_run_that_was_purged_carries_nothing_and_the_one_before_does(
+    service: Service, client: httpx.Client, signed: str
+) -> None:
+    for _ in range(2):
+        ran(service, client)
+    assert "repeated by R-0003" in _on_the_run(client, signed)
+    assert client.delete(f"{API}/runs/R-0003", params={"reason": "x"}).status_code == 200
+    assert "repeated by R-0002" in _on_the_run(client, signed)
+    refused = client.delete(f"{API}/runs/{signed}", params={"reason": "x"})
+    assert (refused.status_code, "Grace Hopper" in refused.text) == (409, True)

@@ -1,7 +1,7 @@
 """The stages of a run of a campaign, with the budget of each and the bound of the whole.
 
 Worker and service both use it, so that their numbers agree. Every door states the one number that `most` gives (check,
-launch, live page, report, client, command line, `clearance.search`), and the stages receive the same allowances.
+launch, live page, client, command line, `clearance.search`), and the stages receive the same allowances.
 """
 
 from __future__ import annotations

@@ -204,7 +204,7 @@ class RunStore:
         return Begun(versions, codes.modules(connection, versions.code))
 
     def _plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:
-        fenced(connection, self.claim, planned=sum(stage.planned for stage in stages))
+        fenced(connection, self.claim, fence=self.claim.fence)
         rows = connection.execute(sa.select(Stage).where(Stage.run_id == self._run).order_by(Stage.position)).all()
         if not rows:
             plans = [{"run_id": self._run, "position": i, **vars(stage)} for i, stage in enumerate(stages)]

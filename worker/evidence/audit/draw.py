@@ -44,7 +44,7 @@ def redrawn(campaign: Campaign, bounds: Bounds, seed: int, stream: int, blocks: 
 
 def certified(requested: int, status: Any) -> Iterator[int]:
     """The blocks of the certify stage, which draws excluded ones again; status (m,): of its draws."""
-    done, most = 0, limits.DRAWS * requested
+    done, most = 0, limits.draws(requested, len(status))
     while done < len(status) and (left := requested - int(np.count_nonzero(status[:done] != EXCLUDED))) > 0:
         size = min(BLOCK, left, most - done)
         if size <= 0:

@@ -183,10 +183,12 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     nominal = {"name": "nominal", "cost": run.nominal} | run.case(run.claims["results"][-1]["nominal"])
     agreed = bool(nominal["ok"]) and all(f["validation"]["ok"] for f in run.findings)
     below = [{"position": k, "count": n} for k, n in enumerate(run.below) if n]
-    violations = {"stored": sum(run.below), "by_stage": below, "checked": min(sum(run.below), at_most)}
+    out = _left_out(run)
+    checked = min(sum(run.below), at_most) - out.get("violations", 0)
+    violations = {"stored": sum(run.below), "by_stage": below, "checked": checked}
     spread = {"evaluations": len(run.costs), "lowest": run.lowest, "highest": run.highest}
     last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
-    last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs))}}
+    last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs)) - out.get("spot_checks", 0)}}
     if run.sealed:
         last |= _settings(run)
     if run.claims["results"][-1]["encounter"].get("beyond") is not None:
@@ -228,6 +230,12 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
         clear = all((stated | checks).values()) and stated.keys() >= checks.keys()
         expected["verdict"] = "cleared" if clear else "inconclusive"
     return expected
+
+
+def _left_out(run: Run) -> dict[str, int]:
+    """What validation did not confirm because its allowance was used up; runs of earlier versions had none."""
+    spent = run.claims["results"][-1].get("spent")
+    return {} if spent is None else spent["left_out"]
 
 
 def _stage(run: Run, k: int) -> Tree:
@@ -325,6 +333,7 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
     spot, system = results[-1]["spot_checks"], "validation" if run.campaign.simulator is None else "repetition"
     ended = all(stage.get("state", "done") == "done" for stage in run.claims["stages"])
     compared = spot["violating"] == 0 and (spot["compared"] > 0 or spot["checked"] == 0)
+    compared = compared and not _left_out(run).get("spot_checks")
     checks = {
         "nominal": run.nominal > run.threshold,
         "search": ended and not any(math.isnan(run.best[k]) for k in run.searches),

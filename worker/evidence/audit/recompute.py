@@ -224,8 +224,8 @@ class Run:
                 found["distribution"] = distribution(costs, found["failed"], self.campaign.confidence)
             found["quantile"] = lowest_of_quantile(ranked, certify.quantile - outside, self.campaign.confidence)
             found["quantile"] |= {"share": certify.quantile} if self.sealed else {}
-            if (
-                size < certify.samples and draws < limits.DRAWS * certify.samples
+            if size < certify.samples and draws < limits.draws(
+                certify.samples, draws
             ):  # an excluded draw is repeated, so often
                 found["samples"] = certify.samples
         return found

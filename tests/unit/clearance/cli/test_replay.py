@@ -185,14 +185,17 @@ def test_an_audit_that_replays_finds_a_forged_cost(tmp_path: Path, capsys: pytes
     assert invoke(["audit", path, "--replay", "5", "--json"]) == 0
     cases = [case["case"] for case in json.loads(capsys.readouterr().out)["replay"]["cases"]]
     labels = [finding["label"] for finding in folder.result["findings"]]
-    assert cases[: 1 + len(labels)] == ["0:0", *labels]
+    assert cases[1 : 1 + len(labels)] == labels
+    assert cases[0] == replayed(capsys, path, "0:0")[1]["cases"][0]["case"]
     assert len({*cases}) == 6 + len(labels)
     costs = folder.arrays[f"costs_{SEARCH}"][:, 0]
     case = forge(folder, int(np.argsort(costs)[len(costs) // 2]))
     assert invoke(["audit", path]) == 0, "costs are taken as given"
-    capsys.readouterr()
+    code, alone = replayed(capsys, path, case)
+    assert code == VIOLATED
+    name = alone["cases"][0]["case"]
     assert invoke(["audit", path, "--replay", str(count), "--json"]) == VIOLATED
     found = json.loads(capsys.readouterr().out)["replay"]["cases"]
-    assert (len(found), [one["case"] for one in found if not one["agrees"]]) == (count + len(labels), [case])
+    assert (len(found), [one["case"] for one in found if not one["agrees"]]) == (count + len(labels), [name])
     assert invoke(["audit", path, "--replay", str(count)]) == VIOLATED
-    assert sum(line.startswith(f"{case}: ") for line in capsys.readouterr().out.splitlines()) == 1
+    assert sum(line.startswith(f"{name}: ") for line in capsys.readouterr().out.splitlines()) == 1

@@ -284,6 +284,20 @@ def near_the_worst(random: np.random.Generator) -> Attack:
     return Attack(made.name, document, ANY if lowest > threshold else NOT_CLEARED)
 
 
+def coarse_step(random: np.random.Generator) -> Attack:
+    """A step so long that the worst case differs by it, and a threshold between the two: a violation that only the step
+    has, or one that it hides."""
+    step = float(random.choice([0.008, 0.01]))
+    made = campaign(
+        "coarse step", random, ANY, scenario__obstacles=[circle(*random.uniform(3.6, 4.4, 2).tolist())],
+        scenario__step=step, scenario__guidance={"period": step}, stages__certify={"samples": 60},
+    ).document  # fmt: skip
+    coarse, fine = (brute_force(load_document(made), 9, finer) for finer in (1, 64))
+    threshold = coarse + float(random.uniform(0.3, 0.7)) * (fine - coarse)
+    may = frozenset({"inconclusive", "refused"}) if fine > coarse else NOT_CLEARED
+    return Attack("coarse step", made | {"criterion": made["criterion"] | {"threshold": threshold}}, may)
+
+
 def brute_force(asked: Campaign, points: int, finer: int = 2) -> float:
     """The lowest cost of a full grid with so many points on every axis, at half the step or finer; of one, the nominal
     cost."""
@@ -298,5 +312,5 @@ def brute_force(asked: Campaign, points: int, finer: int = 2) -> float:
 CLASSES: tuple[Callable[[np.random.Generator], Attack], ...] = (
     slit_on_a_slice, nobody_searched, horizon_too_short, never_moves, out_of_reach, no_avoidance, no_influence,
     collision, side_switch, one_realisation, mean_of_realisations, mostly_excluded, tails, through_a_wall, aliased,
-    near_the_worst, mass_outside, one_family,
+    near_the_worst, mass_outside, one_family, coarse_step,
 )  # fmt: skip

@@ -11,7 +11,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import sqlalchemy as sa
 
+from backend.db.engine import connect
+from backend.db.queue import Queue, submit
+from backend.db.store import RunStore
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
@@ -22,10 +26,13 @@ from clearance.local.results import write_results
 from clearance.local.summary import summary
 from tests.given.case_campaigns import searching
 from tests.given.sampled_stages import DRAWN
+from tests.migrated import migrated
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.evidence.audit.judge import SPANS, Item, audit
 from worker.evidence.audit.record import of_folder
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs import identity
 from worker.running.runs.audited import known
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
@@ -105,6 +112,33 @@ def made(campaign: Campaign, store: MemoryStore) -> dict[str, bytes]:
     with TemporaryDirectory() as folder:
         write_results(Path(folder), campaign, store, summary(campaign, store, store.verdict))
         return {str(p.relative_to(folder)): p.read_bytes() for p in Path(folder).rglob("*") if p.is_file()}
+
+
+def stored(folder: Path, name: str) -> sa.Engine:
+    """A database with a run as written by a worker, with every stage in two chunks."""
+    engine = connect(migrated(folder))
+    campaign, memory = ran(name)
+    with engine.begin() as connection:
+        submit(connection, campaign, name="a", tags=[], owner="", planned=1, seed=memory.sample_seed)
+    claim = Queue(engine).claim("w")
+    assert claim is not None
+    store = RunStore(engine, claim)
+    store.describe(campaign, catalogue())
+    assert memory.verdict is not None
+    store.record_versions(memory.verdict.provenance, identity.code(campaign))
+    store.plan([record.plan for record in memory.stages])
+    for position, record in enumerate(memory.stages):
+        columns = memory.evaluations(position)
+        assert columns is not None
+        assert record.result is not None
+        half = len(columns.status) // 2
+        for rows in (slice(0, half), slice(half, None)):
+            part = [getattr(columns, name)[rows] for name in ("points", "costs", "status", "seconds")]
+            store.append(position, rows.start, columns._replace(**dict(zip(columns._fields, part, strict=False))))
+        last = record.plan.kind == "validate"
+        store.finish(position, record.result, 1.0, memory.findings if last else ())
+    store.conclude(memory.verdict)
+    return engine
 
 
 def copied(content: dict[str, bytes], folder: Path) -> Path:

@@ -14,8 +14,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.engine import connect, write
-from backend.db.queue import Queue, submit
-from backend.db.store import RunStore
+from backend.db.queue import submit
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
 from campaigns.refusals import RefusalCode
@@ -31,6 +30,7 @@ from tests.given.corrupted_records import (
     UNREADABLE,
     Folder,
     ran,
+    stored,
     write_called,
     written,
 )  # fmt: skip
@@ -55,27 +55,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def database(tmp_path: Path) -> Iterator[sa.Engine]:
     """A database with the cleared run as written by a worker, with searches in two chunks."""
-    engine = connect(migrated(tmp_path))
-    campaign, memory = ran("cleared")
-    with engine.begin() as connection:
-        submit(connection, campaign, name="a", tags=[], owner="", planned=1, seed=memory.sample_seed)
-    claim = Queue(engine).claim("w")
-    assert claim is not None
-    store = RunStore(engine, claim)
-    store.describe(campaign, catalogue())
-    store.plan([record.plan for record in memory.stages])
-    for position, record in enumerate(memory.stages):
-        columns = memory.evaluations(position)
-        assert columns is not None
-        assert record.result is not None
-        half = len(columns.status) // 2
-        for rows in (slice(0, half), slice(half, None)):
-            part = [getattr(columns, name)[rows] for name in ("points", "costs", "status", "seconds")]
-            store.append(position, rows.start, columns._replace(**dict(zip(columns._fields, part, strict=False))))
-        last = record.plan.kind == "validate"
-        store.finish(position, record.result, 1.0, memory.findings if last else ())
-    assert memory.verdict is not None
-    store.conclude(memory.verdict)
+    engine = stored(tmp_path, "cleared")
     yield engine
     engine.dispose()
 

@@ -1,0 +1,169 @@
+"""Forged rows of a database, with the evidence digest computed again: the audit rejects each or documents its trust."""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+import sqlalchemy as sa
+
+from backend.db.digest import EVIDENCE, current_digest
+from backend.db.tables import Campaign, EvaluationChunk, Finding, Run, Stage
+from campaigns import CampaignError
+from tests.audited import recorded
+from tests.given.corrupted_records import CERTIFY, stored
+from worker.engine.stages.parts import offered
+from worker.evidence.audit.judge import audit, closing
+from worker.evidence.audit.record import UnreadableError
+from worker.evidence.audit.trusted import TRUSTED
+from worker.running.runs.audited import known
+
+SEARCH = 2
+"""The position of the first search."""
+Change = Callable[[sa.Connection], object]
+
+
+class Forgery(NamedTuple):
+    """Changed rows; trusted: the path of what is taken as given, if it is accepted."""
+
+    change: Change
+    trusted: str = ""
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer simulations with the reference integrator."""
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
+    monkeypatch.setattr(offered, "AT_MOST", 3)
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[sa.Engine]:
+    engine = stored(tmp_path, "cleared")
+    yield engine
+    engine.dispose()
+
+
+def of_run(**values: Any) -> Change:
+    return lambda writer: writer.execute(sa.update(Run).values(**values))
+
+
+def documents(table: Any, column: str, edit: Callable[[Any], object], *of: Any) -> Change:
+    """An edit of a JSON column."""
+
+    def change(writer: sa.Connection) -> None:
+        before = writer.scalars(sa.select(getattr(table, column)).where(*of)).one()
+        after = copy.deepcopy(before)
+        edit(after)
+        assert after != before
+        writer.execute(sa.update(table).where(*of).values({column: after}))
+
+    return change
+
+
+def result(position: int, edit: Callable[[Any], object]) -> Change:
+    return documents(Stage, "result", edit, Stage.position == position)
+
+
+def summary(edit: Callable[[Any], object]) -> Change:
+    return documents(Run, "summary", edit)
+
+
+def row(position: int, column: str, kind: str, edit: Callable[[Any], object]) -> Change:
+    """An edit of the numbers of the first chunk of a stage."""
+
+    def change(writer: sa.Connection) -> None:
+        of = (EvaluationChunk.position == position, EvaluationChunk.first == 0)
+        data = writer.scalars(sa.select(getattr(EvaluationChunk, column)).where(*of)).one()
+        numbers = np.frombuffer(data, dtype=kind).copy()
+        edit(numbers)
+        writer.execute(sa.update(EvaluationChunk).where(*of).values({column: numbers.tobytes()}))
+
+    return change
+
+
+def each(*changes: Change) -> Change:
+    return lambda writer: [change(writer) for change in changes]
+
+
+FORGERIES: dict[str, Forgery] = {
+    "another seed of the launch": Forgery(of_run(sample_seed=7)),
+    "a seed that was stated": Forgery(of_run(sample_seed_stated=True)),
+    "another seed of the sample": Forgery(result(CERTIFY, lambda r: r.update(seed=7))),
+    "another seed of both": Forgery(each(of_run(sample_seed=7), result(CERTIFY, lambda r: r.update(seed=7)))),
+    "a draw moved": Forgery(row(CERTIFY, "points", "<f8", lambda x: x.__setitem__(0, 0.5))),
+    "a draw stored twice": Forgery(row(CERTIFY, "points", "<f8", lambda x: x.__setitem__(slice(0, 2), x[2:4]))),
+    "a draw excluded": Forgery(row(CERTIFY, "status", "u1", lambda x: x.__setitem__(0, 3))),
+    "the nominal case moved": Forgery(row(0, "points", "<f8", lambda x: x.__setitem__(0, 0.51))),
+    "a violation stored": Forgery(row(SEARCH, "costs", "<f8", lambda x: x.__setitem__(3, 0.0))),
+    "a cost that decides nothing": Forgery(
+        row(SEARCH, "costs", "<f8", lambda x: x.__setitem__(int(np.argsort(x)[len(x) // 2]), np.median(x) + 1e-3)),
+        "arrays.costs",
+    ),
+    "a smaller bound of the sample": Forgery(result(CERTIFY, lambda r: r["sample"].update(upper_bound=1e-4))),
+    "more samples": Forgery(result(CERTIFY, lambda r: r["sample"].update(samples=3000))),
+    "another worst cost": Forgery(of_run(worst_cost=2.0)),
+    "another nominal cost": Forgery(of_run(nominal_cost=2.0)),
+    "another bound": Forgery(of_run(upper_bound=1e-4)),
+    "another count": Forgery(of_run(evaluations=10**6)),
+    "another threshold of the run": Forgery(of_run(threshold=0.1)),
+    "another verdict": Forgery(of_run(verdict="violated")),
+    "a bolder sentence": Forgery(
+        summary(lambda s: s["statement"].append({"kind": "text", "text": " No worse case exists."}))
+    ),
+    "a check left out": Forgery(summary(lambda s: s["checks"].pop())),
+    "a check that holds": Forgery(summary(lambda s: s["checks"][0].update(ok=False))),
+    "a wider scope": Forgery(summary(lambda s: s["holds_for"].append({"kind": "text", "text": " and all others"}))),
+    "other code in the verdict": Forgery(summary(lambda s: s["provenance"].update(code="0" * 64))),
+    "another unit": Forgery(summary(lambda s: s.update(unit="km"))),
+    "a finding that costs more": Forgery(lambda writer: writer.execute(sa.update(Finding).values(cost=5.0))),
+    "a finding elsewhere": Forgery(
+        documents(Finding, "parameters", lambda p: p.update({"vehicle.m": 4.2}), Finding.label == "F1")
+    ),
+    "a stage that lost its result": Forgery(
+        lambda writer: writer.execute(sa.update(Stage).where(Stage.position == CERTIFY).values(result=sa.null()))
+    ),
+    "wider bounds in the campaign": Forgery(
+        documents(Campaign, "document", lambda d: d["uncertain"]["vehicle.m"].update(plus_minus="40%"))
+    ),
+    "another threshold in the campaign": Forgery(
+        documents(Campaign, "document", lambda d: d["criterion"].update(threshold=0.1))
+    ),
+    "another question": Forgery(lambda writer: writer.execute(sa.update(Campaign).values(question="0" * 64))),
+}
+
+
+def seal(writer: sa.Connection) -> None:
+    """Compute the evidence digest again, as whoever can write the database can."""
+    verdict = copy.deepcopy(writer.scalars(sa.select(Run.summary)).one())
+    verdict["provenance"][EVIDENCE] = current_digest(writer, 1)
+    writer.execute(sa.update(Run).values(summary=verdict))
+
+
+def accepted(engine: sa.Engine) -> bool:
+    try:
+        record = recorded(engine)
+        return closing(audit(record, known(record), offered.AT_MOST, offered.SPOT_CHECKS))[0]
+    except (UnreadableError, CampaignError, ValueError):
+        return False
+
+
+def test_what_is_not_forged_is_accepted(database: sa.Engine) -> None:
+    with database.begin() as writer:
+        seal(writer)
+    assert accepted(database)
+
+
+@pytest.mark.parametrize("forgery", FORGERIES)
+def test_a_forged_database_is_rejected_or_documented(forgery: str, database: sa.Engine) -> None:
+    change, trusted = FORGERIES[forgery]
+    with database.begin() as writer:
+        change(writer)
+        seal(writer)
+    assert accepted(database) == bool(trusted)
+    assert not trusted or any(re.search(pattern, trusted) for one in TRUSTED for pattern in one.paths)

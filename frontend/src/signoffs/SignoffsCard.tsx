@@ -19,7 +19,7 @@ import { Modal } from '../ui/Modal'
 import { hiddenHead, Table } from '../ui/Table'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
-import { sentenceOf, STANDINGS } from './SignedBy'
+import { detailOf, STANDINGS } from './SignedBy'
 import styles from './signoffs.module.css'
 
 const sentence = (clause: string) => `${clause.charAt(0).toUpperCase()}${clause.slice(1)}.`
@@ -153,7 +153,7 @@ function Status({ item, run }: { item: Signoff; run: string }) {
           </>
         )}
       </span>
-      <small>{sentenceOf(item)}</small>
+      <small>{detailOf(item)}</small>
     </span>
   )
 }

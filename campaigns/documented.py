@@ -43,6 +43,8 @@ def _is_none(value: object) -> bool:
 
 UNLESS_NONE, UNLESS_EMPTY = Field(exclude_if=_is_none), Field(exclude_if=operator.not_)
 """Of a field that is omitted if it is None, or if it is empty."""
+UNLESS_STATED = Field(exclude_if=_is_none, json_schema_extra=no_default)
+"""Of a number that is omitted if it is None, so that 0 can be stated."""
 UNSTATED = Field(exclude_if=operator.not_, json_schema_extra=no_default)
 """Of a field that is omitted if it is empty, also as a default, so that documents without it keep their digests."""
 

@@ -16,6 +16,8 @@ SAME_COST, SAME_PLACE = 0.01, 0.05
 SPOT_CHECKS, VIOLATIONS = 200, 200
 """Random evaluations, and stored violations at most, that are made again to confirm them; of a simulator in fresh
 processes."""
+FINDINGS = 20_000
+"""Usual limit of the evaluations that distinguish the worst cases, where the searches have as many."""
 REPEATS = 10
 """Fewer independent calls of a noisy simulator would say too little about a finding."""
 SAMPLE, SAMPLE_CLOSED_LOOP = 59, 300
@@ -25,5 +27,5 @@ TURN = 0.7853981633974483
 """pi/4: what turns further within a step can be at the same place at every sample."""
 CONTINUED = 2
 """Flights are simulated on to this multiple of the horizon, to see whether an encounter lies beyond it."""
-DRAWS = 20
+DRAWS = 2
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""

@@ -19,6 +19,7 @@ from backend import openapi
 from campaigns.documents import JsonObject
 from campaigns.rules import LIMITS, RULES
 from worker.engine.search.base import Method
+from worker.evidence.audit.trusted import TRUSTED
 from worker.running.catalogue.installed import methods
 
 ROOT = Path(__file__).parents[1]
@@ -81,7 +82,12 @@ def _table_of_limits() -> str:
     return _table(("Limit", "Value", "Source"), rows)
 
 
+def _table_of_trusted() -> str:
+    return _table(("Taken as given", "Why"), [(one.what, one.why) for one in TRUSTED])
+
+
 TABLES: Mapping[str, Callable[[], str]] = {
+    "trusted": _table_of_trusted,
     "methods": table_of_methods,
     "methods without more": methods_without_more,
     "checks": _table_of_checks,

@@ -11,15 +11,17 @@ from backend.catalog.schemas import Estimate, EstimatedStage
 from backend.db import costs
 from backend.db.tables import Run, Stage
 from campaigns import Campaign, Catalogue
-from campaigns.checked.expected import Total, boundary, expected, latest, total
+from campaigns.asked.allowance import validation
+from campaigns.checked.expected import Total, expected, total
 from campaigns.checked.expected import again as made_again
 from campaigns.runs import RunState, run_name
 from campaigns.stages.found import declared
+from campaigns.stages.plan import bound, most
 
 USUAL = (
-    "A range: how soon searches end by their own rule, how many worst cases there are and how long the descents to "
-    "them take is known only afterwards. Each worst case that violates adds about {boundary} evaluations; validation "
-    "ends after {latest} at the latest. Excluded samples are drawn again, in addition."
+    "How soon searches end by their own rule, how many worst cases there are and how long the descents to them take is "
+    "known only afterwards. No run takes more than {most} evaluations, those made again to confirm results and to "
+    "replace excluded samples included; validation takes {validation} of them at most."
 )
 UNKNOWN = "The time is known after a first run of the same components."
 SPEED = "The time is that of earlier runs with the same components."
@@ -47,19 +49,19 @@ def estimate(
 
     seconds: the working time of so many evaluations of a scenario; None if unknown.
     """
-    earlier = _earlier(reader, campaign.digest)
+    earlier = _earlier(reader, campaign)
     if earlier is not None:
         statement = f"As in {earlier.run}, an earlier run of this campaign."
         had, seconds_had = sum(stage.evaluations for stage in earlier.stages), earlier.seconds
-        time = _Time(seconds_had, seconds_had, seconds_had, f"The time is that of {earlier.run}.")
-        return _estimate(earlier.stages, Total(had, had, had), statement, time, earlier.run)
+        time = _Time(seconds_had, seconds_had, None, f"The time is that of {earlier.run}.")
+        return _estimate(earlier.stages, Total(had, had, most(campaign)), statement, time, earlier.run)
     found = expected(campaign, catalogue)
     stages, evaluations = [EstimatedStage(**stage._asdict()) for stage in found], total(found)
     if campaign.simulator is None:
         time = _scaled(seconds, evaluations)
     else:
         time = _simulated(reader, campaign, catalogue, evaluations)
-    statement = USUAL.format(boundary=boundary(campaign), latest=f"{latest(campaign):,}")
+    statement = USUAL.format(most=f"{evaluations.most:,}", validation=f"{validation(campaign).total:,}")
     return _estimate(stages, evaluations, statement, time, None)
 
 
@@ -70,7 +72,6 @@ def _estimate(
         evaluations=evaluations.usual,
         least=evaluations.least,
         most=evaluations.most,
-        near=evaluations.near,
         stages=stages,
         statement=statement,
         seconds=time.usual,
@@ -90,9 +91,10 @@ def _scaled(seconds: Callable[[int], float | None], evaluations: Total) -> _Time
     return _Time(time, each * evaluations.least, each * evaluations.most, SPEED)
 
 
-def _earlier(reader: sa.Connection, digest: str) -> _Earlier | None:
+def _earlier(reader: sa.Connection, campaign: Campaign) -> _Earlier | None:
     """The newest finished run of exactly this campaign that began from nothing."""
-    same = (Run.campaign_digest == digest, Run.state == RunState.DONE, Run.removed.is_(None), Run.continues.is_(None))
+    done = (Run.campaign_digest == campaign.digest, Run.state == RunState.DONE)
+    same = (*done, Run.removed.is_(None), Run.continues.is_(None))
     run_id = reader.scalar(sa.select(Run.id).where(*same, Run.purged.is_(None)).order_by(Run.id.desc()).limit(1))
     if run_id is None:
         return None
@@ -103,8 +105,11 @@ def _earlier(reader: sa.Connection, digest: str) -> _Earlier | None:
         found[row.kind] = found.get(row.kind, 0) + row.evaluations
         seconds += row.seconds
     titles = {kind: stage.title for kind, stage in declared().items()}
+    limits: dict[str, int] = {}
+    for stage in bound(campaign):
+        limits[stage.kind] = limits.get(stage.kind, 0) + stage.evaluations
     stages = [
-        EstimatedStage(kind=k, title=titles.get(k, k.capitalize()), evaluations=n, least=n, most=n)
+        EstimatedStage(kind=k, title=titles.get(k, k.capitalize()), evaluations=n, least=n, most=limits.get(k, n))
         for k, n in found.items()
     ]
     return _Earlier(run_name(run_id), seconds, stages) if sum(found.values()) else None
@@ -121,5 +126,5 @@ def _simulated(reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, 
         return _Time(None, None, None, f"The time is not known yet: {measure}, and so does the first stage of a run.")
     again = made_again(campaign, catalogue, cost.noisy, entry is not None and entry.step is not None)
     usual, statement = cost.lasts(evaluations.usual, calls, again)
-    least, most = (cost.lasts(end, calls, again)[0] for end in (evaluations.least, evaluations.most))
-    return _Time(usual, least, most, statement)
+    least = cost.lasts(evaluations.least, calls, again)[0]
+    return _Time(usual, least, cost.lasts(0, calls, evaluations.most)[0], statement)

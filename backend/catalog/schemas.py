@@ -55,7 +55,7 @@ class CriterionOut(Schema):
 
 
 class EstimatedStage(Schema):
-    """The evaluations of all stages of one kind: usually, at least and at most."""
+    """The evaluations of all stages of one kind: usually, at least, and at most with those made again."""
 
     kind: str
     title: str
@@ -70,11 +70,9 @@ class Estimate(Schema):
     evaluations: int
     """Of all stages, validation included: the usual number."""
     least: int
-    """The low end of its range, rounded; equal to `evaluations` if an earlier run gave the number."""
+    """The low end of its range; equal to `evaluations` if an earlier run gave the number."""
     most: int
-    """The high end."""
-    near: bool
-    """Whether the usual number alone says enough: nothing in the range differs from it by more than a fifth."""
+    """The bound of the run, which it never exceeds: evaluations made again to confirm results included."""
     stages: list[EstimatedStage]
     statement: str
     """Where the number of evaluations is known from, a sentence."""
@@ -101,7 +99,7 @@ class Checked(Schema):
     """Null if it has errors, or more values than a campaign in YAML may have."""
     parameters: list[CheckedParameter]
     evaluations: int | None
-    """The sum of the budgets of all stages; `estimate` states what a run usually takes."""
+    """The bound of the run; `estimate` states what it usually takes."""
     seconds: float | None
     """For these, from the speed of earlier runs with the same components; None if there are none."""
     estimate: Estimate | None

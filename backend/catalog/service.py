@@ -18,7 +18,7 @@ from campaigns.asked.text import readable_yaml
 from campaigns.checked.check import parameters
 from campaigns.results.drawn import library_flights
 from campaigns.runs import RunState, StageState
-from campaigns.stages.plan import plan
+from campaigns.stages.plan import most
 
 NO_CATALOGUE = (
     "no worker has published its components yet, so campaigns cannot be checked: start a worker with `clearance worker`"
@@ -103,7 +103,7 @@ def checked(reader: sa.Connection, campaign: Campaign | CampaignError) -> Checke
         )
     catalogue = required(reader)
     problems = check(campaign, catalogue)
-    evaluations = sum(stage.planned for stage in plan(campaign))
+    evaluations = most(campaign)
     return Checked(
         ok=not problems,
         problems=_out(problems),

@@ -26,6 +26,7 @@ from campaigns.results.base import EXCLUDED
 from campaigns.results.trace import TraceColumn
 from campaigns.runs import RunState
 from campaigns.sample_seed import SampleSeed
+from campaigns.stages.plan import most
 from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace, join
 from campaigns.versions import Versions
 
@@ -103,7 +104,7 @@ def begin(
     It has the old run's name, tags, labels, baseline and owner, and stores the catalogue entries of its components.
     `versions` describes the installation that ran these evaluations; None if unknown. Runs in the caller's transaction.
     """
-    run_id = succeed(connection, old, campaign, sum(stage.planned for stage in planned), catalogue)
+    run_id = succeed(connection, old, campaign, most(campaign), catalogue)
     for position, stage in enumerate(planned):
         columns = carried.get(position)
         row = {"run_id": run_id, "position": position, **vars(stage)}

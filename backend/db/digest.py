@@ -1,21 +1,25 @@
 """The digest of a run's results: what a reviewer signs, and how a file of the run is checked for changes.
 
-SHA-256 over the canonical JSON of campaign digest, state, verdict, findings and stage results, over the bytes of the
-stored traces, and over the component descriptions stored with the run: only these map points of the unit cube to
-physical values. Names, tags, notes and times are not results.
+It is the evidence digest (`campaigns.stored.digest`) over the run's campaign, its evaluations, state, verdict, findings
+and stage results, over the bytes of the stored traces, and over the component descriptions stored with the run: only
+these map points of the unit cube to physical values. Names, tags, notes and times are not results.
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
+from collections.abc import Iterator
 from typing import Any
 
 import sqlalchemy as sa
 
 from backend.db import snapshots
-from backend.db.tables import Finding, Run, Stage, Trace
+from backend.db.tables import Campaign, EvaluationChunk, Finding, Run, Stage, Trace
+from campaigns.documents import digest_of
+from campaigns.stored.digest import Rows, evidence_digest
 
+EVIDENCE = "evidence"
+"""Where the provenance of a verdict has it; runs of earlier versions have none, and a digest without evaluations."""
 _RUN = ("campaign_digest", "state", "verdict", "reason", "error", "summary", "nominal_cost", "worst_cost")
 _STAGE = ("position", "kind", "method", "state", "planned", "evaluations", "failed", "excluded", "best", "best_index")
 _EVIDENCE = ("label", "slices", "boundary", "closest")
@@ -24,6 +28,25 @@ _FINDING = ("label", "cost", "margin", "parameters", "point", "methods", "found"
 
 def results_digest(reader: sa.Connection, run_id: int, evidence: bool = True) -> str:
     """64 hexadecimal digits; any change of a result changes them. Revisions up to 0010 used `evidence=False`."""
+    stated = sa.select(Run.summary["provenance"][EVIDENCE].as_string()).where(Run.id == run_id)
+    if reader.scalar(stated) is not None:
+        return current_digest(reader, run_id)
+    return digest_of(_parts(reader, run_id, evidence))
+
+
+def current_digest(reader: sa.Connection, run_id: int) -> str:
+    """The evidence digest of what is stored now, whether or not the run states one."""
+    of = sa.select(Campaign.document).join(Run, Run.campaign_digest == Campaign.digest).where(Run.id == run_id)
+    campaign = digest_of(reader.execute(of).scalar_one())
+    parts = _parts(reader, run_id)
+    summary = _RUN.index("summary")
+    for row in parts["run"]:  # without the digest, which cannot cover itself
+        known = row[summary].get("provenance") or {}
+        row[summary] = row[summary] | {"provenance": {k: v for k, v in known.items() if k != EVIDENCE}}
+    return evidence_digest(campaign, _evaluations(reader, run_id), parts)
+
+
+def _parts(reader: sa.Connection, run_id: int, evidence: bool = True) -> dict[str, list[list[Any]]]:
     parts = {
         "run": _rows(reader, Run, _RUN, Run.id == run_id, Run.id),
         "stages": _rows(reader, Stage, (*_STAGE, "result"), Stage.run_id == run_id, Stage.position),
@@ -37,8 +60,13 @@ def results_digest(reader: sa.Connection, run_id: int, evidence: bool = True) ->
     components = snapshots.digest(reader, run_id)
     if components is not None:  # runs without a snapshot keep the digest under which they were signed
         parts["components"] = [[components]]
-    canonical = json.dumps(parts, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()
+    return parts
+
+
+def _evaluations(reader: sa.Connection, run_id: int) -> Iterator[Rows]:
+    of = sa.select(EvaluationChunk.position, EvaluationChunk.points, EvaluationChunk.costs, EvaluationChunk.status)
+    of = of.where(EvaluationChunk.run_id == run_id).order_by(EvaluationChunk.position, EvaluationChunk.first)
+    return (Rows(*row) for row in reader.execute(of))
 
 
 def _rows(reader: sa.Connection, table: Any, names: tuple[str, ...], of: Any, order: Any) -> list[list[Any]]:

@@ -14,6 +14,7 @@ import sqlalchemy as sa
 
 from backend.db import codes, continuation, evaluations_ahead, sizes, snapshots, sources, workers
 from backend.db.convergence import extended
+from backend.db.digest import current_digest
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
 from backend.db.rows import blobs, failed, finding_row, lowest, plain, stored_columns, trace_row
@@ -158,7 +159,14 @@ class RunStore:
             "lease_until": 0.0,
             "error": None,
         }
-        self._write(lambda connection: fenced(connection, self.claim, finished=now(connection), **values))
+
+        def work(connection: sa.Connection) -> None:
+            fenced(connection, self.claim, finished=now(connection), **values)
+            stated = verdict.provenance.model_copy(update={"evidence": current_digest(connection, self._run)})
+            summary = plain(verdict.model_copy(update={"provenance": stated}))
+            connection.execute(sa.update(Run).where(Run.id == self._run).values(summary=summary))
+
+        self._write(work)
 
     def _describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
         begun = connection.scalar(sa.select(Stage.position).where(Stage.run_id == self._run).limit(1))
@@ -196,7 +204,7 @@ class RunStore:
         return Begun(versions, codes.modules(connection, versions.code))
 
     def _plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:
-        fenced(connection, self.claim, planned=sum(stage.planned for stage in stages))
+        fenced(connection, self.claim, fence=self.claim.fence)
         rows = connection.execute(sa.select(Stage).where(Stage.run_id == self._run).order_by(Stage.position)).all()
         if not rows:
             plans = [{"run_id": self._run, "position": i, **vars(stage)} for i, stage in enumerate(stages)]

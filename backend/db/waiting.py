@@ -23,7 +23,7 @@ from backend.db.tables import (
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.runs import RunState, run_name
-from campaigns.stages.plan import plan
+from campaigns.stages.plan import most
 
 CONTINUED = "It was continued as {run}."
 _RESULTS = (EvaluationAhead, EvaluationChunk, Stage, Finding, Trace, RunSources)
@@ -56,7 +56,7 @@ def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
     """Queue a new run that continues a waiting one, which is cancelled; None if it does not wait for its code."""
     if not waits(writer, run_id):
         return None
-    planned = sum(stage.planned for stage in plan(campaign))
+    planned = most(campaign)
     found = succeed(writer, run_id, campaign, planned, catalogue, carries=True)
     ended = {"state": RunState.CANCELLED, "cancel": True, "finished": now(writer)}
     ended |= {"error": CONTINUED.format(run=run_name(found))}

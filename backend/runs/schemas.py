@@ -62,8 +62,6 @@ class StageSummary(Schema):
     title: str
     description: str
     """A short description of its stages."""
-    estimated: bool
-    """Whether the planned number of its evaluations is an estimate: it depends on what is found."""
 
 
 class StageProgress(Schema):

@@ -79,7 +79,6 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
                 kind=stage.kind,
                 title=stage.title,
                 description=stage.description(campaign),
-                estimated=stage.of_findings,
             )
             for stage in declared().values()
             if stage.planned(campaign)

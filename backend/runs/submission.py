@@ -27,7 +27,7 @@ from campaigns.asked.load import load_document, load_text
 from campaigns.results.baselines import CannotCompare
 from campaigns.runs import RunState, run_name, run_number
 from campaigns.sample_seed import SampleSeed
-from campaigns.stages.plan import plan
+from campaigns.stages.plan import most
 
 AT_LAUNCH = "a baseline is added at launch: leave it out, and give the run next to the campaign, as baseline: R-0001"
 
@@ -133,7 +133,7 @@ def _queue(
         owner=visitor.account,
         token=visitor.token,
         priority=submission.priority,
-        planned=sum(stage.planned for stage in plan(resolved.campaign)),
+        planned=most(resolved.campaign),
         catalogue=catalogue,
         labelled=submission.labels,
         seed=_sample_seed(writer, resolved.campaign, submission.sample_seed),

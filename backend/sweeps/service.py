@@ -24,7 +24,7 @@ from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSu
 from backend.sweeps.variants import described, variants
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.runs import run_name, sweep_name, sweep_number
-from campaigns.stages.plan import plan
+from campaigns.stages.plan import most
 
 LONGEST = 120
 """Characters of a run's name."""
@@ -105,7 +105,7 @@ def _launch(
             owner=visitor.account,
             token=visitor.token,
             priority=options.priority,
-            planned=sum(stage.planned for stage in plan(campaign)),
+            planned=most(campaign),
             catalogue=catalogue,
             labelled=options.labels,
         )

@@ -8,7 +8,7 @@ from pydantic import Field, field_validator
 
 from campaigns import limits
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, MAX_EVALUATIONS, Identifier, Number, Option, Path, Strict
-from campaigns.documented import no_default
+from campaigns.documented import UNLESS_STATED, no_default
 
 
 class Morris(Strict):
@@ -79,6 +79,9 @@ class Validate(Strict):
     neighbours: Annotated[int, Field(ge=0, le=100_000), AS_WHOLE] = 300
     reach: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 1e-3
     """Fraction of each range that contains the neighbours."""
+    evaluations: Annotated[int | None, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE, UNLESS_STATED] = None
+    """Of validation in all, those made again to confirm results included; omitted: as many as the searches, or as
+    `findings.evaluations` states."""
     repeats: Annotated[
         int, Field(ge=limits.REPEATS, le=10_000, exclude_if=_usual, json_schema_extra=no_default), AS_WHOLE
     ] = limits.REPEATS
@@ -90,7 +93,9 @@ class Findings(Strict):
     """When two worst cases count as one, how many are stored, and how many evaluations distinguishing them may take."""
 
     at_most: Annotated[int, Field(ge=1, le=50), AS_WHOLE] = 8
-    evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = 20_000
+    evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = limits.FINDINGS
+    """To distinguish them; neighbours, slices and boundaries come in addition. Validation as a whole takes at most as
+    many evaluations as the searches, or as this states if it is more and not the usual number."""
     distance: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = limits.DISTANCE
     """Two minima closer than this fraction of every range count as one."""
     barrier: Annotated[float, Field(ge=0, le=1), AS_NUMBER] = limits.BARRIER

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign, Scenario
-from campaigns.stages.plan import plan
+from campaigns.stages.plan import bound, most
 
 MOST_STEPS = 10**13
 """Simulation steps of a run; at 20 ns each (a vehicle in the plane) they take two days on one core. The largest
@@ -52,9 +52,9 @@ def traced(campaign: Campaign) -> int:
 
 def excessive(campaign: Campaign) -> Iterator[Problem]:
     """Problems with a campaign that exceeds the limits, and what to lower."""
-    evaluations = sum(stage.planned for stage in plan(campaign))
+    evaluations = sum(stage.stored for stage in bound(campaign))
     if campaign.scenario is not None:
-        yield from _simulating(campaign, campaign.scenario, evaluations)
+        yield from _simulating(campaign, campaign.scenario, most(campaign))
     stored = evaluations * (len(campaign.uncertain) + len(campaign.objectives) + 3)
     if stored > MOST_STORED:
         value = f"{evaluations:,} evaluations of {len(campaign.uncertain)} parameters"

@@ -15,11 +15,13 @@ from typing import Any
 from pydantic import JsonValue, ValidationError
 
 from campaigns import rules
+from campaigns.asked.allowance import validation
 from campaigns.asked.proposal import ranked
 from campaigns.asked.spec import MAX_EVALUATIONS, Campaign
 from campaigns.asked.stages import Certify, Search
 from campaigns.catalogue import MethodEntry
 from campaigns.claims.say import Part, count, listed, method, number, say
+from campaigns.limits import FINDINGS
 from campaigns.results.base import Described, Result
 from campaigns.results.search import SearchResult
 from campaigns.results.verdict import Check, Statistics
@@ -62,7 +64,8 @@ def remedies(check: Check, ran: Ran) -> list[Remedy]:
     rule = rules.rule(check.code)
     if check.ok or rule is None or rule.remedy is None:
         return []
-    found = _OF[rule.remedy](check, ran)
+    kind = RemedyKind.FINDINGS if "left_out" in check.values else rule.remedy
+    found = _OF[kind](check, ran)
     return [remedy for remedy in found if applied(ran.campaign, [remedy]) not in (None, ran.campaign)]
 
 
@@ -170,9 +173,13 @@ def _distinguished(check: Check, ran: Ran) -> Iterator[Remedy]:
     """More evaluations to distinguish and polish the worst cases."""
     if not ran.searches or all(search.best is None for search in ran.searches):
         return
-    wanted = min(MORE * max(ran.campaign.stages.findings.evaluations, 1000), MAX_EVALUATIONS)
+    stages = ran.campaign.stages
+    stated, stage = stages.findings.evaluations, "findings"
+    if stated == FINDINGS or stages.validate_.evaluations is not None:
+        stated, stage = validation(ran.campaign).total, "validate"
+    wanted = min(MORE * max(stated, 1000), MAX_EVALUATIONS)
     statement = ("with ", count(wanted), " evaluations to distinguish the worst cases")
-    yield _remedy(RemedyKind.FINDINGS, statement, (("stages", "findings", "evaluations"), wanted))
+    yield _remedy(RemedyKind.FINDINGS, statement, (("stages", stage, "evaluations"), wanted))
 
 
 def _larger_sample(check: Check, ran: Ran) -> Iterator[Remedy]:

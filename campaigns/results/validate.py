@@ -24,6 +24,26 @@ class Gathered(Described):
     complete: bool
 
 
+class LeftOut(Result):
+    """What was not confirmed because the allowance of validation was used up."""
+
+    findings: int = 0
+    violations: int = 0
+    calls: int = 0
+    """Violations of a simulator that does not repeat that were not called as often as a finding."""
+    spot_checks: int = 0
+
+
+class Spent(Result):
+    """The evaluations of validation."""
+
+    at_most: int
+    """Its allowance, evaluations made again to confirm results included."""
+    stored: int
+    """Those that distinguish the worst cases."""
+    left_out: LeftOut
+
+
 class Compared(Result):
     """A search next to the others, once all findings are known."""
 
@@ -184,6 +204,8 @@ class ValidateResult(StageResult, Described):
     incumbents: Annotated[list[Incumbent], UNLESS_EMPTY] = []
     """The best of every search, called again if the simulator does not repeat; omitted otherwise."""
     untraced: Untraced = {}
+    spent: Annotated[Spent | None, UNLESS_NONE] = None
+    """Omitted in results of earlier versions."""
     since: Annotated[list[str | None], UNLESS_EMPTY] = []
     """The finding whose basin contains each case of the baseline, in their order; null if there is none; omitted
     without a baseline."""

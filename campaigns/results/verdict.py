@@ -10,7 +10,7 @@ from pydantic import Field, computed_field, model_validator
 
 from campaigns.claims.spans import Spans, values, words
 from campaigns.codes import CheckCode
-from campaigns.documented import UNLESS_EMPTY
+from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE
 from campaigns.limits import SAMPLE
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
 from campaigns.results.regression import OptionalRegression
@@ -105,6 +105,9 @@ class Provenance(Versions):
 
     digest: str | None = None
     """Of the campaign."""
+    evidence: Annotated[str | None, UNLESS_NONE] = None
+    """Of the campaign, all evaluations and all results: `campaigns.stored.digest`. Omitted in results of earlier
+    versions."""
     seed: int | None = None
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from campaigns.asked.spec import Campaign
+from campaigns.limits import DRAWS
 from campaigns.results.sample import CertifyResult
 from campaigns.stages.declared import Declared
 
@@ -14,6 +15,17 @@ def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
         return []
     grid = 0 if certify.grid is None else certify.grid.points ** len(campaign.uncertain)
     return [(None, certify.samples + grid)]
+
+
+def _most(campaign: Campaign, planned: int) -> int:
+    """With those drawn again in place of excluded ones."""
+    certify = campaign.stages.certify
+    return planned if certify is None else planned + (DRAWS - 1) * certify.samples
+
+
+def _beyond(campaign: Campaign) -> int:
+    """Every evaluation of a closed loop is simulated on beyond the horizon."""
+    return 0 if campaign.scenario is None else sum(planned for _, planned in _planned(campaign))
 
 
 def _drawn(campaign: Campaign, evaluations: int) -> int:
@@ -29,6 +41,8 @@ stage = Declared(
     result=CertifyResult,
     planned=_planned,
     description=lambda campaign: "independent sample",
+    most=_most,
+    again=_beyond,
     draws=_drawn,
     independent=True,
     against=True,

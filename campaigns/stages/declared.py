@@ -22,6 +22,10 @@ class Declared:
     """For every stage of this kind in the campaign: the method, if any, and the budget of evaluations."""
     description: Callable[[Campaign], str]
     """A short description of the stages of this kind in this campaign."""
+    most: Callable[[Campaign, int], int] = lambda campaign, planned: planned
+    """How many evaluations a stage with this budget stores at most."""
+    again: Callable[[Campaign], int] = lambda campaign: 0
+    """How many more it makes at most without storing them: for traces, and to confirm results."""
     draws: Callable[[Campaign, int], int] | None = None
     """Of a stage whose evaluations may draw their own noise: how many of its first ones have surely drawn it when it
     has so many, before it has a result."""

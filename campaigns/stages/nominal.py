@@ -28,4 +28,5 @@ stage = Declared(
     result=NominalResult,
     planned=_planned,
     description=_description,
+    again=lambda campaign: 1,  # its trace
 )

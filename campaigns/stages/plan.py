@@ -1,6 +1,7 @@
-"""The stages of a run of a campaign, with the budget of evaluations of each.
+"""The stages of a run of a campaign, with the budget of each and the bound of the whole.
 
-Worker and service both use it, so that their numbers agree.
+Worker and service both use it, so that their numbers agree. Every door states the one number that `most` gives (check,
+launch, live page, client, command line, `clearance.search`), and the stages receive the same allowances.
 """
 
 from __future__ import annotations
@@ -12,15 +13,25 @@ from campaigns.stages.found import StageKind, declared
 
 
 class Planned(NamedTuple):
-    """One planned stage; `planned` evaluations are its budget.
-
-    For validate this is an estimate, since the number of worst cases is not known in advance. For certify it excludes
-    repeated draws. Checks at half the step and with the reference integrator are not counted.
-    """
+    """One planned stage; `planned` evaluations are its budget. For certify it excludes repeated draws."""
 
     kind: StageKind
     method: str | None
     planned: int
+
+
+class Bounded(NamedTuple):
+    """A stage: the evaluations that it stores at most, and those besides them, which no count of the run includes."""
+
+    kind: StageKind
+    method: str | None
+    stored: int
+    again: int
+
+    @property
+    def evaluations(self) -> int:
+        """All of them."""
+        return self.stored + self.again
 
 
 def plan(campaign: Campaign) -> list[Planned]:
@@ -30,3 +41,17 @@ def plan(campaign: Campaign) -> list[Planned]:
         for stage in declared().values()
         for method, evaluations in stage.planned(campaign)
     ]
+
+
+def bound(campaign: Campaign) -> list[Bounded]:
+    """What each stage takes at most, in their order."""
+    kinds = declared()
+    return [
+        Bounded(s.kind, s.method, kinds[s.kind].most(campaign, s.planned), kinds[s.kind].again(campaign))
+        for s in plan(campaign)
+    ]
+
+
+def most(campaign: Campaign) -> int:
+    """The evaluations of a run, at most: stored ones and those made again."""
+    return sum(stage.evaluations for stage in bound(campaign))

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from campaigns.asked.allowance import validation
 from campaigns.asked.spec import Campaign
 from campaigns.results.validate import ValidateResult
 from campaigns.stages.declared import Declared
 
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
-    # An estimate: the usual number to distinguish the worst cases (measured on the library), plus one's neighbours.
-    usual = 400 * (len(campaign.uncertain) + 1)
-    return [(None, min(campaign.stages.findings.evaluations, usual) + campaign.stages.validate_.neighbours)]
+    return [(None, validation(campaign, noisy=False).stored)]
+
+
+def _again(campaign: Campaign) -> int:
+    return validation(campaign).total - validation(campaign, noisy=False).stored
 
 
 def _description(campaign: Campaign) -> str:
     return "each case evaluated again" if campaign.scenario is None else "half step, reference integrator"
 
 
-stage = Declared("validate", 4, "Validate", ValidateResult, _planned, _description, of_findings=True)
+stage = Declared("validate", 4, "Validate", ValidateResult, _planned, _description, again=_again, of_findings=True)

@@ -32,10 +32,9 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
     evaluations, calls = total(expected(campaign, installed)), campaign.simulator.calls
     more = again(campaign, installed, cost.noisy, halved)
     seconds, known = cost.lasts(evaluations.usual, calls, more)
-    taken = lasting(seconds)
-    if not evaluations.near:
-        taken = " to ".join(lasting(cost.lasts(end, calls, more)[0]) for end in (evaluations.least, evaluations.most))
-    typer.echo(f"{evaluations.text} evaluations, {taken}; an estimate. {known}", err=True)
+    longest = lasting(cost.lasts(0, calls, evaluations.most)[0])
+    taken = f"{lasting(seconds)}, at most {longest}"
+    typer.echo(f"{evaluations.text} evaluations; {taken} at this speed. {known}", err=True)
 
 
 def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool, Catalogue] | None:

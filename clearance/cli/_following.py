@@ -202,11 +202,7 @@ def _line(found: Run, figures: bool) -> str:
     if not figures:
         return f"{found.id} {name}"
     best = "" if stage.best is None else f", best {stage.best:.6g} {found.unit}"
-    from campaigns.stages.found import declared
-
-    known = declared().get(stage.kind)  # a service of another version may have further ones
-    planned = "about" if known is not None and known.of_findings else "at most"
-    return f"{found.id} {name}, {stage.evaluations:,} of {planned} {stage.planned:,} evaluations{best}"
+    return f"{found.id} {name}, {stage.evaluations:,} of at most {stage.planned:,} evaluations{best}"
 
 
 def counts(found: Run) -> str:

@@ -63,9 +63,10 @@ def audit(
     """
     from worker.evidence.audit import judge
     from worker.evidence.audit.record import UnreadableError
+    from worker.running.runs.audited import audited
 
     try:
-        items = judge.audit(_record(run, data, database))
+        items = audited(_record(run, data, database))
     except UnreadableError as error:
         raise WrongInputError(f"{error}", error.code) from None
     follows, sentence = judge.closing(items)

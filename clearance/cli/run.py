@@ -92,10 +92,9 @@ def run(
     result |= ({"labels": options.labels} if options.labels else {}) | ({"baseline": note} if note else {})
     if out is not None:
         from clearance.cli._capsule import write_capsules
-        from clearance.local.results import write_evidence, write_results
+        from clearance.local.results import write_results
 
-        write_results(out, campaign, store, result)
-        write_evidence(out, campaign, store)
+        result["evidence_digest"] = write_results(out, campaign, store, result)
         write_capsules(out, campaign, store, code.program_of(campaign))
         code.write_description(out, campaign)
     if as_json:

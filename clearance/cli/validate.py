@@ -98,13 +98,11 @@ def _by_service(file: Path, service: str, token_file: str, patience: float) -> N
 
 
 def _print_usable(campaign: Campaign, where: str) -> None:
-    from campaigns.stages.found import declared
-    from campaigns.stages.plan import plan
+    from campaigns.stages.plan import bound, most
 
-    stages = plan(campaign)
     typer.echo(f"{campaign.name}: can be run {where}. Digest {campaign.digest[:16]}")
-    typer.echo(f"{len(campaign.uncertain)} uncertain parameters, about {sum(s.planned for s in stages)} evaluations:")
-    for stage in stages:
-        # How many validation takes depends on the worst cases found: the plan has an estimate.
-        number = f"about {stage.planned}" if declared()[stage.kind].of_findings else f"{stage.planned}"
-        typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {number}")
+    typer.echo(f"{len(campaign.uncertain)} uncertain parameters, at most {most(campaign):,} evaluations:")
+    for stage in bound(campaign):
+        # Certify draws excluded samples again; traces and confirmations are made again without being stored.
+        again = f", and {stage.again:,} that are not stored" if stage.again else ""
+        typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {stage.stored:,}{again}")

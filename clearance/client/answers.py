@@ -36,7 +36,7 @@ class Checked(Answer):
     yaml: str | None = None
     """None if it has errors, or more values than a campaign in YAML may have."""
     evaluations: int | None = None
-    """The sum of the budgets of all stages; `estimate` states what a run usually takes."""
+    """The bound of the run; `estimate` states what it usually takes."""
     seconds: float | None = None
     """For these, from the speed of earlier runs with the same components; None if there are none."""
 

@@ -10,10 +10,12 @@ import inspect
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal
 
-from clearance.function.result import Result
+from clearance.function.result import Interrupted, Result
+from clearance.function.searches import searches, stages
 from worker.engine.systems.simulators.declared.function import (
     NAME,
     Declaration,
@@ -27,8 +29,6 @@ from worker.engine.systems.simulators.declared.function import (
     only_loaded,
 )
 
-PER_PARAMETER = 500
-"""Evaluations of each search, for each parameter."""
 MAX_SEED = 2**53
 
 Range = tuple[float, float]
@@ -54,7 +54,13 @@ def search(
     nominal: Mapping[str, float] | None = None,
     methods: Sequence[str] | Mapping[str, int] | None = None,
     budget: int | None = None,
+    options: Mapping[str, Mapping[str, Any]] | None = None,
+    starts: Sequence[Mapping[str, float]] | None = None,
+    validation: int | None = None,
+    agreement: float | None = None,
     certify: int = 300,
+    workers: int | None = None,
+    resume: Result | Interrupted | str | Path | None = None,
     seed: int = 1,
     sample_seed: int | None = None,
     vectorized: bool | None = None,
@@ -76,7 +82,16 @@ def search(
     methods: search methods by name, or by name with the evaluations of each; None: the two that are proposed where
         evaluations are cheap.
     budget: evaluations of each search whose method has none of its own; 500 for each parameter if not given.
+    options: of the methods, by method: `{"direct": {"iterations": 100}}`.
+    starts: points to start from, by parameter, for the methods that take some (`sqp`); others are nominal.
+    validation: evaluations that distinguish the worst cases and confirm results, in all; None: at most as many as the
+        searches. A run never takes more evaluations than `Result.bound`.
+    agreement: fraction of nominal minus worst within which the methods must agree; 0.05 if not given.
     certify: size of the independent random sample that bounds the probability of a violation; 0 for none.
+    workers: processes side by side that call the function, which must be in a file; None: in this process, or as a
+        decorated function declares.
+    resume: an earlier result, an `Interrupted`, or the folder of `Result.save`; its searches are not evaluated again,
+        and with a larger budget they continue.
     seed: of everything random but the independent sample. progress: show bars in a terminal. name: of the campaign.
     sample_seed: of the independent sample, to repeat an earlier result; nothing is cleared with one that was stated.
     quantity, unit: of the returned number, for sentences, tables and axes. worse: only "low".
@@ -92,19 +107,24 @@ def search(
             "a search was started while its file is only loaded for its functions: "
             "put the call of clearance.search under `if __name__ == '__main__':`"
         )
-    _plain(threshold, budget, certify, seed, sample_seed, worse)
+    _plain(threshold, worse)
+    _counts(budget=budget, validation=validation, workers=workers, certify=certify, seed=seed, sample_seed=sample_seed)
+    if agreement is not None and not (finite(agreement) and 0.0 < agreement <= 1.0):
+        raise ValueError(f"agreement must be a fraction above 0 and at most 1, given {agreement!r:.60}")
     request = _request_of(fly, parameters, nominal, vectorized, quantity, unit, result)
-    document = _document(request, threshold, name, _searches(methods, budget, len(request.ranges)), certify, seed)
+    if workers is not None:
+        request = _side_by_side(request, fly, workers)
+    found = searches(methods, budget, options, starts, request.ranges)
+    document = _document(request, threshold, name, stages(found, certify, validation), seed)
+    if agreement is not None:
+        document["agreement"] = agreement
     from campaigns.sample_seed import SampleSeed
     from clearance.function.running import run
 
-    return run(request, document, progress, None if sample_seed is None else SampleSeed(sample_seed))
+    return run(request, document, progress, None if sample_seed is None else SampleSeed(sample_seed), resume)
 
 
-def _plain(
-    threshold: object, budget: object, certify: object, seed: object, sample_seed: object, worse: object
-) -> None:
-    """The arguments that are checked one by one."""
+def _plain(threshold: object, worse: object) -> None:
     if threshold is None or not finite(threshold):
         raise ValueError(f"threshold must be a finite number, given {threshold!r:.60}")
     if worse != "low":
@@ -112,10 +132,13 @@ def _plain(
             f"worse={worse!r:.60} is not supported, a verdict needs a number that is worse when low: "
             "return the margin, such as limit - value, and give threshold=0"
         )
-    for label, value, least in (
-        ("budget", budget, 1), ("certify", certify, 0), ("seed", seed, 0), ("sample_seed", sample_seed, 0)
-    ):  # fmt: skip
-        if label in ("budget", "sample_seed") and value is None:
+
+
+def _counts(**counts: object) -> None:
+    """The whole numbers, of which some may be left out."""
+    for label, value in counts.items():
+        least = 1 if label in ("budget", "workers") else 0
+        if value is None and label not in ("certify", "seed"):
             continue
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= MAX_SEED:
             raise ValueError(f"{label} must be a whole number of at least {least}, given {value!r:.60}")
@@ -172,15 +195,25 @@ def _of_decorated(fly: Function[..., Any], parameters: object, nominal: object, 
     return Request(declaration, fly.call, _place(fly), ranges, middle, result or may[0])
 
 
+def _side_by_side(request: Request, fly: object, workers: int) -> Request:
+    """The request with so many processes that call the function."""
+    settings = replace(request.declaration.settings, isolated=True, slots=workers)
+    place = dict(request.place) or _found(fly.call if isinstance(fly, Function) else fly, request.declaration.name)
+    return replace(request, declaration=replace(request.declaration, settings=settings), place=place)
+
+
 def _place(fly: Function[..., Any]) -> dict[str, str]:
     """Where a process of its own finds the function; empty if it is called in this one."""
-    if not fly.declaration.settings.isolated:
-        return {}
-    qualified, module = fly.call.__qualname__, sys.modules.get(fly.__module__)
+    return _found(fly.call, fly.declaration.name) if fly.declaration.settings.isolated else {}
+
+
+def _found(call: object, name: str) -> dict[str, str]:
+    """Where a process of its own finds a function."""
+    qualified, module = getattr(call, "__qualname__", "<lambda>"), sys.modules.get(str(getattr(call, "__module__", "")))
     file = getattr(module, "__file__", None)
     if "<locals>" in qualified or "<lambda>" in qualified or module is None or file is None:
         raise ValueError(
-            f"{fly.declaration.name} is isolated, but a process of its own cannot find it, because it is not in a file "
+            f"{name} is isolated, but a process of its own cannot find it, because it is not in a file "
             "or not at its top level: put it in a file, or declare it with isolated=False"
         )
     if module.__name__ == "__main__" or getattr(module, "__spec__", None) is None:
@@ -220,29 +253,8 @@ def _nominal(nominal: object, usual: Mapping[str, float], limits: Mapping[str, R
     return {name: float(nominal.get(name, value)) for name, value in usual.items()}
 
 
-def _searches(methods: object, budget: int | None, dimension: int) -> list[dict[str, object]]:
-    from campaigns.asked.proposal import ranked
-    from worker.running.catalogue.installed import catalogue
-
-    usual = PER_PARAMETER * dimension if budget is None else budget
-    plain = [method.name for method in ranked(catalogue().methods, "cheap")]
-    if methods is None:
-        methods = plain[:2]
-    if isinstance(methods, str):
-        methods = [methods]
-    if not isinstance(methods, (Mapping, Sequence)) or not methods:
-        raise TypeError(f"methods must be names such as {plain[:2]}, given {methods!r:.60}")
-    spent = dict(methods) if isinstance(methods, Mapping) else dict.fromkeys(methods, usual)
-    if len(spent) < len(methods):
-        raise ValueError("methods: the same method is given twice; list each once")
-    for name, value in spent.items():
-        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            raise ValueError(f"methods: the evaluations of {name} must be a whole number above 0, given {value!r:.60}")
-    return [{"method": name, "evaluations": value} for name, value in spent.items()]
-
-
 def _document(
-    request: Request, threshold: float | None, name: str, searches: list[dict[str, object]], certify: int, seed: int
+    request: Request, threshold: float | None, name: str, stages: Mapping[str, object], seed: int
 ) -> dict[str, object]:
     """The campaign as `clearance run` reads one."""
     return {
@@ -253,7 +265,7 @@ def _document(
         },
         "uncertain": {f"simulator.{n}": {"low": low, "high": high} for n, (low, high) in request.ranges.items()},
         "criterion": {"result": request.result, "threshold": threshold},
-        "stages": {"search": searches, "certify": {"samples": certify} if certify else None},
+        "stages": stages,
         "seed": seed,
     }
 

@@ -160,6 +160,13 @@ class Result(Evaluations):
         seed = self.origin.store.sample_seed
         return None if seed is None else seed.value
 
+    @property
+    def bound(self) -> int:
+        """How many evaluations the search could take at most, those made again to confirm results included."""
+        from campaigns.stages.plan import most
+
+        return most(self.origin.campaign)
+
     def save(self, folder: str | Path) -> Path:
         """Write the folder of `clearance run --out`, which `clearance audit` checks; returns its path."""
         from clearance.function.saving import save

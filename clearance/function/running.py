@@ -13,11 +13,12 @@ from worker.running.runs import sources as sources  # first: it records the file
 from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.asked.load import load_document
 from campaigns.sample_seed import SampleSeed
+from clearance.function import resuming
 from clearance.function.request import Request
 from clearance.function.result import Interrupted, Origin, Result, evaluations, of
 from clearance.local.interrupt import deferred
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.base import Tally
+from worker.engine.stages.parts.base import ReplayMismatch, Tally
 from worker.engine.systems.base import CampaignUnusable
 from worker.running.catalogue.files import PythonFunction
 from worker.running.catalogue.installed import catalogue
@@ -28,17 +29,26 @@ from worker.running.runs.store import MemoryStore
 Show = Callable[[int, Tally], None]
 
 
-def run(request: Request, document: dict[str, object], progress: bool, seed: SampleSeed | None = None) -> Result:
+def run(
+    request: Request, document: dict[str, object], progress: bool, seed: SampleSeed | None, resume: object
+) -> Result:
     """The result of the campaign; raises ValueError for one that cannot be run, `Interrupted` after Ctrl-C."""
     function = PythonFunction(request.declaration, dict(request.place), request.call)
     known = catalogue().model_copy(update={"simulators": [function.entry]})
-    campaign = _campaign(document, known)
+    campaign, before = _campaign(document, known), None if resume is None else resuming.earlier(resume)
+    if before is not None:
+        campaign = _campaign(resuming.extended(document, before.campaign, campaign), known)
     problem = Problem(campaign, opened.simulated(campaign, function, known))
-    store = MemoryStore(sample_seed=seed or SampleSeed.drawn())
+    if before is None:
+        store = MemoryStore(sample_seed=seed or SampleSeed.drawn())
+    else:
+        store = resuming.store(campaign, problem, before)
     origin = Origin(campaign, problem, store, known, tuple(request.ranges))
     try:
         with _interruptible() as stopped, _shown(campaign, progress) as show:
             verdict = execute(campaign, store, stopped, progress=show, problem=problem)
+    except ReplayMismatch as error:
+        raise ValueError(f"resume: {error}") from None
     except CampaignUnusable as error:
         raise ValueError("; ".join(problem.message for problem in error.problems)) from None
     except KeyboardInterrupt:

@@ -12,8 +12,9 @@ from backend.db import queue
 from backend.db.engine import connect, migrate, now, read, write
 from backend.db.store import PATIENCE, RunStore
 from campaigns.stages.found import declared
+from campaigns.stages.plan import most
 from clearance.function.result import Origin
-from clearance.local.results import write_evidence, write_results
+from clearance.local.results import write_results
 from clearance.local.summary import summary
 from worker.running.runs import identity
 
@@ -23,8 +24,7 @@ def save(origin: Origin, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     assert origin.store.verdict is not None
     result = summary(origin.campaign, origin.store, origin.store.verdict)
-    write_results(folder, origin.campaign, origin.store, result, origin.problem)
-    write_evidence(folder, origin.campaign, origin.store, origin.known)
+    write_results(folder, origin.campaign, origin.store, result, origin.problem, origin.known)
     return folder
 
 
@@ -47,10 +47,9 @@ def _page(engine: sa.Engine, origin: Origin) -> str:
     from backend.reports.service import report_html
 
     campaign, store = origin.campaign, origin.store
-    planned = sum(record.plan.planned for record in store.stages)
     submitted = partial(
         queue.submit, campaign=campaign, name=campaign.name, tags=campaign.tags, owner="clearance.search",
-        planned=planned, catalogue=origin.known, seed=store.sample_seed,
+        planned=most(campaign), catalogue=origin.known, seed=store.sample_seed,
     )  # fmt: skip
     run = write(engine, submitted, PATIENCE)
     claim = queue.Queue(engine).claim("clearance.search", [s.version for s in origin.known.simulators])

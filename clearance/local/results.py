@@ -6,6 +6,7 @@ the other evidence of the verdict, for `clearance audit DIR`.
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,13 @@ from backend.db.rows import plain
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.cells import Writer
 from campaigns.checked.snapshot import snapshot, values_changed
+from campaigns.documents import digest_of
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import stage_result
 from campaigns.stages.plan import plan
+from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions, short
 from worker.engine.problem.criteria import criteria
@@ -32,28 +35,39 @@ from worker.running.opening import opened
 from worker.running.runs.continuation import CannotContinue
 from worker.running.runs.store import MemoryStore
 
-ARRAYS = "evaluations.npz"
+ARRAYS, TABLE = "evaluations.npz", "evaluations.csv"
 
 
 def write_results(
-    folder: Path, campaign: Campaign, store: MemoryStore, result: dict[str, object], problem: Problem | None = None
-) -> None:
-    """Write everything into the folder; numbers with all their digits.
+    folder: Path, campaign: Campaign, store: MemoryStore, result: dict[str, object], problem: Problem | None = None,
+    known: Catalogue | None = None,
+) -> str:  # fmt: skip
+    """Write everything into the folder, numbers with all their digits; returns the evidence digest.
 
-    problem: the campaign's problem, if its system is not one of this installation.
+    problem, known: the campaign's problem and the catalogue, if its system is not one of this installation.
     """
-    (folder / "result.json").write_text(json.dumps(result, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     (folder / "campaign.json").write_text(json.dumps(campaign.document(), indent=2) + "\n", encoding="utf-8")
-    _write_evaluations(folder / "evaluations.csv", problem or opened.problem(campaign), store)
+    tables = {TABLE: folder / TABLE}
+    _write_evaluations(tables[TABLE], problem or opened.problem(campaign), store)
     _write_bits(folder / ARRAYS, store)
     for trace in store.traces.values():
-        _write_trace(folder / f"trace-{trace.name}.csv", trace)
+        name = f"trace-{trace.name}.csv"
+        tables[name] = folder / name
+        _write_trace(tables[name], trace)
+    sums = {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in tables.items()}
+    document = evidence(campaign, store, known) | {"files": sums}
+    (folder / "evidence.json").write_text(json.dumps(document, allow_nan=False) + "\n", encoding="utf-8")
+    digest = _digest(campaign, store, json.loads(json.dumps({"result": result, **document})))
+    sealed = result | {"evidence_digest": digest}
+    (folder / "result.json").write_text(json.dumps(sealed, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    return digest
 
 
-def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore, known: Catalogue | None = None) -> None:
-    """Write what an audit needs besides the results; known: the catalogue, if not that of this installation."""
-    text = json.dumps(evidence(campaign, store, known), allow_nan=False)
-    (folder / "evidence.json").write_text(text + "\n", encoding="utf-8")
+def _digest(campaign: Campaign, store: MemoryStore, documents: Any) -> str:
+    """The evidence digest of what is written, as it will be read."""
+    stored = ((k, store.evaluations(k)) for k in range(len(store.stages)))
+    rows = [Rows.of(k, c.points, c.costs, c.status) for k, c in stored if c is not None]
+    return evidence_digest(digest_of(campaign.document()), rows, documents)
 
 
 def evidence(campaign: Campaign, store: MemoryStore, known: Catalogue | None = None) -> dict[str, object]:

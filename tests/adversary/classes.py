@@ -46,7 +46,7 @@ def campaign(name: str, random: np.random.Generator, may: frozenset[str], **chan
         "sensitivity": {"points": 9},
         "search": [*SEARCHES],
         "certify": {"samples": 100},
-        "validate": {"neighbours": 40},
+        "validate": {"neighbours": 40, "evaluations": 20_000},
     }
     given = {
         "stages": stages,

@@ -125,7 +125,7 @@ def aliased_on_the_path(random: np.random.Generator) -> Attack:
     }  # fmt: skip
     stages = {
         "search": [{"method": "direct", "evaluations": 100}, {"method": "cma_es", "evaluations": 100}],
-        "certify": {"samples": 60}, "validate": {"neighbours": 10},
+        "certify": {"samples": 60}, "validate": {"neighbours": 10, "evaluations": 20_000},
     }  # fmt: skip
     uncertain = {"vehicle.m": {"low": 15.0, "high": 20.0}, "vehicle.B_e": {"low": 0.7, "high": 0.9}}
     criterion = {"component": "separation", "threshold": float(random.uniform(0.3, 0.5))}

@@ -28,7 +28,7 @@ QUICK = {
     "sensitivity": {"points": 3},
     "search": [{"method": name, "evaluations": 40} for name in ("direct", "sqp", "monte_carlo")],
     "findings": FEW | {"at_most": 1},
-    "validate": {"neighbours": 5},
+    "validate": {"neighbours": 5, "evaluations": 20_000},
 }
 FULL = {
     "sensitivity": {"points": 3, "sobol": {"samples": 8}},
@@ -39,7 +39,7 @@ FULL = {
     ],
     "certify": {"samples": 100},
     "findings": FEW,
-    "validate": {"neighbours": 5},
+    "validate": {"neighbours": 5, "evaluations": 20_000},
 }
 BOX, AGAIN, INTRUDER, CANCELLED, BASINS, CLEARED, SEVERAL, DROP, DRAWN = (f"R-{i:04}" for i in range(1, 10))
 """Case 1; a simulator without a trace; an intruder; a cancelled run; the simulator, violated and cleared; case 1 with

@@ -54,7 +54,7 @@ def campaign() -> dict[str, Any]:
             "sensitivity": None,
             "search": [{"method": method, "evaluations": 40} for method in ("direct", "genetic")],
             "certify": None,
-            "validate": {"neighbours": 10},
+            "validate": {"neighbours": 10, "evaluations": 20_000},
         },
     }
 

@@ -15,5 +15,9 @@ def case() -> Campaign:
         {"method": "direct", "evaluations": 300},
         {"method": "monte_carlo", "evaluations": SAMPLE},
     ]
-    document["stages"] |= {"sensitivity": {"points": 5}, "certify": {"samples": 100}, "validate": {"neighbours": 20}}
+    document["stages"] |= {
+        "sensitivity": {"points": 5},
+        "certify": {"samples": 100},
+        "validate": {"neighbours": 20, "evaluations": 20_000},
+    }
     return Campaign.model_validate(document)

@@ -25,7 +25,7 @@ STAGES = {
         {"method": "direct", "evaluations": 100},
         {"method": "sqp", "evaluations": 100, "starts": [{"vehicle.m": 4.5, "vehicle.J": 0.05}]},
     ],
-    "validate": {"neighbours": 20},
+    "validate": {"neighbours": 20, "evaluations": 20_000},
 }
 POLICY = {"fail_on": ["violation", "new_violation", "worse"], "tolerance": 0.001}
 

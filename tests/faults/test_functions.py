@@ -104,7 +104,7 @@ def campaign(tmp_path: Path, name: str, neighbours: int = 20) -> Path:
         "stages": {
             "search": [{"method": m, "evaluations": 400} for m in ("direct", "cma_es")],
             "findings": {"evaluations": 1000},
-            "validate": {"neighbours": neighbours},
+            "validate": {"neighbours": neighbours, "evaluations": 20_000},
         },
     }
     file = tmp_path / "campaign.json"

@@ -114,7 +114,11 @@ def test_what_does_not_repeat_is_never_cleared(tmp_path: Path, how: str, reason:
         "simulator": {"name": "unrepeatable"},
         "uncertain": {f"simulator.{name}": {"low": 0, "high": 1} for name in "ab"},
         "criterion": {"result": "d", "threshold": 1.0},
-        "stages": {"search": methods, "certify": {"samples": 100}, "validate": {"neighbours": 20}}
+        "stages": {
+            "search": methods,
+            "certify": {"samples": 100},
+            "validate": {"neighbours": 20, "evaluations": 20_000},
+        }
         | {"findings": {"at_most": 2, "evaluations": 400}},
     }
     file = tmp_path / "campaign.yaml"

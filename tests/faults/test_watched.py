@@ -56,7 +56,7 @@ class Site:
             "criterion": {"result": "separation", "threshold": 50.0, "requirements": [name]},
             "stages": {
                 "search": [{"method": m, "evaluations": 200} for m in ("direct", "cma_es")],
-                "validate": {"neighbours": 10},
+                "validate": {"neighbours": 10, "evaluations": 20_000},
                 "certify": {"samples": 100},
             },
         }

@@ -35,7 +35,11 @@ def campaign(**changes: Any) -> Campaign:
 
 def searching(*searches: dict[str, Any], **changes: Any) -> Campaign:
     """Case 1 with these search stages, few neighbours and a coarse sensitivity: quick to run."""
-    stages = {"sensitivity": {"points": 5}, "search": list(searches), "validate": {"neighbours": 20}}
+    stages = {
+        "sensitivity": {"points": 5},
+        "search": list(searches),
+        "validate": {"neighbours": 20, "evaluations": 20_000},
+    }
     return campaign(stages=stages, **changes)
 
 

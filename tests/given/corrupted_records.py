@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable
 from functools import cache
@@ -14,8 +15,10 @@ import numpy as np
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
+from campaigns.documents import digest_of
 from campaigns.results.base import FAILED, OK
-from clearance.local.results import write_evidence, write_results
+from campaigns.stored.digest import Rows, evidence_digest
+from clearance.local.results import write_results
 from clearance.local.summary import summary
 from tests.given.case_campaigns import searching
 from tests.given.sampled_stages import DRAWN
@@ -23,6 +26,7 @@ from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.evidence.audit.judge import SPANS, Item, audit
 from worker.evidence.audit.record import of_folder
+from worker.running.runs.audited import known
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -100,7 +104,6 @@ def made(campaign: Campaign, store: MemoryStore) -> dict[str, bytes]:
     assert store.verdict is not None
     with TemporaryDirectory() as folder:
         write_results(Path(folder), campaign, store, summary(campaign, store, store.verdict))
-        write_evidence(Path(folder), campaign, store)
         return {str(p.relative_to(folder)): p.read_bytes() for p in Path(folder).rglob("*") if p.is_file()}
 
 
@@ -141,7 +144,8 @@ class Folder:
 
     def items(self) -> list[Item]:
         self.write()
-        return audit(of_folder(self.path))
+        record = of_folder(self.path)
+        return audit(record, known(record))
 
     def shorten(self, stage: int, by: int = 1) -> None:
         for name in ("points", "costs", "status", "seconds"):
@@ -180,8 +184,26 @@ class Folder:
         statement, scope = (SPANS.validate_python(self.result[name]) for name in ("statement", "holds_for"))
         self.result["reason"] = f"{words(statement)} Scope: {words(scope)}"
 
+    def reseal(self) -> None:
+        """Compute every digest again, as whoever knows how a record is written can."""
+        self.result["digest"] = load_document(self.campaign).digest
+        self.write()
+        for name in self.evidence["files"]:
+            self.evidence["files"][name] = hashlib.sha256((self.path / name).read_bytes()).hexdigest()
+        raw = {"result": {k: v for k, v in self.result.items() if k != "evidence_digest"}, **self.evidence}
+        positions = sorted(int(name[7:]) for name in self.arrays if name.startswith("status_"))
+        rows = [Rows.of(k, *(self.arrays[f"{c}_{k}"] for c in ("points", "costs", "status"))) for k in positions]
+        self.result["evidence_digest"] = evidence_digest(digest_of(self.campaign), rows, json.loads(json.dumps(raw)))
+        self.write()
+
+    def forget_seal(self) -> None:
+        """The record as a version before the evidence digest wrote it."""
+        self.result.pop("evidence_digest", None)
+        self.evidence.pop("files", None)
+
     def forget_spans(self) -> None:
         """The record as a version before spans wrote it: text only, in the words of that version."""
+        self.forget_seal()
         for name in ("statement", "holds_for", "values", "sentence", "scope"):
             del self.result[name]
         for check in self.result["checks"]:

@@ -42,5 +42,5 @@ def campaign(samples: int = 20, **changes: Any) -> dict[str, Any]:
     found: dict[str, Any] = yaml.safe_load((EXAMPLES / "campaigns" / "drop.yaml").read_text(encoding="utf-8"))
     methods = [{"method": name, "evaluations": 30} for name in ("direct", "differential_evolution")]
     stages = {"sensitivity": {"points": 3}, "search": methods, "certify": {"samples": samples}}
-    small = {"findings": {"at_most": 1, "evaluations": 30}, "validate": {"neighbours": 3}}
+    small = {"findings": {"at_most": 1, "evaluations": 30}, "validate": {"neighbours": 3, "evaluations": 20_000}}
     return found | {"stages": stages | small} | changes

@@ -29,7 +29,7 @@ def campaign(threshold: float = 1.0, certify: int = 120, **simulator: Any) -> Ca
                 "search": methods,
                 "certify": {"samples": certify},
                 "findings": {"evaluations": 300, "at_most": 2},
-                "validate": {"neighbours": 20},
+                "validate": {"neighbours": 20, "evaluations": 20_000},
             },
         }
     )

@@ -40,5 +40,6 @@ def campaign(threshold: float = 5.0, **changes: Any) -> dict[str, Any]:
                 {"method": "genetic", "evaluations": 900},
             ],
             "certify": {"samples": 300},
+            "validate": {"evaluations": 20_000},
         },
     } | changes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from campaigns.claims.say import say
+from campaigns.claims.say import count, say
 from campaigns.claims.spans import Spans
 
 BUDGET = "used its budget of {budget} evaluations"
@@ -14,6 +14,19 @@ SAMPLE = "drew {flights} samples"
 GRID = "drew {flights} samples and evaluated a grid of {grid}"
 NOTHING = "no evaluation succeeded"
 FINDINGS = "polished every distinct worst case and evaluated its neighbours"
+
+
+def confirmed(kept: int, at_most: int) -> Spans:
+    """Fewer worst cases than were distinguished are stored, because confirming all takes too many evaluations."""
+    cases = "worst case" if kept == 1 else "worst cases"
+    only = say("only ", count(kept, "kept"), f" {cases} could be confirmed")
+    return say(only, ", because validation may take ", count(at_most, "at_most"), " evaluations")
+
+
+def skipped(points: int, at_most: int) -> Spans:
+    """Descents that were left out."""
+    of = say("left out ", count(points, "points"), " points to descend from")
+    return say(of, ", because validation may take ", count(at_most, "at_most"), " evaluations")
 
 
 def gathered(ended: Spans, complete: bool) -> Spans:

@@ -88,7 +88,7 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
   return (
     <Card title="Estimate">
       <dl className={lists.kv}>
-        <dt>Evaluations, about</dt>
+        <dt>Evaluations</dt>
         <dd>{estimate ? amountOf(estimate) : NONE}</dd>
         {estimate?.stages.map((stage) => (
           <Fragment key={stage.title}>

@@ -46,5 +46,5 @@ export function effortOf(checked: Checked | undefined, failed: boolean): string 
   if (!estimate && failed) return 'No estimate: the campaign could not be checked'
   if (!estimate) return checked && !checked.ok ? 'No estimate while there are problems' : 'Estimating …'
   const time = timeOf(estimate)
-  return `About ${amountOf(estimate)} evaluations, ${time ?? 'time not known'}`
+  return `Evaluations: ${amountOf(estimate)}. Time: ${time ?? 'not known'}`
 }

@@ -18,7 +18,7 @@ const RUN = fixtures.run({
   verdict: 'inconclusive', threshold: 0.5, nominal_cost: 0.94,
   worst_cost: 0.84, margin: 0.34, worst_method: 'direct', evaluations: 1371, planned: 1371, failed_evaluations: 12,
   excluded_evaluations: 25, upper_bound: 0.01,
-  plan: STAGES.map(({ kind, title }) => ({ kind, title, description: '', estimated: kind === 'validate' })), stages: STAGES,
+  plan: STAGES.map(({ kind, title }) => ({ kind, title, description: '' })), stages: STAGES,
   summary: fixtures.verdict({
     statistics: {
       samples: 300, violations: 4, failed: 4, excluded: 20, excluded_fraction: null, confidence: 0.95, upper_bound: 0.03,

@@ -8,9 +8,11 @@ import httpx
 import pytest
 
 from backend.catalog.estimate import UNKNOWN, USUAL
+from campaigns.asked.allowance import validation
 from campaigns.asked.load import load_document
 from campaigns.asked.proposal import Cost
-from campaigns.checked.expected import expected, latest, total
+from campaigns.checked.expected import expected, total
+from campaigns.stages.plan import most
 from tests.given.finished_runs import finish
 from tests.given.openapi_document import conforms
 from tests.given.service import Service
@@ -33,9 +35,10 @@ def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: ht
     assert told["stages"] == [stage._asdict() for stage in found]
     assert (told["least"], told["evaluations"], told["most"]) == total(found)
     assert told["least"] < told["evaluations"] < told["most"]
-    assert not told["near"]
     assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
-    assert told["statement"] == USUAL.format(boundary=171, latest=f"{latest(load_document(campaign())):,}")
+    assert told["statement"] == USUAL.format(
+        most=f"{told['most']:,}", validation=f"{validation(load_document(campaign())).total:,}"
+    )
     assert told["time_statement"] == UNKNOWN
 
 
@@ -45,9 +48,9 @@ def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, cl
     found = client.get(f"/api/v1/runs/{name}").json()
     told = estimate(client, campaign())
     assert (told["run"], told["evaluations"]) == (name, found["evaluations"])
-    assert told["least"] == told["most"] == found["evaluations"]
-    assert told["near"]
-    assert told["seconds"] == told["seconds_least"] == told["seconds_most"] > 0
+    assert told["least"] == found["evaluations"] < told["most"] == most(load_document(campaign())) == found["planned"]
+    assert told["seconds"] == told["seconds_least"] > 0
+    assert told["seconds_most"] is None
     assert name in told["statement"]
     assert name in told["time_statement"]
     other = estimate(client, campaign(seed=7))
@@ -75,8 +78,9 @@ def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
         assert told["time_statement"] == (
             "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 202 more confirm results."
         )
-        for seconds, evaluations in (("seconds", "evaluations"), ("seconds_least", "least"), ("seconds_most", "most")):
+        for seconds, evaluations in (("seconds", "evaluations"), ("seconds_least", "least")):
             assert told[seconds] == 0.5 * (-(-told[evaluations] // 2) + 101)
+        assert told["seconds_most"] == 0.5 * -(-told["most"] // 2), "those made again are among them"
         run(bare, "aa", measured(call_seconds=0.5, slots=2, start_seconds=4.0, recycle=8))
         slow = estimate(client, package.campaign(seed=98))
         cost = Cost("R-0002", 0.5, 2, 15, start=4.0, recycle=8)

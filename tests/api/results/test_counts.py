@@ -42,7 +42,7 @@ STAGES = {
     "search": [{"method": "direct", "evaluations": 60}, {"method": "monte_carlo", "evaluations": 40}],
     "certify": {"samples": 40},
     "findings": {"at_most": 1, "evaluations": 4000, "distance": 0.5},
-    "validate": {"neighbours": 0},
+    "validate": {"neighbours": 0, "evaluations": 20_000},
 }
 
 

@@ -31,7 +31,6 @@ OTHERS: dict[str, set[float]] = {
     # A power of ten.
     "campaigns/checked/extents.py": {10.0},
     # Gradients of a descent.
-    "campaigns/checked/expected.py": {25},
     # A time that is shown as less than 0.1 s, a slack of decimals; examples of numbers.
     "campaigns/claims/numbers.py": {0.05, 0.01},
     # Times [s], and the shortest that a rate is computed from.

@@ -98,7 +98,11 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.evidence.verdicts": (
         *("worker.engine.stages", "worker.engine.problem", "worker.evidence.scopes", "campaigns"),
     ),
-    "worker.evidence.audit": ("campaigns",),
+    "worker.evidence.restatement": (
+        *("worker.evidence.verdicts", "worker.evidence.scopes", "worker.evidence.audit", "worker.engine.problem"),
+        "campaigns",
+    ),
+    "worker.evidence.audit": ("campaigns", "backend.db.digest", "worker.engine.problem.distributions"),
     # What may change neither.
     "worker.running.catalogue": (
         *("worker.engine.kernels", "worker.engine.search", "worker.engine.components.own"),

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from campaigns.asked.allowance import validation
 from campaigns.claims.stages import ends
 from campaigns.results import Finding, ValidateResult
 from campaigns.results.base import OK
@@ -19,11 +20,12 @@ from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.slices import Curve
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import Gathered
-from worker.engine.stages.parts import boundary, findings, incumbents, noise, offered, seeds
+from worker.engine.stages.parts import findings, incumbents, noise, offered, seeds
 from worker.engine.stages.parts.base import Context, Driven, all_columns, drive
 from worker.engine.stages.parts.comparison import compare
 from worker.engine.stages.parts.confirm import Case, cases
 from worker.engine.stages.parts.encounter import encounter
+from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.store import Trace
 from worker.engine.stages.parts.traced import traced
@@ -33,16 +35,19 @@ from worker.engine.systems.base import Floats
 def run(context: Context, position: int) -> Outcome[ValidateResult]:
     """Distinguish the worst cases of all stages, then validate the nominal case and each of them."""
     found = findings.Found()
-    driven = drive(context, position, findings.search(context, position, found), _budget(context), repeats=True)
-    unfinished = findings.settle(context, position, found)
+    noisy = noise.noisy(context)
+    budget = validation(context.campaign, noisy).stored
+    driven = drive(context, position, findings.search(context, position, found), budget, repeats=True)
+    left = Left(context.campaign, noisy, driven.tally.evaluations)
+    unfinished = findings.settle(context, position, found, left)
     first = Case("nominal", context.problem.nominal_point, context.nominal_cost)
     nominal, *confirmed = cases(context, [first, *(Case("", b.point, b.cost) for b in found.basins)])
     polished = [_finding(context, i, found, case) for i, case in enumerate(confirmed)]
     everything = range(position + 1)
-    violations, also = offered.violations(context, everything)
+    violations, also = offered.violations(context, everything, left)
     best = incumbents.called(context, polished)
     others = incumbents.violating(context, nominal, best) if noise.noisy(context) else []
-    others = [*others, *incumbents.confirmed(context, also)] if noise.noisy(context) else also
+    others = [*others, *incumbents.confirmed(context, also, left)] if noise.noisy(context) else also
     order = sorted([*polished, *_unrepresented(context, polished, others, everything)], key=lambda f: f.cost)
     labels = {id(f): f"F{number}" for number, f in enumerate(order, 1)}
     basins = [labels[id(f)] for f in polished]
@@ -61,10 +66,11 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         findings=_gathered(context, driven, found, unfinished),
         comparison=compare(context, named, found, basins),
         violations=violations,
-        spot_checks=offered.spot_checks(context, everything),
+        spot_checks=offered.spot_checks(context, everything, left),
         encounter=encounter(context, position, nominal_flight, named, _curves(context, named)),
         incumbents=best,
         untraced=untraced,
+        spent=left.spent(),
         since=_since(context, named, found, basins),
     )
     return Outcome(result, named, tuple(t for t in flights if t is not None))
@@ -124,17 +130,14 @@ def _labelled(finding: Finding, label: str) -> Finding:
     )
 
 
-def _budget(context: Context) -> int:
-    """The budget: distinguishing the worst cases, plus neighbours, slices and boundary for all that are kept and for as
-    many found meanwhile."""
-    stages = context.campaign.stages
-    each = stages.validate_.neighbours + boundary.most(context.problem.dimension)
-    return stages.findings.evaluations + 2 * stages.findings.at_most * each
-
-
 def _gathered(context: Context, driven: Driven, found: findings.Found, unfinished: bool) -> Gathered:
     request = context.campaign.stages.findings
-    complete = driven.stop == "rule" and not unfinished
+    complete = driven.stop == "rule" and not unfinished and not found.skipped
+    ended = driven.how.statement
+    if found.unconfirmed:
+        ended = ends.confirmed(len(found.basins), validation(context.campaign, noise.noisy(context)).total)
+    elif found.skipped:
+        ended = ends.skipped(found.skipped, validation(context.campaign, noise.noisy(context)).total)
     return Gathered(
         distance=request.distance,
         barrier=request.barrier,
@@ -143,7 +146,7 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
         left_out=found.left_out,
         rounds=found.rounds,
         complete=complete,
-        statement=ends.gathered(driven.how.statement, complete),
+        statement=ends.gathered(ended, complete),
     )
 
 

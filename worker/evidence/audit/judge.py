@@ -6,11 +6,10 @@ Start reading at `audit`; `closing` is the final sentence.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from campaigns.catalogue import MethodEntry
 from campaigns.checked import extents, rates
@@ -18,20 +17,24 @@ from campaigns.checked.check import parameters
 from campaigns.claims import earlier
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
-from campaigns.claims.spans import Quantity, Spans, words
+from campaigns.claims.spans import Quantity, Spans, values, words
+from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
-from worker.evidence.audit import limits
+from worker.evidence.audit import charts, limits
+from worker.evidence.audit.points import grid, required
 from worker.evidence.audit.recompute import Run, Tree
-from worker.evidence.audit.record import MISSING, Record, UnreadableError
+from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
 from worker.evidence.audit.regression import evaluated, position, regression
+from worker.evidence.audit.sentences import SPANS, of_sample, of_stage, shown, unlike
 
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
-BESIDE = ("outside", "lowest", "mean")
+BESIDE = ("outside", "lowest", "mean", "deviation", "histogram", "distribution", "looks")
 """Fields of a sample that the statistics of the verdict do not have."""
-SPANS: TypeAdapter[Spans] = TypeAdapter(Spans)
+ABSENT = "absent"
+"""In place of a value that every run of this version stores."""
 
 
 class Item(NamedTuple):
@@ -44,14 +47,29 @@ class Item(NamedTuple):
     @property
     def agrees(self) -> bool | None:
         """Whether stored and recomputed values agree; None if one of the two is unknown."""
-        if MISSING in (self.given, self.recomputed):
+        if isinstance(self.given, Missing) or isinstance(self.recomputed, Missing):
             return None
         if isinstance(self.given, int | float) and isinstance(self.recomputed, int | float):
             return math.isclose(self.given, self.recomputed, rel_tol=1e-9, abs_tol=1e-15)
         return bool(self.given == self.recomputed)
 
 
-def audit(record: Record, at_most: int = limits.VIOLATIONS, spot_checks: int = limits.SPOT_CHECKS) -> list[Item]:
+class Known(NamedTuple):
+    """What is known of a run besides its record. sentences: as stored and as made again, by path; titles: how checks
+    are shown, likewise; components: how those that its record describes differ from the same ones here, as clauses. Or
+    why there is nothing to compare."""
+
+    sentences: Mapping[str, tuple[Any, Spans | Missing]] | Missing
+    titles: Mapping[str, tuple[Any, Any]]
+    components: list[str] | Missing
+
+
+NOTHING = Known(Missing("not made again"), {}, Missing("not compared"))
+
+
+def audit(
+    record: Record, known: Known = NOTHING, at_most: int = limits.VIOLATIONS, spot_checks: int = limits.SPOT_CHECKS
+) -> list[Item]:
     """Every claim with its recomputed value; raises `UnreadableError` for a record with a different structure."""
     try:
         run = Run(record)
@@ -60,13 +78,35 @@ def audit(record: Record, at_most: int = limits.VIOLATIONS, spot_checks: int = l
             run.describe()
             claims["sentence"], sentence = _sentence(run)
             expected = _stored(run) | {"sentence": sentence} | _concluded(run, at_most, spot_checks)
+            places = required(run)
+            claims["points"], expected["points"] = ({name: pair[k] for name, pair in places.items()} for k in (0, 1))
+            if run.sealed:
+                claims["checks"] = dict.fromkeys(expected["checks"], ABSENT) | claims["checks"]
         except (KeyError, TypeError):  # with a result or the catalogue absent or null, only a violation follows
             unknown = dict.fromkeys(("results", "comparison", "statistics", "sentence"), MISSING)
             expected = _stored(run) | unknown | {"checks": dict.fromkeys(claims["checks"], MISSING)}
+            if run.sealed:
+                claims["whole"], expected["whole"] = "results or components are absent, or of another form", "whole"
+        worded = [*_worded(run, known)] if run.sealed else [Item("words", MISSING, MISSING)]
     except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
         message = f"the record is not that of a run: {type(error).__name__}: {error}"
         raise UnreadableError(message, RefusalCode.UNREADABLE) from None
-    return [*(Item(name, *pair) for name, pair in record.twice.items()), *_compared("", claims, expected)]
+    twice = [Item(name, *pair) for name, pair in record.twice.items()]
+    return [*twice, *_compared("", claims, expected, ABSENT if run.sealed else MISSING), *worded]
+
+
+def _worded(run: Run, known: Known) -> Iterator[Item]:
+    """The sentences that were made again, texts that are not the words of their spans, and the components."""
+    if isinstance(known.sentences, Missing):
+        yield Item("words", known.sentences, MISSING)
+    else:
+        for path, (stored, made) in known.sentences.items():
+            yield Item(f"words.{path}", *shown(stored, made))
+    yield from (Item(f"words.checks.{path}.shown", *pair) for path, pair in known.titles.items())
+    claimed = {k: run.claims.get(k) for k in ("results", "findings", "checks", "statistics", "regression")}
+    for path, stated, spans in unlike({k: v for k, v in claimed.items() if isinstance(v, dict | list)}):
+        yield Item(f"words.{path}", stated, spans)
+    yield Item("components", [], known.components)
 
 
 def closing(items: Sequence[Item]) -> tuple[bool, str]:
@@ -80,14 +120,17 @@ def closing(items: Sequence[Item]) -> tuple[bool, str]:
     return True, f"the verdict follows from the stored evaluations{left}"
 
 
-def _compared(name: str, stated: Any, expected: Any) -> Iterator[Item]:
+def _compared(name: str, stated: Any, expected: Any, absent: str) -> Iterator[Item]:
     if isinstance(expected, dict) and isinstance(stated, dict) and not name.endswith("at_bounds"):
         for key, value in expected.items():
-            yield from _compared(f"{name}.{key}".lstrip("."), stated.get(key, MISSING), value)
+            found = stated.get(key, absent if value is not None or isinstance(absent, Missing) else None)
+            yield from _compared(f"{name}.{key}".lstrip("."), found, value, absent)
     elif isinstance(expected, list) and isinstance(stated, list):
         yield Item(f"{name}.count", len(stated), len(expected))
         for k, pair in enumerate(zip(stated, expected, strict=False)):
-            yield from _compared(f"{name}.{k}", *pair)
+            yield from _compared(f"{name}.{k}", *pair, absent)
+    elif isinstance(expected, tuple):  # a sentence
+        yield Item(name, *shown(stated, expected))
     else:
         yield Item(name, stated, None if expected != expected else expected)  # NaN: there is no such cost
 
@@ -99,16 +142,24 @@ def _stored(run: Run) -> Tree:
     worst = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
     total = {"stored": len(run.status), "succeeded": len(run.costs), "violating": sum(run.below), "lowest": run.lowest}
     stages = zip(run.plan, run.best, run.ended, strict=True)
+    stops = [_stop(run, k) for k in range(len(run.plan))]
     expected: Tree = {
         "sound": bool((((run.status == OK) == np.isfinite(run.raw)) & (run.status < len(STATUS))).all()),
         "placed": bool((np.abs(run.points - 0.5) <= 0.5 + 1e-9).all() and (run.stage < len(run.plan)).all()),
-        "stages": [{"kind": s.kind, "method": s.method, "best": best} | ended for s, best, ended in stages],
+        "stages": [
+            {"kind": s.kind, "method": s.method, "best": best} | ended | stop
+            for (s, best, ended), stop in zip(stages, stops, strict=True)
+        ],
         "evaluations": total | {k: run.total[k] for k in ("failed", "excluded")},
         "nominal": {"cost": run.nominal, "margin": run.nominal - run.threshold},
         "worst": worst if len(run.costs) else None,
         "findings": run.findings,
         "verdict": "violated" if run.confirmed else MISSING,
     }
+    if "quantity" in run.claims:  # the table of runs has the whole verdict
+        expected |= {"provenance": {"seed": run.campaign.seed}, "quantity": run.quantity, "unit": run.unit}
+    elif "seed" in run.claims:
+        expected["seed"] = run.campaign.seed
     if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]):
         expected["evaluations"]["flaky"] = run.flaky
     if "run" in run.claims:  # the columns of the database's table of runs
@@ -118,42 +169,150 @@ def _stored(run: Run) -> Tree:
     return expected
 
 
+def _stop(run: Run, k: int) -> Tree:
+    """How a stage of a folder ended, and its minima, which repeat its result; in a database, what its row repeats."""
+    results = run.claims.get("results") or []
+    if not run.sealed or k >= len(results) or "run" in run.claims:
+        return {"planned": run.plan[k].planned} if run.sealed else {}
+    result = results[k] or {}
+    return {"stop": (result.get("stop") or {}).get("text"), "minima": result.get("minima") or []}
+
+
 def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     """The claims that follow if the results of the stages and the catalogue are also used."""
     nominal = {"name": "nominal", "cost": run.nominal} | run.case(run.claims["results"][-1]["nominal"])
     agreed = bool(nominal["ok"]) and all(f["validation"]["ok"] for f in run.findings)
     below = [{"position": k, "count": n} for k, n in enumerate(run.below) if n]
-    violations = {"stored": sum(run.below), "by_stage": below, "checked": min(sum(run.below), at_most)}
+    out = _left_out(run)
+    checked = min(sum(run.below), at_most) - out.get("violations", 0)
+    violations = {"stored": sum(run.below), "by_stage": below, "checked": checked}
     spread = {"evaluations": len(run.costs), "lowest": run.lowest, "highest": run.highest}
     last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
-    last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs))}}
+    last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs)) - out.get("spot_checks", 0)}}
+    if run.sealed:
+        last |= _settings(run)
     if run.claims["results"][-1]["encounter"].get("beyond") is not None:
         last["encounter"]["beyond"] = {"times": limits.CONTINUED, "flights": _continued(run)}
-    results: list[Tree] = [{"sample": run.samples[k]} if k in run.samples else {} for k in range(len(run.plan) - 1)]
+    results: list[Tree] = [_stage(run, k) for k in range(len(run.plan) - 1)]
     rows, known = [], {finding["label"] for finding in run.findings}
     for k, compared in zip(run.searches, run.claims["comparison"], strict=True):
         spent = run.ended[k]["evaluations"] >= run.plan[k].planned
-        results[k] = run.ended[k] | {"sample": run.samples.get(k), "stop": {"kind": "budget" if spent else "rule"}}
-        rows.append({"position": k, "kind": run.methods[k].kind, "best": run.best[k]} | run.ended[k])
+        results[k] |= run.ended[k] | {"stop": {"kind": "budget" if spent else "rule"} | results[k].get("stop", {})}
+        method = {"method": run.plan[k].method, "title": run.methods[k].title, "kind": run.methods[k].kind}
+        results[k] |= method | {"best": _best(run, k)} | (_charts(run, k) if run.sealed else {})
+        rows.append({"position": k, "best": run.best[k]} | method | run.ended[k])
         rows[-1]["findings"] = [label for label in compared["findings"] if label in known]
+        if run.sealed:
+            rows[-1]["stop"] = run.claims["results"][k]["stop"]
+            rows[-1]["findings"] = [f["label"] for f in run.claims["findings"] if k in _positions(f)]
     checks = _checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
     if run.campaign.baseline is not None:
-        results[position(run)] = evaluated(run)
+        results[position(run)] |= evaluated(run)
     if run.calls.measures:
-        results[0] = {"measured": run.calls.measured}
+        results[0]["measured"] = run.calls.measured
     if run.calls.noisy:
         best = zip([k for k in run.searches if not math.isnan(run.best[k])], _incumbents(run), strict=False)
         incumbents = [{"position": k, "cost": run.best[k], "validation": {"cost": run.best[k]} | v} for k, v in best]
         last["incumbents"] = incumbents
+    if run.sealed:
+        last["comparison"] = [dict(row) for row in run.claims["comparison"]]
     expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
     if run.campaign.baseline is not None:
         expected["regression"] = regression(run)
+    if run.sealed:
+        pairs = zip(run.findings, run.claims["findings"], strict=True)
+        expected["findings"] = [found | _found(run, recorded) for found, recorded in pairs]
+    if run.sealed and run.findings:
+        expected["worst"] = _worst(run)
     if not run.confirmed:
         stated = _as_stated(run)
         clear = all((stated | checks).values()) and stated.keys() >= checks.keys()
         expected["verdict"] = "cleared" if clear else "inconclusive"
     return expected
+
+
+def _left_out(run: Run) -> dict[str, int]:
+    """What validation did not confirm because its allowance was used up; runs of earlier versions had none."""
+    spent = run.claims["results"][-1].get("spent")
+    return {} if spent is None else spent["left_out"]
+
+
+def _stage(run: Run, k: int) -> Tree:
+    """What the result of a stage states, as far as its evaluations and the campaign decide it."""
+    if k == 0:
+        state = dict(enumerate(STATUS)).get(run.status[run.stage == 0][0])
+        return {"cost": run.nominal, "margin": run.nominal - run.threshold, "status": state} if run.sealed else {}
+    sample = run.samples.get(k)
+    if run.plan[k].kind == "sensitivity" and run.sealed:
+        return {"curves": charts.curves(run, k)}
+    if sample is None:
+        return {"sample": None} if k in run.searches else {}
+    if not run.sealed:
+        return {"sample": sample}
+    told = _with(sample, of_sample(run, k, sample))
+    found: Tree = {"sample": told} | of_stage(run, k, told, (run.claims["results"][k] or {}).get("stop"))
+    if run.plan[k].kind == "certify":
+        found |= run.ended[k] | {"grid": grid(run, k) if run.grid(k) else None}
+    return found
+
+
+def _with(sample: Tree, sentences: Tree) -> Tree:
+    """The sample with its sentences, and those of its quantile."""
+    quantile = {"quantile": sample["quantile"] | sentences["quantile"]} if "quantile" in sentences else {}
+    return sample | sentences | quantile
+
+
+def _best(run: Run, k: int) -> Any:
+    """The lowest evaluation of a search, the first of equal ones."""
+    if math.isnan(run.best[k]):
+        return None
+    points, raw, status = run.rows(k)
+    index = int(np.argmin(np.where(status == OK, raw, np.inf)))
+    best = {"cost": run.best[k], "margin": run.best[k] - run.threshold}
+    return best | {"index": index, "parameters": run.values(points[index])} if run.sealed else best
+
+
+def _settings(run: Run) -> Tree:
+    """What the validate stage repeats of the campaign."""
+    validate, findings = run.campaign.stages.validate_, run.campaign.stages.findings
+    settings = {name: getattr(findings, name) for name in ("distance", "barrier", "at_most")}
+    return {"tolerance": validate.tolerance, "findings": settings}
+
+
+def _charts(run: Run, k: int) -> Tree:
+    """What a search shows besides its best."""
+    stated = run.claims["results"][k]
+    found = charts.front(run, k) | {"minima": charts.minima(run, k, stated["minima"]), "family": _family(run, k)}
+    if stated.get("gap"):
+        gap = stated["gap"]
+        best = gap["lower_bound"] + gap["gap"]  # of the centres alone, as taken
+        numbers = (gap["rectangles"], gap["without_value"], run.quantity, gap["lower_bound"], best, run.unit)
+        found["gap"] = {"statement": possible_gain(*numbers)}
+    return found
+
+
+def _found(run: Run, finding: Tree) -> Tree:
+    """The slices of a finding, and the methods that found it, each by its position."""
+    by = [{"method": run.plan[one["position"]].method} for one in finding["found"]]
+    found: Tree = {"found": by, "methods": list(dict.fromkeys(one["method"] for one in by))}
+    return found | (
+        {"slices": charts.slices(run, finding["point"], finding["slices"])} if finding.get("slices") else {}
+    )
+
+
+def _positions(finding: Tree) -> set[int]:
+    return {by["position"] for by in finding.get("found") or ()}
+
+
+def _worst(run: Run) -> Tree:
+    """The worst finding, or of a violated verdict the worst of those that were confirmed."""
+    stated = run.worst or run.findings[0]
+    searched = [k for k in run.searches if not math.isnan(run.best[k])]
+    method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
+    found = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
+    found |= {"evaluated": stated["cost"], "parameters": stated["parameters"]}
+    return found | ({"finding": stated["label"]} if "run" in run.claims else {})
 
 
 def _as_stated(run: Run) -> dict[str, bool]:
@@ -174,6 +333,7 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
     spot, system = results[-1]["spot_checks"], "validation" if run.campaign.simulator is None else "repetition"
     ended = all(stage.get("state", "done") == "done" for stage in run.claims["stages"])
     compared = spot["violating"] == 0 and (spot["compared"] > 0 or spot["checked"] == 0)
+    compared = compared and not _left_out(run).get("spot_checks")
     checks = {
         "nominal": run.nominal > run.threshold,
         "search": ended and not any(math.isnan(run.best[k]) for k in run.searches),
@@ -313,6 +473,9 @@ def _sentence(run: Run) -> tuple[Tree, Tree]:
 
     stated: Tree = {"opening": opening if opening in begun else begun, "words": claims["reason"]}
     expected: Tree = {"opening": opening, "words": f"{text} {SCOPE}{scope}" if scope else text}
+    if run.sealed:
+        stated |= {k: claims.get(k) for k in ("sentence", "scope", "values")}
+        expected |= {"sentence": text, "scope": f"{SCOPE}{scope}" if scope else "", "values": values(statement)}
     if len(run.costs):
         stated |= {name: written(name, spans[name].value if name in spans else None) for name in numbers}
         expected |= {name: written(name, value) for name, value in numbers.items()}

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from campaigns import Catalogue, cube
 from campaigns.checked.check import parameters, seeded
 from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
@@ -18,9 +19,11 @@ from campaigns.stages.plan import plan
 from worker.evidence.audit import limits
 from worker.evidence.audit.binomial import cumulative, upper_bound
 from worker.evidence.audit.calls import Calls
-from worker.evidence.audit.record import MISSING, Record
+from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
 Tree = JsonObject
+LOWEST, STEPS = 100, 400
+"""Points of a distribution function: the lowest values, and evenly spaced ones."""
 
 
 def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
@@ -41,14 +44,32 @@ def counts(status: Any) -> Tree:
     return {"evaluations": len(status), "failed": len(status) - ok - excluded, "excluded": excluded}
 
 
+def histogram(costs: Any) -> Tree:
+    """The counts of a sample's costs between the edges."""
+    found, edges = np.histogram(costs[np.isfinite(costs)], bins=min(40, max(5, int(np.sqrt(len(costs))))))
+    return {"edges": edges.tolist(), "counts": found.tolist()}
+
+
+def distribution(costs: Any, failed: int, confidence: float) -> Tree:
+    """The empirical distribution function of a sample's sorted costs, of which each failed one is the lowest."""
+    size, every = len(costs), failed + len(costs)
+    even = np.linspace(0, size - 1, min(size, STEPS)).astype(np.int64)
+    chosen = np.union1d(np.arange(min(size, LOWEST)), even)
+    band = min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * every))) if every else 1.0
+    shares = ((failed + chosen + 1) / max(every, 1)).tolist()
+    return {"values": costs[chosen].tolist(), "shares": shares, "band": band}
+
+
 class Run:
     """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
 
     def __init__(self, record: Record) -> None:
-        self.campaign, self.claims, _, self.stage, self.points, costs, self.status, self.flaky = record
+        self.campaign, self.claims, twice, self.stage, self.points, costs, self.status, self.flaky = record
+        self.sealed = SEAL not in twice or not isinstance(twice[SEAL][0], Missing)
+        """Whether a version wrote it that states the evidence digest: then nothing of it may be absent."""
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
         self.searches = [k for k, planned in enumerate(self.plan) if planned.kind == "search"]
-        self.raw, self.costs = costs[:, 0], costs[self.status == OK, 0]
+        self.every, self.raw, self.costs = costs, costs[:, 0], costs[self.status == OK, 0]
         by_stage = [self.raw[(self.stage == k) & (self.status == OK)] for k in range(len(self.plan))]
         self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
         self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
@@ -67,7 +88,19 @@ class Run:
         self.confirmed = bool(violating)
         known = "evaluated" in (self.claims.get("worst") or {})  # earlier versions stated the lowest evaluation
         self.stated = min(map(self._granted, violating), default=self.lowest) if known else self.lowest
+        self.worst = min(violating, key=self._granted, default=None)
         self.bound: Any = MISSING
+
+    def _decides(self, components: Catalogue) -> tuple[str, str]:
+        """The quantity and unit of the deciding criterion."""
+        criterion, simulator = self.campaign.criterion, self.campaign.simulator
+        if simulator is None:
+            entry: Any = components.component("criterion", criterion.component or "")
+        else:
+            entry = getattr(components.simulator(simulator.name), "result", lambda _: None)(criterion.result)
+        if entry is None:
+            raise KeyError("criterion")
+        return entry.quantity, entry.unit
 
     def _again(self) -> bool:
         """Whether a stored violation violates again, as taken from the record."""
@@ -108,11 +141,16 @@ class Run:
         stated = (recorded["cost"], *(recorded[k]["cost"] for k in self.others))
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
+        scenario = self.campaign.scenario if self.sealed else None
         floor = min(limits.ROUNDING, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
         allowed = max(min(tolerance * abs(cost), limits.TOLERANCE_OF_MARGIN * abs(cost - self.threshold)), floor)
         violates, clear = (bool(side.all()) for side in (costs <= self.threshold, costs > self.threshold))
         agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())
-        apart = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
+        apart: Tree = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
+        if scenario is not None:
+            apart["half_step"]["step"] = scenario.step / 2
+            apart["integrator"] |= {"name": "DOP853"} | ({"reason": ""} if math.isfinite(costs[2]) else {})
+            apart["step"] = scenario.step
         return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
 
     def rows(self, k: int) -> tuple[Any, Any, Any]:
@@ -123,9 +161,10 @@ class Run:
     def describe(self) -> None:
         """Look up the run's parameters and methods in the catalogue, and select the sample for the probability."""
         components = self.claims["components"]
-        known = parameters(self.campaign, components)
-        self.bounds = {path: u.interval(known[path][1]) for path, u in self.campaign.uncertain.items()}
+        self.known = parameters(self.campaign, components)
+        self.bounds = {path: u.interval(self.known[path][1]) for path, u in self.campaign.uncertain.items()}
         self.random = seeded(self.campaign, components)
+        self.quantity, self.unit = self._decides(components)
         methods = {method.name: method for method in components.methods}
         self.methods = {k: methods[self.plan[k].method] for k in self.searches}
         certify = {k for k, planned in enumerate(self.plan) if planned.kind == "certify"}
@@ -135,36 +174,58 @@ class Run:
         self.claimed = next(claimable, None)
         self.bound = self.claimed and self.claimed["upper_bound"]
         for finding, recorded in zip(self.findings, self.claims["findings"], strict=True):
-            ranges = zip(self.bounds.items(), recorded["point"], strict=True)
-            finding["parameters"] = {path: low + u * (high - low) for (path, (low, high)), u in ranges}
+            finding["parameters"] = self.values(recorded["point"])
+
+    def options(self, k: int) -> Tree:
+        """The options of a search; a certify stage has none."""
+        return self.campaign.stages.search[self.searches.index(k)].options if k in self.searches else {}
+
+    def grid(self, k: int) -> int:
+        """How many points the grid of a certify stage has, which come after its draws."""
+        certify = self.campaign.stages.certify if self.plan[k].kind == "certify" else None
+        return certify.grid.points ** len(self.bounds) if certify and certify.grid else 0
+
+    def draws(self, k: int) -> int:
+        """How many draws a random sample has, excluded ones included."""
+        return int(max(self.ended[k]["evaluations"] - self.grid(k), 0))
+
+    def values(self, point: Any) -> dict[str, float]:
+        """A point (n,) of the unit cube as values by path."""
+        low, high = (np.array(ends) for ends in zip(*self.bounds.values(), strict=True))
+        nominal = [self.known[path][1] for path in self.bounds]
+        return dict(zip(self.bounds, cube.natural(np.array(point), nominal, low, high).tolist(), strict=True))
 
     def sample(self, k: int) -> Tree:
         """The random sample of a search, or of the certify stage, whose grid comes after its draws."""
-        certify = self.campaign.stages.certify if self.plan[k].kind == "certify" else None
-        options = {} if certify else self.campaign.stages.search[self.searches.index(k)].options
-        grid = certify.grid.points ** len(self.bounds) if certify and certify.grid else 0
-        drawn = np.flatnonzero(self.stage == k)[: max(self.ended[k]["evaluations"] - grid, 0)]
+        certify, options = (self.campaign.stages.certify if self.plan[k].kind == "certify" else None), self.options(k)
+        drawn = np.flatnonzero(self.stage == k)[: self.draws(k)]
         costs, found = np.sort(self.raw[drawn][self.status[drawn] == OK]), counts(self.status[drawn])
         draws, outside, level = found.pop("evaluations"), self.outside(), self.campaign.confidence
         size, violations = draws - found["excluded"], found["failed"] + int(np.count_nonzero(costs <= self.threshold))
         found |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
         found |= {"excluded_fraction": found["excluded"] / max(draws, 1)}
         found |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
+        if self.sealed:
+            found["deviation"] = float(costs.std(ddof=1)) if len(costs) > 1 else None
+            found["histogram"] = histogram(costs)
         if self.random:
             own = certify and self.claims["results"][k]["drawn_realisations"] == draws
             found["noise"] = "drawn" if own else "stated"
         if self.calls.noisy:
             found["noise"] = "drawn" if certify or self.calls.number == 1 else "stated"
         if options.get("interval"):  # the k-th interim analysis spends 1 / (k (k + 1)) of the error
-            look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
+            found["looks"] = look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
             level = 1.0 - (1.0 - level) / (look * (look + 1))
         independent = options.get("sampling", "plain") == "plain" and not options.get("continued")
         found["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None
         if certify:
             ranked = [-math.inf] * found["failed"] + costs.tolist()
+            if self.sealed:
+                found["distribution"] = distribution(costs, found["failed"], self.campaign.confidence)
             found["quantile"] = lowest_of_quantile(ranked, certify.quantile - outside, self.campaign.confidence)
-            if (
-                size < certify.samples and draws < limits.DRAWS * certify.samples
+            found["quantile"] |= {"share": certify.quantile} if self.sealed else {}
+            if size < certify.samples and draws < limits.draws(
+                certify.samples, draws
             ):  # an excluded draw is repeated, so often
                 found["samples"] = certify.samples
         return found

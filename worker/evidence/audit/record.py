@@ -15,16 +15,26 @@ import sqlalchemy as sa
 
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
-from campaigns.checked.snapshot import digest_of
 from campaigns.claims.earlier import throughout
-from campaigns.documents import JsonObject
+from campaigns.documents import JsonObject, digest_of
 from campaigns.refusals import Refusal, RefusalCode
 from campaigns.results import earlier
 from campaigns.results.base import FLAKY, OK
 from campaigns.runs import run_name
+from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.unreadable import UNREADABLE
+from worker.evidence.audit import files
 
-MISSING: Any = "not stored by the version that made this run"
+
+class Missing(str):
+    """Why a value cannot be compared."""
+
+
+MISSING: Any = Missing("not stored by the version that made this run")
+
+SEAL = "evidence_digest"
+FIXED = {"code", "model", "loop", "simulator", "components", "packages", "clearance", "python", "step", "command"}
+"""Versions that are the same from the first stage to the last; a run may move to another machine."""
 
 
 class UnreadableError(Refusal):
@@ -57,7 +67,11 @@ def of_folder(folder: Path) -> Record:
     """The run that `clearance run --out` wrote; raises `UnreadableError` and `CampaignError`."""
     try:
         claims, file = json.loads((folder / "result.json").read_text(encoding="utf-8")), folder / "evidence.json"
-        stated, evidence = claims["digest"], json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        campaign_digest, evidence = (
+            claims["digest"],
+            json.loads(file.read_text(encoding="utf-8")) if file.exists() else {},
+        )
+        sealed, raw = claims.pop(SEAL, None), {"result": dict(claims), **evidence}
         claims |= {k: Catalogue.model_validate(v) if k == "components" else v for k, v in evidence.items()}
         if {"stages", "findings"} <= claims.keys():  # without them it is not a record, which the audit reports
             kinds = [stage["kind"] for stage in claims["stages"]]
@@ -70,13 +84,22 @@ def of_folder(folder: Path) -> Record:
                 np.concatenate([arrays[f"{name}_{k}"] for k in positions]) for name in ("points", "costs", "status")
             ]
             again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions)
+            columns = [
+                Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions
+            ]
+        document = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
+        twice = {SEAL: (sealed or MISSING, _digest(document, columns, raw) if sealed else MISSING)}
     except UNREADABLE as error:
         raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
     campaign = load_file(folder / "campaign.json")
+    try:
+        twice |= files.compared(folder, claims, campaign, rows, stage) if sealed else {}
+    except UNREADABLE as error:
+        raise UnreadableError(f"the files of {folder} are not those of a run: {error}") from None
     return Record(
         campaign,
         throughout(claims),
-        {"digests.result": (stated, campaign.digest)},
+        {"digests.result": (campaign_digest, campaign.digest), **twice},
         stage,
         rows[0],
         rows[1],
@@ -87,6 +110,8 @@ def of_folder(folder: Path) -> Record:
 
 def of_database(connection: sa.Connection, run_id: int) -> Record:
     """The stored run; raises as `of_folder` does. Tables are read as they are, of any version."""
+    from backend.db.digest import EVIDENCE, current_digest  # late: the audit of a folder loads no database
+
     tables, name = sa.MetaData(), run_name(run_id)
 
     def rows(table: str, order: str, **of: Any) -> list[JsonObject]:
@@ -106,14 +131,18 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     results, found = earlier.brought_up([stage["kind"] for stage in stages], results, found)
     claims |= {"results": results, "findings": found}
     claims["comparison"] = (stages[-1]["result"] or {}).get("comparison", MISSING)
-    summary = run["summary"].get("provenance", {}).get("digest", MISSING)
+    provenance = run["summary"].get("provenance", {})
+    summary, sealed = provenance.get("digest", MISSING), provenance.get(EVIDENCE)
     twice: dict[str, tuple[Any, Any]]
     twice = {f"digests.{k}": (v, campaign.digest) for k, v in (("run", run["campaign_digest"]), ("summary", summary))}
+    twice[SEAL] = (MISSING, MISSING) if sealed is None else (sealed, current_digest(connection, run_id))
+    flown = run.get("flown") or {}
+    twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in FIXED & provenance.keys()}
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
     for sampled in (result for result in results if result and result.get("drawn_at_launch") is not None):
-        stated = {"seed": sampled.get("seed"), "drawn_at_launch": sampled["drawn_at_launch"]}
+        drawn = {"seed": sampled.get("seed"), "drawn_at_launch": sampled["drawn_at_launch"]}
         launched = {"seed": run.get("sample_seed"), "drawn_at_launch": not run.get("sample_seed_stated")}
-        twice |= {f"sample.{k}": (stated[k], launched[k]) for k in stated if run.get("sample_seed") is not None}
+        twice |= {f"sample.{k}": (drawn[k], launched[k]) for k in drawn if run.get("sample_seed") is not None}
     for kept in rows("catalogue_snapshots", "digest", digest=run["snapshot"]) if run.get("snapshot") else []:
         claims["components"] = Catalogue.model_validate(kept["document"])
         twice["components"] = (kept["digest"], digest_of(kept["document"]))
@@ -124,6 +153,13 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     status = np.frombuffer(whole["status"], np.uint8)
     again = sum(flaky(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks)
     return Record(campaign, throughout(claims), twice, stage, points, costs, status, again)
+
+
+def _digest(campaign: Any, columns: list[Rows], documents: Any) -> str:
+    try:
+        return evidence_digest(digest_of(campaign), columns, documents)
+    except ValueError as error:
+        return f"none: {error}"
 
 
 def _reasons(arrays: Any, stage: int) -> JsonObject:

@@ -1,24 +1,38 @@
-"""How claims describe a closed loop: components, conditions, settings, terms for evaluations."""
+"""How claims describe a closed loop: components, conditions, settings, terms for evaluations.
+
+Campaign and catalogue are enough for it, so that a stored run is described as it was: `described`.
+"""
 
 from __future__ import annotations
 
+from campaigns import Campaign, Catalogue
+from campaigns.catalogue import Role
+from campaigns.checked.check import seeded
 from campaigns.claims.say import count, listed, number, say
 from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Condition, Scope, Words
 from campaigns.codes import CheckCode
-from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.evidence.scopes import distances, rates
 from worker.evidence.scopes.base import Terms
 
 
 def terms(system: ClosedLoop) -> Terms:
-    """The terms of a closed loop; only criteria on obstacles have a closest approach."""
-    near: tuple[Condition, ...] = ("closest approach",) if system.parts.criterion.of == "obstacles" else ()
-    reasons = {CheckCode.SAMPLING: rates.unfollowed(system), CheckCode.DISTANCES: distances.overlooked(system)}
+    """The terms of a closed loop."""
+    return described(system.campaign, system.installed.catalogue, system.reference)
+
+
+def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Terms:
+    """The terms of a campaign's scenario; only criteria on obstacles have a closest approach."""
+    criterion = catalogue.component("criterion", campaign.criterion.component)
+    near: tuple[Condition, ...] = ("closest approach",) if criterion and criterion.of == "obstacles" else ()
+    reasons = {
+        CheckCode.SAMPLING: rates.unfollowed(campaign, catalogue),
+        CheckCode.DISTANCES: distances.overlooked(campaign, catalogue),
+    }
     return Terms(
-        _scope(system),
-        _words(system.reference),
+        _scope(campaign, catalogue),
+        _words(integrator),
         shows=(*near, "motion", "avoidance"),
         bars=tuple((code, reason) for code, reason in reasons.items() if reason),
     )
@@ -35,34 +49,41 @@ def _words(integrator: str) -> Words:
     )
 
 
-def _scope(flights: Flights) -> Scope:
+def _scope(campaign: Campaign, catalogue: Catalogue) -> Scope:
     """Components, conditions, horizon and step."""
-    parts, scenario = flights.parts, flights.campaign.given_scenario
-    obstacles = len(parts.obstacles)
-    titles = f"{parts.vehicle.title}, {parts.controller.title}, {parts.avoider.title}"
+    scenario = campaign.given_scenario
+    obstacles = len(scenario.obstacles)
+    parts: list[tuple[Role, str]] = [
+        ("vehicle", scenario.vehicle.component),
+        ("controller", scenario.controller.component),
+        ("avoider", scenario.avoider.component),
+    ]
+    titles = ", ".join(_title(catalogue, *part) for part in parts)
+    what = f"{titles}, {obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}"
+    settings = say("horizon ", number(scenario.horizon, "s"), ", step ", number(scenario.step, "s"))
+    measured = distances.clause(campaign, catalogue)
     return Scope(
-        what=say(f"{titles}, {obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}", _conditions(flights)),
-        settings=say(
-            *("horizon ", number(scenario.horizon, "s"), ", step ", number(scenario.step, "s")), _measured(flights)
-        ),
-        version=f"components of clearance {flights.installed.catalogue.version}",
+        what=say(what, _conditions(campaign, catalogue)),
+        settings=say(settings, "; ", measured) if measured else settings,
+        version=f"components of clearance {catalogue.version}",
     )
 
 
-def _measured(flights: Flights) -> Spans:
-    clause = distances.clause(flights)
-    return say("; ", clause) if clause else ()
-
-
-def _conditions(flights: Flights) -> Spans:
+def _conditions(campaign: Campaign, catalogue: Catalogue) -> Spans:
     """The clause for the environment, the faults and the noise realisations that the searches simulated."""
-    parts, realised = flights.parts, flights.realisations
-    titles = [e.title for e in parts.environment] + [f.fault.title for f in parts.faults]
+    scenario, realised = campaign.given_scenario, campaign.given_scenario.realisations
+    titles = [_title(catalogue, "environment", part.component) for part in scenario.environment]
+    titles += [_title(catalogue, "fault", part.component) for part in scenario.faults]
     statement = say(", with ", listed(titles)) if titles else ()
-    if not realised.random:
+    if not seeded(campaign, catalogue):
         return statement
     seeds = listed([str(seed) for seed in realised.seeds])
-    if realised.several:
+    if len(realised.seeds) > 1:
         many = count(len(realised.seeds))
         return say(statement, f", {realised.combine} of ", many, " realisations (noise seeds ", seeds, ")")
     return say(statement, ", noise seed ", seeds)
+
+
+def _title(catalogue: Catalogue, role: Role, name: str) -> str:
+    entry = catalogue.component(role, name)
+    return name if entry is None else entry.title

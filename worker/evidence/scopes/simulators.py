@@ -19,6 +19,7 @@ from worker.evidence.scopes.base import Terms
 
 LONGEST = 160
 """Characters of a command line in a sentence."""
+UNCHECKED = "Whether an encounter takes place was not checked."
 OWN = frozenset({"scope", "words", "caveat", "shows", "bars"})
 """What a package may state of its own simulator."""
 
@@ -58,29 +59,46 @@ def terms(system: System) -> Terms:
 def _scope(system: Any) -> Scope:
     if not isinstance(system, Simulated):
         return Scope(say(f"simulator {type(system).__name__}"), (), f"simulator digest {system.digest[:12]}")
-    title, name, version = system.entry.title, system.entry.name, f"digest {system.digest[:12]}"
+    title, name = system.entry.title, system.entry.name
     if isinstance(system, (InProcess, Isolated)):
-        if system.unread:
-            version = f"no digest, its code is not identified: {system.unread}"
-            return Scope(say(f"{title}, Python function {name}"), (), version)
-        return Scope(say(f"{title}, Python function {name}"), (), f"function {version}")
-    what, settings, version = f"{title}, simulator {name}", "", f"simulator {version}"
+        return function_scope(title, name, system.digest, system.unread)
     if isinstance(system, CommandSimulator) and system.given:
-        line = " ".join(system.given.split())
-        shown = line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
-        what += f", run by a command that the campaign file gives, {shown}"
-        version += f" {system.described.covers}"
+        return simulator_scope(title, name, system.digest, system.given, system.described.covers)
+    settings = ""
     if isinstance(system, FmuSimulator):
         d = system.described
         settings = (
             f"FMI {d.model.version} co-simulation from {d.model.start:g} s to {d.stop:g} s,"
             f" communication step {d.step:g} s, {system.reuse}"
         )
+    return simulator_scope(title, name, system.digest, settings=settings)
+
+
+def function_scope(title: str, name: str, digest: str, unknown: str = "") -> Scope:
+    """Of a Python function; unknown: what of its code could not be read."""
+    version = f"no digest, its code is not identified: {unknown}" if unknown else f"function digest {digest[:12]}"
+    return Scope(say(f"{title}, Python function {name}"), (), version)
+
+
+def simulator_scope(
+    title: str, name: str, digest: str, command: str = "", covers: str = "", settings: str = ""
+) -> Scope:
+    """Of any other simulator; command: the line that the campaign file gives; covers: what the digest is of."""
+    what, version = f"{title}, simulator {name}", f"simulator digest {digest[:12]}"
+    if command:
+        line = " ".join(command.split())
+        shown = line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
+        what += f", run by a command that the campaign file gives, {shown}"
+        version += f" {covers}"
     return Scope(say(what), say(settings), version)
 
 
 def _words(system: Any) -> Words:
-    halved = isinstance(system, Simulated) and system.step is not None
+    return words_of(isinstance(system, Simulated) and system.step is not None)
+
+
+def words_of(halved: bool) -> Words:
+    """The words for evaluations; halved: cases are confirmed at half the step, too."""
     return Words(
         one="case",
         agree=f"{FRESH} and one at half the step agree" if halved else f"{FRESH} agrees",
@@ -98,25 +116,27 @@ UNCHECKED = "Whether an encounter takes place was not checked."
 def _caveat(system: Any) -> str:
     if not isinstance(system, Simulated):
         return ""
-    unread = _unread(system) if isinstance(system, (InProcess, Isolated)) else ""
     if isinstance(system, InProcess):
-        again = "Cases were evaluated again by the same function in the same process only."
-        return f"{again} {UNCHECKED}{_covered(system) or unread}"
-    halved = "" if system.step is None else ", also at half its step"
-    again = f"Cases were evaluated again by the same simulator only{halved}. {UNCHECKED}{unread}"
-    if isinstance(system, FmuSimulator):
-        return f"{again} Its variables are read every {system.described.step:g} s, and not in between."
-    return again
+        return function_caveat(system.unread or (None if system.from_files else ""))
+    every = system.described.step if isinstance(system, FmuSimulator) else None
+    return simulator_caveat(system.step is not None, every, system.unread if isinstance(system, Isolated) else "")
 
 
-def _covered(function: InProcess) -> str:
-    """What the digest of a function covers, if it is not that of its files."""
-    if function.from_files or function.unread:
-        return ""
-    return " The digest covers the function and what it uses, installed packages by version only."
+def function_caveat(unread: str | None) -> str:
+    """Of a function in the same process; unread: what of its code could not be read, None if its files are known."""
+    covered = _unread(unread or "")
+    if unread == "":
+        covered = " The digest covers the function and what it uses, installed packages by version only."
+    return f"Cases were evaluated again by the same function in the same process only. {UNCHECKED}{covered}"
 
 
-def _unread(function: InProcess | Isolated) -> str:
-    if not function.unread:
-        return ""
-    return f" The code of the function is not identified, because {function.unread} cannot be read exactly."
+def simulator_caveat(halved: bool, every: float | None = None, unread: str = "") -> str:
+    """Of any other simulator; every: the time between two readings of the variables of an FMU [s]; unread: what of the
+    code of a function could not be read."""
+    again = "Cases were evaluated again by the same simulator only"
+    read = "" if every is None else f" Its variables are read every {every:g} s, and not in between."
+    return f"{again}{', also at half its step' if halved else ''}. {UNCHECKED}{_unread(unread)}{read}"
+
+
+def _unread(unread: str) -> str:
+    return unread and f" The code of the function is not identified, because {unread} cannot be read exactly."

@@ -7,10 +7,13 @@ from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.engine.systems.simulators.called import Called
 from worker.evidence.scopes import closed_loop, simulators
 from worker.evidence.scopes.base import Terms
+from worker.evidence.scopes.recorded import Recorded
 
 
 def terms(system: System) -> Terms:
     """Its scope, the words for its evaluations, what bars or qualifies a claim on it."""
+    if isinstance(system, Recorded):
+        return system.terms
     if isinstance(system, ClosedLoop):
         return closed_loop.terms(system)
     return simulators.terms(system.inner if isinstance(system, Called) else system)

@@ -97,6 +97,7 @@ def _validated(problem: Problem, evidence: Evidence) -> Check:
     threshold."""
     validation, spot = evidence.validation, evidence.spot_checks
     ok = validation.ok and not spot.violating and (spot.compared > 0 or not spot.checked)
+    ok = ok and not (validation.spent and validation.spent.left_out.spot_checks)
     return check(CheckCode(terms(problem.system).words.check), ok, validation.statement, "; ", spot.statement)
 
 

@@ -9,7 +9,7 @@ from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Words
 from campaigns.results import StageResult, ValidateResult
 from campaigns.results.finding import Finding, Validation
-from campaigns.results.validate import SpotChecks, Violations
+from campaigns.results.validate import Spent, SpotChecks, Violations
 from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
 
@@ -22,11 +22,12 @@ def worded(problem: Problem, result: StageResult, findings: Sequence[Finding]) -
     cases = [found for found in (result.nominal, *(f.validation for f in findings)) if found is not None]
     statement = _agreement(words, cases) if all(found.repeats is None for found in cases) else _repeated(cases)
     counts, spot = result.violations, result.spot_checks
+    compared = () if spot is None else _apart(words, spot, problem.unit, result.spent)
     return result.model_copy(
         update={
             "statement": statement,
             "violations": counts and counts.model_copy(update={"statement": _counts(words, counts)}),
-            "spot_checks": spot and spot.model_copy(update={"statement": _apart(words, spot, problem.unit)}),
+            "spot_checks": spot and spot.model_copy(update={"statement": compared}),
         }
     )
 
@@ -66,7 +67,21 @@ def _counts(words: Words, found: Violations) -> Spans:
     return say(many, f" of them were {words.again}, and ", confirmed, " violate there as well")
 
 
-def _apart(words: Words, found: SpotChecks, unit: str) -> Spans:
+def _apart(words: Words, found: SpotChecks, unit: str, spent: Spent | None) -> Spans:
+    return say(_compared(words, found, unit), _left_out(spent))
+
+
+def _left_out(spent: Spent | None) -> Spans:
+    """The random evaluations that the allowance of validation did not suffice for."""
+    if spent is None or not spent.left_out.spot_checks:
+        return ()
+    return say(
+        *("; ", count(spent.left_out.spot_checks, "left_out"), " more were left out, because validation may take "),
+        *(count(spent.at_most, "at_most"), " evaluations"),
+    )
+
+
+def _compared(words: Words, found: SpotChecks, unit: str) -> Spans:
     by = words.reference
     if found.largest is None or found.median is None:
         return say(f"no random evaluation could be compared with {by}")

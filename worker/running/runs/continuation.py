@@ -60,8 +60,8 @@ class Budget:
 def continued(campaign: Campaign, budget: Budget) -> Campaign:
     """The campaign with larger budgets for every search that can be extended; raises `CannotContinue` if none can."""
     document = campaign.document()
-    raised = [_raised(search, budget) for search in campaign.stages.search]
-    if not any(raised):
+    larger_ones = [raised(search, budget) for search in campaign.stages.search]
+    if not any(larger_ones):
         titles = words(listed([methods()[s.method].title for s in campaign.stages.search]))
         able = words(listed([m.title for m in methods().values() if m.extend is not None]))
         raise CannotContinue(
@@ -69,7 +69,7 @@ def continued(campaign: Campaign, budget: Budget) -> Campaign:
             f"these can be extended: {able}"
         )
     document["stages"]["search"] = [
-        changed or search for changed, search in zip(raised, document["stages"]["search"], strict=True)
+        changed or search for changed, search in zip(larger_ones, document["stages"]["search"], strict=True)
     ]
     larger = load_document(document, "the extended campaign")
     if problems := check(larger, catalogue()):
@@ -77,7 +77,8 @@ def continued(campaign: Campaign, budget: Budget) -> Campaign:
     return larger
 
 
-def _raised(search: Search, budget: Budget) -> dict[str, object] | None:
+def raised(search: Search, budget: Budget) -> dict[str, object] | None:
+    """The search with its larger budget, and the options by which its method continues; None if it cannot."""
     method = methods()[search.method]
     evaluations = budget.after(search.evaluations)
     if method.extend is None or evaluations <= search.evaluations:

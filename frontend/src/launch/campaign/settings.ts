@@ -9,6 +9,8 @@ export interface Setting {
   text: string
   /** The default if left empty. */
   empty?: string
+  /** Left empty, it alone is removed, not its stage or study. */
+  alone?: true
 }
 
 export const SIMULATION: Setting[] = [
@@ -114,7 +116,7 @@ export const STAGES: Group[] = [
       {
         at: ['stages', 'findings', 'evaluations'],
         label: 'Evaluations at most',
-        text: 'For distinguishing worst cases',
+        text: 'For distinguishing worst cases; with the usual 20 000, validation takes at most as many as the searches',
       },
       { at: ['stages', 'findings', 'distance'], label: 'Distance', text: 'Two minima closer than this fraction of every range count as one' },
       {
@@ -137,6 +139,13 @@ export const STAGES: Group[] = [
       },
       { at: ['stages', 'validate', 'neighbours'], label: 'Neighbours', text: 'Simulated around each finding' },
       { at: ['stages', 'validate', 'reach'], label: 'Range of neighbours', text: 'Fraction of each range' },
+      {
+        at: ['stages', 'validate', 'evaluations'],
+        label: 'Evaluations in all',
+        text: 'Of validation, those made again to confirm results included; empty: as many as the searches',
+        empty: 'as the searches',
+        alone: true,
+      },
     ],
   },
 ]
@@ -146,7 +155,7 @@ export const settingOf = (campaign: Campaign, { at }: Setting): Raw | null =>
   (read(campaign, at) as Raw | null | undefined) ?? null
 
 /** Writes a setting: a stage or study without its first number is removed as a whole. */
-export function settled({ at, empty }: Setting, value: Raw | null): [(string | number)[], Raw | null] {
-  if (value === null && at[0] === 'stages' && empty !== undefined) return [at.slice(0, -1), null]
+export function settled({ at, empty, alone }: Setting, value: Raw | null): [(string | number)[], Raw | null] {
+  if (value === null && at[0] === 'stages' && empty !== undefined && !alone) return [at.slice(0, -1), null]
   return [at, value === null && empty === undefined ? '' : value]
 }

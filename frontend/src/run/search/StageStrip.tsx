@@ -98,7 +98,7 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
     figures: ended
       ? `${count(flown)} done`
       : begun
-        ? ofPlanned(kind, flown, planned)
+        ? ofPlanned(flown, planned)
         : isLive(run)
           ? 'waiting'
           : 'not started',
@@ -108,10 +108,9 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
   }
 }
 
-/** A budget may be an estimate: how many worst cases there are is not known in advance. */
-function ofPlanned({ estimated }: StageSummary, flown: number, planned: number): string {
-  if (flown > planned) return `${count(flown)} done`
-  return `${count(flown)} of ${estimated ? 'about ' : ''}${count(planned)}`
+/** Excluded samples are drawn again, so that there may be more than planned. */
+function ofPlanned(flown: number, planned: number): string {
+  return flown > planned ? `${count(flown)} done` : `${count(flown)} of ${count(planned)}`
 }
 
 /** A stage that ended by its own rule is complete, even with budget left. */

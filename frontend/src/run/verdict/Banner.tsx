@@ -117,7 +117,7 @@ function reasonOf(run: RunDetail, outcome: Outcome): string {
   if (outcome === 'cancelled' && run.evaluations === 0)
     return `The run was cancelled before its first evaluation ended.${successor(run)} There are no results.`
   if (outcome === 'cancelled')
-    return `The run was cancelled after ${count(run.evaluations)} evaluations, ${withoutValue(run)}; the budgets of all stages are ${count(run.planned)}.${successor(run)} Completed evaluations are shown below; they support no claim about the avoidance system.`
+    return `The run was cancelled after ${count(run.evaluations)} evaluations, ${withoutValue(run)}; the run would take at most ${count(run.planned)}.${successor(run)} Completed evaluations are shown below; they support no claim about the avoidance system.`
   // The reason of a run that failed after several attempts already states how many.
   const attempts = run.attempts > 1 && !run.error?.includes('attempt') ? ` It was tried ${run.attempts} times.` : ''
   return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This is not a result about the avoidance system.`

@@ -13,17 +13,17 @@ from pathlib import Path
 import pytest
 
 from campaigns import Catalogue, library, load_file
+from campaigns.asked.allowance import RAY, SLICE
 from campaigns.asked.load import load_document
 from campaigns.checked import expected as module
 from campaigns.checked.expected import (
     Expected,
     Total,
     again,
-    boundary,
     expected,
-    latest,
     total,
 )
+from campaigns.stages.plan import most
 from tests.given.case_campaigns import document
 from tests.simulators import package
 from worker.running.catalogue.installed import catalogue
@@ -34,9 +34,7 @@ FLOWN: dict[str, dict[str, int]] = json.loads(
 )
 HALVES = sorted(FLOWN)[::2], sorted(FLOWN)[1::2]
 MEASURED = {
-    "STARTS": (27, 40, 58),
-    "STEPS": (2, 15, 25),
-    "POLL": (5, 15, 98),
+    "STARTS": (27, 40),
 }
 """The extremes in the first half of the library alone."""
 EFFORTS = {"direct": {"spread": (0.86, 1.18)}, "sqp": {"growth": 2.2}}
@@ -68,11 +66,11 @@ def test_what_is_evaluated_is_in_the_announced_range(name: str) -> None:
         assert stage.least <= flown[kind] <= stage.most, kind
         assert stage.least <= stage.evaluations <= stage.most, kind
     for kind in ("nominal", "sensitivity", "certify"):
-        assert told[kind].least == told[kind].most == flown[kind]
+        assert told[kind].least == told[kind].evaluations == flown[kind]
     least, usual, most = total(list(told.values()))
     assert least <= sum(flown.values()) <= most
     assert least <= usual <= most
-    assert most <= 3 * least, "a range that says something"
+    assert most <= 5 * least, "a range that says something"
 
 
 def test_the_usual_number_is_near_for_most() -> None:
@@ -91,28 +89,26 @@ def test_ranges_measured_on_half_of_the_library_hold_in_the_other(monkeypatch: p
     ] == []
 
 
-def test_one_number_is_announced_only_if_nothing_differs_from_it_by_more_than_a_fifth() -> None:
-    assert Total(9_000, 10_000, 12_000).text == "About 10,000"
-    assert Total(9_000, 10_000, 12_100).text == "About 9,000 to 12,100"
-    assert Total(7_900, 10_000, 11_000).text == "About 7,900 to 11,000"
+def test_the_usual_number_and_the_bound_are_announced() -> None:
+    assert Total(9_000, 10_000, 12_034).text == "About 10,000, at most 12,034"
+    stages = [Expected("search", "", 15_000, 12_691, 22_234), Expected("nominal", "", 1, 1, 2)]
+    assert total(stages) == (12_692, 15_001, 22_236)
 
 
-def test_the_ends_of_a_range_are_rounded_outwards() -> None:
-    stages = [Expected("search", "", 15_000, 12_691, 22_234), Expected("nominal", "", 1, 1, 1)]
-    assert total(stages) == (12_600, 15_001, 22_300)
-    assert total(stages[1:]) == (1, 1, 1)
-
-
-def test_validation_ends_when_its_budget_does() -> None:
-    from worker.engine.stages.parts import boundary as around
-
-    for name in ("unicycle_static", "pioneer_dropout"):
+def test_the_end_of_a_range_is_the_bound_of_the_run() -> None:
+    for name in library():
         campaign = load_file(library()[name])
-        stages = campaign.stages
-        each = stages.validate_.neighbours + around.most(len(campaign.uncertain))
-        assert latest(campaign) == stages.findings.evaluations + 2 * stages.findings.at_most * each
-    few = load_document(document(stages__findings={"evaluations": 0, "at_most": 1}))
-    assert expected(few, KNOWN)[-1].most <= latest(few)
+        assert total(expected(campaign, KNOWN)).most == most(campaign)
+
+
+def test_a_ray_and_a_slice_take_what_the_allowance_counts() -> None:
+    import math
+
+    from worker.engine.stages.parts import boundary as around
+    from worker.engine.stages.parts import slices
+
+    assert slices.POINTS + 1 == SLICE
+    assert around.SAMPLES + math.ceil(math.log2(1.0 / (around.SAMPLES * around.TOLERANCE))) + 1 == RAY
 
 
 def test_a_method_that_may_end_by_its_own_rule_has_a_range() -> None:
@@ -146,16 +142,12 @@ def test_what_is_made_again_in_fresh_processes(
 ) -> None:
     """Random evaluations, the nominal case and a worst case; with noise 10 calls of these and of two best."""
     given = package.campaign()
+    given["stages"]["validate"] = {"evaluations": 5000}  # enough for all of them
     if repeats is not None:
         given["simulator"]["repeats"] = {"count": repeats, "combine": "worst"}
     campaign = load_document(given)
     assert (len(campaign.stages.search), len(campaign.uncertain)) == (2, 2)
     assert again(campaign, KNOWN, noisy, halved) == expected_again
-
-
-def test_a_violation_adds_what_its_boundary_takes() -> None:
-    """As `worker.engine.stages.parts.boundary.most` counts, without the slices."""
-    assert boundary(load_file(library()["unicycle_static"])) == 1 + 5 * (20 + 14)
 
 
 @pytest.mark.nightly

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from campaigns import Catalogue, check, library, load_file
+from campaigns import Campaign, Catalogue, check, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
 from campaigns.checked.check import simulation_problems
@@ -22,6 +22,11 @@ from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, continued
 
 WALL = {"component": "box", "parameters": {"position": {"x": 9.0, "y": 3.5}, "length": 16.0, "width": 0.2}}
+
+
+def described(problem: Problem) -> tuple[Campaign, Catalogue]:
+    """What the statements need of a problem."""
+    return problem.campaign, catalogue()
 
 
 def refused(**changes: Any) -> list[str]:
@@ -147,15 +152,15 @@ def test_a_verdict_can_state_which_point_distances_end_at() -> None:
     def of(**changes: Any) -> Problem:
         return Problem(campaign(**changes), compiled=False)
 
-    assert words(overlooked(of().system)) == ""
+    assert words(overlooked(*described(of()))) == ""
     wall = of(scenario__obstacles=[WALL])
-    assert facts(overlooked(wall.system)) == ["d_min", wall.threshold, 8.00062]
-    assert words(overlooked(of(scenario__obstacles=[WALL], criterion__from_centre=True).system)) == ""
+    assert facts(overlooked(*described(wall))) == ["d_min", wall.threshold, 8.00062]
+    assert words(overlooked(*described(of(scenario__obstacles=[WALL], criterion__from_centre=True)))) == ""
     surface = {"criterion__component": "surface_separation"}
     body = surface | {"criterion__parameters": {"body_radius": 0.2}}
     uncertain = document()["uncertain"] | {"criterion.body_radius": {"low": 0.0, "high": 0.2}}
     unknown = of(**surface, uncertain=uncertain)
-    assert [words(clause(p.system)) for p in (of(), wall, of(**surface), of(**body), unknown)] == [
+    assert [words(clause(*described(p))) for p in (of(), wall, of(**surface), of(**body), unknown)] == [
         "distances measured to the obstacles' centres, not their surfaces",
         "distances measured to the obstacles' centres, not their surfaces; a vehicle inside obstacles.0 may count as "
         "clear",

@@ -97,8 +97,8 @@ def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[st
     out = capsys.readouterr().out
     assert out.startswith(f"{campaign().name}: ")
     assert f" {campaign().digest[:16]}\n" in out
-    assert "2 uncertain parameters, about 13543 evaluations:" in out
-    assert "  search by direct: 3000\n" in out
+    assert " 27,044 evaluations:" in out
+    assert "  search by direct: 3,000\n" in out
 
 
 @pytest.mark.parametrize("command", ["run", "validate"])

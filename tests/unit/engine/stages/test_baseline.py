@@ -15,6 +15,7 @@ from backend.db.engine import connect, read
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from campaigns import Campaign
+from campaigns.asked.allowance import STARTS
 from campaigns.asked.load import load_document
 from campaigns.claims.stages.earlier_run import not_random
 from campaigns.refusals import RefusalCode
@@ -32,6 +33,7 @@ from worker.engine.search.base import Floats
 from worker.engine.stages import baseline
 from worker.engine.stages.parts import findings, offered
 from worker.engine.stages.parts.base import Context, drive
+from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.store import StagePlan
 from worker.engine.stages.validate import _since
 from worker.evidence.audit import judge
@@ -156,7 +158,7 @@ def test_every_case_is_followed_to_its_basin() -> None:
     ran(made)
     found = findings.Found()
     drive(made, 2, findings.search(made, 2, found), 10**5, repeats=True)
-    assert not findings.settle(made, 2, found)
+    assert not findings.settle(made, 2, found, Left(made.campaign, False, 0))
     labels = [f"F{i}" for i in range(1, len(found.basins) + 1)]
     where = {label: basin.point for label, basin in zip(labels, found.basins, strict=True)}
     first, second, third = _since(made, [], found, labels)
@@ -174,8 +176,8 @@ def test_more_cases_than_candidates_are_all_followed() -> None:
     ]
     made = context(against(*many), two_wells)
     ran(made)
-    gathered = findings.gather(made, 2)
-    assert len(gathered) == len(many) > findings.ALL
+    gathered = findings.gather(made, 2, findings.Found())
+    assert len(gathered) == len(many) > STARTS
 
 
 @pytest.fixture(autouse=True)

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 
+from campaigns.asked.allowance import RAY, SLICE
 from campaigns.claims.stages.surroundings import NOMINAL_BEYOND
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.given.case_campaigns import campaign, case1
@@ -21,6 +22,9 @@ Result = TypeVar("Told")
 
 WORST = np.array([0.0, 0.0])
 """Of d = threshold - 0.2 + u + v; nominal is (0.5, 0.5)."""
+
+MOST = 2 * SLICE + 1 + RAY * (2 * 2 + 1)
+"""Evaluations around a violation of two parameters."""
 
 
 def driven(asking: Asking[Result], flown: Any = None) -> tuple[Result, int]:
@@ -80,7 +84,7 @@ def test_distances_to_the_boundary() -> None:
     assert result.line.parameters is not None
     assert result.line.parameters["vehicle.m"] == pytest.approx(4.4, abs=1e-4)
     assert facts(result.statement) == ["vehicle.m", pytest.approx(4.4, abs=1e-4), 0.3, 0.75]
-    assert evaluations <= boundary.most(2)
+    assert evaluations <= MOST
 
 
 def test_a_violation_that_no_parameter_reaches_alone() -> None:
@@ -115,7 +119,7 @@ def test_fields_of_a_finding() -> None:
     assert violation is not None
     assert violation.line is not None
     assert violation.line.way == pytest.approx(0.8, abs=1e-4)
-    assert most <= boundary.most(2)
+    assert most <= MOST
     (slices_, clear), evaluations = driven(boundary.after(case1(), WORST, THRESHOLD + 0.1))
     assert clear is None
     assert len(slices_.curves) == 2
@@ -125,4 +129,4 @@ def test_fields_of_a_finding() -> None:
     )
     assert everywhere is not None
     assert all(ray.share is not None and ray.share < 2e-5 for ray in everywhere.rays)
-    assert most <= boundary.most(2)
+    assert most <= MOST

@@ -15,6 +15,7 @@ from worker.engine.stages.parts import findings
 from worker.engine.stages.parts.base import Context, Driven, drive
 from worker.engine.stages.parts.comparison import compare
 from worker.engine.stages.parts.findings import Found
+from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.store import StagePlan
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
@@ -167,7 +168,9 @@ def test_neighbours_lower_a_rough_worst_case() -> None:
         grain = np.modf(np.abs(np.sin(x[:, 0] * 12345.678 + x[:, 1] * 54321.987)) * 1000.0)[0]
         return np.asarray(1.0 + ((x - 0.4) ** 2).sum(axis=1) + 1e-3 * grain)
 
-    campaign = searching({"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000})
+    campaign = searching(
+        {"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000, "evaluations": 20_000}
+    )
     _, found, _ = found_by(campaign, rough)
     flown = [found.of(basin).neighbours for basin in found.basins]
     assert any(n is not None and n.lower_by is not None and n.lower_by > 0.0 for n in flown)
@@ -207,7 +210,7 @@ def test_whatever_is_evaluated_and_lower_becomes_a_finding(seed: int) -> None:
 def test_a_budget_that_ends_at_once_leaves_the_lowest_evaluation_as_the_finding() -> None:
     for budget in (1, 7, 60, 400):
         made, found, _ = found_by(searching({"method": "direct", "evaluations": 100}), two_failures, budget)
-        findings.settle(made, 2, found)
+        findings.settle(made, 2, found, Left(made.campaign, False, 0))
         assert found.basins[0].cost == lowest_stored(made)
         assert len(found.basins) <= made.campaign.stages.findings.at_most
 

@@ -105,7 +105,7 @@ def test_a_run_stores_it_and_the_file_has_every_criterion(method: str, tmp_path:
         stages={
             "sensitivity": {"points": 3},
             "search": [{"method": method, "evaluations": 120}],
-            "validate": {"neighbours": 5},
+            "validate": {"neighbours": 5, "evaluations": 20_000},
         },
         objectives=[
             {"component": "goal_miss"},

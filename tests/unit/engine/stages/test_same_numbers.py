@@ -36,7 +36,7 @@ ASKED: Campaign = campaign(
             *({"method": "monte_carlo", "evaluations": 120, "options": options} for options in MONTE_CARLO),
         ],
         "certify": {"samples": 150, "grid": {"points": 7}},
-        "validate": {"neighbours": 10},
+        "validate": {"neighbours": 10, "evaluations": 20_000},
     },
 )
 

@@ -51,13 +51,6 @@ def after(problem: Problem, point: Floats, cost: float) -> Generator[Floats, Bat
     return through, (yield from boundary(problem, point)) if violated else None
 
 
-def most(dimension: int) -> int:
-    """The largest number of evaluations of `after`."""
-    rays = 2 * dimension + 1
-    halvings = int(np.ceil(np.log2(1.0 / (SAMPLES * TOLERANCE)))) + 1
-    return dimension * (slices.POINTS + 1) + 1 + rays * (SAMPLES + halvings)
-
-
 def boundary(problem: Problem, worst: Floats) -> Generator[Floats, Batch, Boundary]:
     """Along each parameter alone towards either bound, and along the straight line to the worst case."""
     nominal = np.clip(problem.nominal_point, 0.0, 1.0)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from campaigns.asked.allowance import STARTS, validation
 from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
@@ -22,12 +23,14 @@ from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.boundary import Around, after
+from worker.engine.stages.parts.left import Left
+from worker.engine.stages.parts.noise import noisy
 from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 
-EACH, ALL = 12, 60
-"""Limits on the points to descend from: per stage, and in total."""
+EACH = 12
+"""Limit on the points to descend from, per stage."""
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
 ROUNDS = 20
@@ -63,6 +66,9 @@ class Found:
     candidates: list[Candidate] = field(default_factory=list)
     basins: list[Basin] = field(default_factory=list)
     left_out: int = 0
+    unconfirmed: int = 0
+    skipped: int = 0
+    """Points that the allowance was too small to descend from."""
     rounds: int = 0
     seen: Lowest = field(default_factory=Lowest)
     evidence: dict[bytes, Evidence] = field(default_factory=dict)
@@ -103,23 +109,26 @@ def search(context: Context, position: int, found: Found) -> Search:
         asking.close()
 
 
-def settle(context: Context, position: int, found: Found) -> bool:
-    """Make the lowest stored evaluation the worst case if the budget ended too early; returns whether that was needed.
+def settle(context: Context, position: int, found: Found, left: Left) -> bool:
+    """Make the lowest stored evaluation the worst case if the budget ended too early; returns whether the worst cases
+    are not all there.
 
-    Of the basins not yet distinguished, the lowest are stored, as many as the campaign retains.
+    Of the basins not yet distinguished, the lowest are stored, as many as the campaign retains and can confirm.
     """
     lower = _lower(context, position, found, settled=True)
     if lower is not None:
         found.candidates.append(lower)
         found.basins.insert(0, Basin(lower.point, lower.cost, [len(found.candidates) - 1]))
-    at_most = context.campaign.stages.findings.at_most
-    found.left_out += max(0, len(found.basins) - at_most)
-    del found.basins[at_most:]
-    return lower is not None
+    kept = min(context.campaign.stages.findings.at_most, len(found.basins))
+    confirmed = left.findings(kept)
+    found.left_out += len(found.basins) - confirmed
+    del found.basins[confirmed:]
+    found.unconfirmed = kept - confirmed
+    return lower is not None or confirmed < kept
 
 
 def _search(context: Context, position: int, found: Found) -> Search:
-    found.candidates = gather(context, position)
+    found.candidates = gather(context, position, found)
     yield from _drawn(context, position, found)
     if not found.candidates:
         return ends.NOTHING
@@ -137,9 +146,9 @@ def _search(context: Context, position: int, found: Found) -> Search:
     return ends.FINDINGS
 
 
-def gather(context: Context, position: int) -> list[Candidate]:
+def gather(context: Context, position: int, state: Found) -> list[Candidate]:
     """The candidates of all stages before this one, the lowest first; the best of every stage is among them, and every
-    evaluation of a stage that is followed."""
+    evaluation of a stage that is followed. A small allowance is spent on few of them."""
     found: list[Candidate] = []
     best: list[Candidate] = []
     searched = context.searched
@@ -153,7 +162,8 @@ def gather(context: Context, position: int) -> list[Candidate]:
         found += mine
         if at in searched:
             found += [Candidate(np.array(m.point), m.cost, at, i) for i, m in enumerate(searched[at].minima)]
-    kept = sorted(found, key=lambda c: c.cost)[:ALL]
+    kept = sorted(found, key=lambda c: c.cost)[: validation(context.campaign, noisy(context)).starts]
+    state.skipped = min(len(found), STARTS) - len(kept)
     return sorted(kept + [b for b in best if not any(b is k for k in kept)], key=lambda c: c.cost)
 
 

@@ -9,15 +9,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from campaigns.asked.allowance import CALLED_AGAIN
 from campaigns.results import Finding
 from campaigns.results.finding import Validation
 from campaigns.results.validate import Incumbent
 from worker.engine.stages.parts import noise, repeated
 from worker.engine.stages.parts.base import Context, all_columns
+from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.offered import Stored
-
-AT_MOST = 3
-"""How many of the stored violations that one independent call confirmed are called again as often as a finding."""
 
 Confirmed = tuple[Stored, Validation]
 
@@ -58,10 +57,10 @@ def violating(context: Context, nominal: Validation, best: Sequence[Incumbent]) 
     return sorted(found, key=lambda pair: pair[0].cost)
 
 
-def confirmed(context: Context, also: Sequence[Confirmed]) -> list[Confirmed]:
+def confirmed(context: Context, also: Sequence[Confirmed], left: Left) -> list[Confirmed]:
     """The lowest stored violation that one independent call confirmed, if further calls, by which it was not chosen,
     confirm it, too."""
-    for stored, _ in also[:AT_MOST]:
+    for stored, _ in also[: left.called_again(min(len(also), CALLED_AGAIN))]:
         (validation,) = repeated.cases(context, [(stored.case.name, stored.point, stored.cost)])
         if validation.violates:
             return [(stored, validation)]

@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns import limits
+from campaigns.asked.allowance import CASE
 from campaigns.results.base import OK
 from campaigns.results.finding import Validation
 from campaigns.results.validate import Furthest, SpotChecks, StageCount, Violations
-from worker.engine.stages.parts import seeds
+from worker.engine.stages.parts import noise, seeds
 from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.confirm import Case, cases, reference
+from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 
@@ -66,14 +68,16 @@ class _Stored:
         return found
 
 
-def violations(context: Context, positions: range) -> tuple[Violations, list[tuple[Stored, Validation]]]:
+def violations(context: Context, positions: range, left: Left) -> tuple[Violations, list[tuple[Stored, Validation]]]:
     """Simulate every stored violation, or an even choice by cost, again; the counts, and the confirmed ones.
 
     The lowest confirmed one comes first.
     """
     found = _Stored(context, positions, context.problem.threshold)
     lowest_first = np.argsort(found.cost, kind="stable")
-    chosen = found.pick(lowest_first[_even(len(found), AT_MOST)])
+    each = 1 if noise.noisy(context) else CASE
+    most = left.violations(min(len(found), AT_MOST), each)
+    chosen = found.pick(lowest_first[_even(len(found), most)])
     again = cases(context, [s.case for s in chosen], calls=1)
     confirmed = [(s, case) for s, case in zip(chosen, again, strict=True) if case.violates]
     stages, counts = np.unique(found.position, return_counts=True)
@@ -87,11 +91,12 @@ def violations(context: Context, positions: range) -> tuple[Violations, list[tup
     return described, confirmed
 
 
-def spot_checks(context: Context, positions: range) -> SpotChecks:
+def spot_checks(context: Context, positions: range, left: Left) -> SpotChecks:
     """Random evaluations of all stages with the reference integrator: its differences from the stored values."""
     known = _Stored(context, positions)
     random = stream(context.campaign.seed, STREAM)
-    chosen = known.pick(np.sort(random.permutation(len(known))[:SPOT_CHECKS]))
+    most = left.spot_checks(min(len(known), SPOT_CHECKS))
+    chosen = known.pick(np.sort(random.permutation(len(known))[:most]))
     flights = reference(context, [s.case for s in chosen])
     pairs = [(s, f.cost) for s, f in zip(chosen, flights, strict=True) if f.cost is not None]
     apart = np.array([abs(cost - s.cost) for s, cost in pairs])

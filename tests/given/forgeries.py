@@ -1,0 +1,196 @@
+"""Forgeries of a stored run by whoever can compute every digest again. Start reading at `FORGERIES`."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tests.given.corrupted_records import CERTIFY, ENCOUNTER, FINDING, GRID, SAMPLE_, STATISTICS, Folder, edit
+
+BOLD = " No worse case exists."
+COLUMNS = ("points", "costs", "status", "seconds")
+
+
+class Forgery(NamedTuple):
+    """A change of the record of a run; trusted: the path of what is taken as given, if it is accepted."""
+
+    text: str
+    run: str
+    change: Callable[[Folder], Any]
+    trusted: str = ""
+
+
+def _ten_times(folder: Folder) -> None:
+    """The sample ten times over, in a campaign that asks for it, with counts that fit."""
+    draws = len(folder.arrays[f"status_{CERTIFY}"]) - GRID
+    for name in COLUMNS:
+        rows = folder.arrays[f"{name}_{CERTIFY}"]
+        folder.arrays[f"{name}_{CERTIFY}"] = np.concatenate([*[rows[:draws]] * 10, rows[draws:]])
+    folder.campaign["stages"]["certify"]["samples"] *= 10
+    for stated in (folder.evidence["results"][CERTIFY]["sample"], folder.result["statistics"]):
+        stated["samples"] *= 10
+        stated["upper_bound"] = 0.00199
+
+
+def _another_draw(folder: Folder) -> None:
+    folder.arrays[f"points_{CERTIFY}"][5] = folder.arrays[f"points_{CERTIFY}"][6]
+
+
+def _ordered(folder: Folder) -> None:
+    for name in COLUMNS:
+        rows = folder.arrays[f"{name}_{CERTIFY}"]
+        rows[: len(rows) - GRID] = rows[: len(rows) - GRID][::-1].copy()
+
+
+def _bold(*path: Any) -> Callable[[Folder], None]:
+    """The same words at the end of a sentence, in its spans and as written."""
+
+    def change(folder: Folder) -> None:
+        value, *keys = path
+        stated: Any = vars(folder)[value]
+        for key in keys:
+            stated = stated[key]
+        spans = stated["statement"]
+        spans.append({"kind": "text", "text": BOLD})
+        if "text" in stated:
+            stated["text"] += BOLD
+        if value == "result" and not keys:
+            stated["sentence"] += BOLD
+            folder.render()
+
+    return change
+
+
+def _scope(old: str, new: str) -> Callable[[Folder], None]:
+    def change(folder: Folder) -> None:
+        text = json.dumps(folder.result["holds_for"])
+        assert old in text
+        folder.result["holds_for"] = json.loads(text.replace(old, new))
+        folder.render()
+        folder.result["scope"] = folder.result["reason"][folder.result["reason"].index("Scope: ") :]
+
+    return change
+
+
+def _cost(folder: Folder) -> None:
+    """Another cost of an evaluation that no claim rests on, in the table, too."""
+    cost, table = folder.arrays["costs_2"], folder.path / "evaluations.csv"
+    before, cost[7, 0] = repr(float(cost[7, 0])), 0.9431
+    rows = table.read_text(encoding="utf-8").splitlines(keepends=True)
+    (k,) = [k for k, row in enumerate(rows) if row.startswith("2,search,direct,7,")]
+    rows[k] = rows[k].replace(before, "0.9431")
+    table.write_text("".join(rows), encoding="utf-8")
+
+
+def _unit(folder: Folder) -> None:
+    for span in folder.result["statement"]:
+        if span.get("unit") == "m":
+            span["unit"] = "km"
+    folder.render()
+    folder.result["sentence"] = folder.result["reason"].partition(" Scope: ")[0]
+
+
+def _without(name: str) -> Callable[[Folder], None]:
+    def change(folder: Folder) -> None:
+        before = len(folder.result["checks"])
+        folder.result["checks"] = [c for c in folder.result["checks"] if c["name"] != name]
+        assert len(folder.result["checks"]) < before
+
+    return change
+
+
+def _family(folder: Folder) -> None:
+    for method in folder.evidence["components"]["methods"]:
+        method["family"] = f"that of {method['name']}"
+
+
+FORGERIES: list[Forgery] = [
+    Forgery("a sample stored ten times", "cleared", _ten_times),
+    Forgery("a draw stored twice", "cleared", _another_draw),
+    Forgery("a sample in another order", "cleared", _ordered),
+    Forgery("another seed of the sample", "cleared", edit(f"evidence/results/{CERTIFY}/seed", 9)),
+    Forgery("a seed that is not the campaign's", "cleared", edit("result/seed", 9)),
+    Forgery("another nominal point", "cleared", lambda f: f.arrays["points_0"].__setitem__((0, 0), 0.51)),
+    Forgery("another point of the grid", "cleared", lambda f: f.arrays[f"points_{CERTIFY}"].__setitem__((-2, 0), 0.4)),
+    Forgery("no worse case exists", "cleared", _bold("result")),
+    Forgery("a bolder check", "cleared", _bold("result", "checks", 0)),
+    Forgery("a bolder sample", "cleared", _bold("evidence", "results", CERTIFY, "sample")),
+    Forgery("a bolder certificate", "cleared", _bold("evidence", "results", CERTIFY)),
+    Forgery("a bolder grid", "cleared", _bold("evidence", "results", CERTIFY, "grid")),
+    Forgery("a bolder validation", "cleared", _bold("evidence", "results", 5)),
+    Forgery("bolder statistics", "cleared", _bold("result", "statistics")),
+    Forgery("a wider bound in the scope", "cleared", _scope('"value": 6.0', '"value": 60.0')),
+    Forgery("another horizon in the scope", "cleared", _scope('"value": 4.0', '"value": 40.0')),
+    Forgery("another step in the scope", "cleared", _scope('"value": 0.005', '"value": 0.0005')),
+    Forgery("more obstacles in the scope", "cleared", _scope("1 obstacle", "9 obstacles")),
+    Forgery("another vehicle in the scope", "cleared", _scope("nicycle", "ny vehicle")),
+    Forgery("another unit in the sentence", "cleared", _unit),
+    Forgery("no check of agreement", "inconclusive", _without("agreement")),
+    Forgery("no check of the encounter", "cleared", _without("closest approach")),
+    Forgery("no check of the bound", "cleared", _without("probability")),
+    Forgery("another title of a check", "cleared", edit("result/checks/0/title", "Proof")),
+    Forgery("an open check that holds", "inconclusive", edit("result/checks/0/standing", "open")),
+    Forgery("the worst parameters", "cleared", edit("result/worst/parameters/vehicle.m", 4.4)),
+    Forgery("the worst as evaluated", "cleared", edit("result/worst/evaluated", 0.97)),
+    Forgery("families of methods", "inconclusive", _family),
+    Forgery("the family of a search", "cleared", edit("evidence/results/2/family", "another one")),
+    Forgery("a mean of the sample", "cleared", edit(f"{SAMPLE_}/mean", 1.2)),
+    Forgery("a deviation of the sample", "cleared", edit(f"{SAMPLE_}/deviation", 1e-3)),
+    Forgery("a histogram", "cleared", edit(f"{SAMPLE_}/histogram/counts/0", 77)),
+    Forgery("a distribution function", "cleared", edit(f"{SAMPLE_}/distribution/values/0", 0.99)),
+    Forgery("a smaller sample that suffices", "cleared", edit(f"{SAMPLE_}/quantile/needed", 3)),
+    Forgery("a quantile of the statistics", "cleared", edit(f"{STATISTICS}/quantile/share", 0.5)),
+    Forgery("a curve", "cleared", edit("evidence/results/1/curves/0/costs/0", 1.5)),
+    Forgery("a slice", "cleared", edit(f"{FINDING}/slices/curves/0/costs/3", 1.5)),
+    Forgery("a minimum", "cleared", edit("evidence/results/3/minima/0/cost", 1.5)),
+    Forgery("the best of a search", "cleared", edit("evidence/results/2/best/index", 3)),
+    Forgery("a method that did not find it", "cleared", edit(f"{FINDING}/found/0/method", "ga")),
+    Forgery("the step of a validation", "cleared", edit(f"{FINDING}/validation/half_step/step", 1e-6)),
+    Forgery("the distance of findings", "cleared", edit("evidence/results/5/findings/distance", 0.5)),
+    Forgery("a value that is absent", "cleared", lambda f: f.result["statistics"].pop("upper_bound")),
+    Forgery("a count that is absent", "violated", lambda f: f.result["evaluations"].pop("violating")),
+    Forgery("a result that is absent", "cleared", lambda f: f.evidence["results"].__setitem__(2, None)),
+    Forgery("a cost of no claim", "cleared", _cost, "arrays.costs"),
+    Forgery("a horizon of the campaign", "noisy", edit("campaign/scenario/horizon", 40.0)),
+    Forgery("bounds of the campaign", "noisy", edit("campaign/uncertain/vehicle.m/plus_minus", "30%")),
+    Forgery("a closest approach", "cleared", edit(f"{ENCOUNTER}/closest/time", 1.0), "result.encounter.closest"),
+    Forgery("code of another version", "cleared", edit("result/versions/code", "0" * 64), "result.versions"),
+    Forgery("seconds of a stage", "cleared", edit("result/stages/2/seconds", 9e9), "result.stages.#.seconds"),
+]  # fmt: skip
+
+
+def leaves(document: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The paths of all values in a document."""
+    if not isinstance(document, dict | list):
+        yield path
+        return
+    for key, value in document.items() if isinstance(document, dict) else enumerate(document):
+        yield from leaves(value, (*path, key))
+
+
+def places(folder: Folder, seed: int, count: int) -> list[tuple[str, tuple[Any, ...]]]:
+    """Some values of the record, of every part of it; digests and descriptions of components have their own tests."""
+    found = [(part, path) for part in ("result", "evidence") for path in leaves(getattr(folder, part))]
+    found = [at for at in found if at[1][0] not in ("components", "evidence_digest", "files", "digest")]
+    return random.Random(seed).sample(found, min(count, len(found)))
+
+
+def changed(folder: Folder, part: str, path: tuple[Any, ...]) -> str:
+    """Another value at a place of the record; returns the place with # for every index."""
+    stated: Any = getattr(folder, part)
+    for key in path[:-1]:
+        stated = stated[key]
+    stated[path[-1]] = _other(stated[path[-1]])
+    return ".".join([part, *("#" if isinstance(key, int) else str(key) for key in path)])
+
+
+def _other(value: Any) -> Any:
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, int | float):
+        return value + 1 if isinstance(value, int) else value * 1.01 + 1e-6
+    return 1.0 if value is None else value + BOLD

@@ -1,0 +1,97 @@
+"""The arguments of a search beyond its budget: options, starts, validation, agreement, workers, resume."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import clearance
+from tests.faults.processes import REPOSITORY
+
+RANGES = {"mass": (1.5, 2.3), "drag": (0.1, 0.2)}
+METHODS = {"direct": 60, "sqp": 60, "cma_es": 60}
+
+
+def margin(mass: float, drag: float) -> float:
+    return 60.0 - 10.0 * abs(mass - 1.9) - 30.0 * drag
+
+
+def searched(**changes: Any) -> clearance.Result:
+    given: dict[str, Any] = {"methods": METHODS, "certify": 20, "validation": 300}
+    return clearance.search(margin, RANGES, 40.0, **given | changes)
+
+
+def test_the_example_of_the_guide_runs() -> None:
+    guide = (REPOSITORY / "docs" / "python.md").read_text(encoding="utf-8")
+    (example,) = [b for b in re.findall(r"```python\n(.*?)```", guide, re.DOTALL) if "resume=first" in b]
+    space: dict[str, Any] = {}
+    exec(example, space)
+    first, more = space["first"], space["more"]
+    assert (more.method == "cma_es").sum() == 120
+    assert (first.costs[first.method == "cma_es"] == more.costs[more.method == "cma_es"][:60]).all()
+
+
+def test_options_starts_and_agreement_are_those_of_the_campaign() -> None:
+    found = searched(options={"direct": {"iterations": 3}}, starts=[{"mass": 1.6}], agreement=0.1)
+    direct, sqp, _ = found.origin.campaign.stages.search
+    assert (direct.options, direct.starts, sqp.starts) == ({"iterations": 3}, [], [{"simulator.mass": 1.6}])
+    assert found.origin.campaign.agreement == 0.1
+    assert (found.points[found.method == "sqp"][0] == [1.6, 0.5 * (0.1 + 0.2)]).all()
+    assert found.origin.campaign.stages.validate_.evaluations == 300
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"options": {"turbo": {}}}, "options: 'turbo'"),
+        ({"options": {"direct": {"depth": 1}}}, "depth"),
+        ({"starts": [{"speed": 1.0}]}, "no parameter 'speed'"),
+        ({"starts": [{"mass": 9.0}]}, "mass"),
+        ({"starts": [{"mass": 1.6}], "methods": ["direct"]}, "takes start points"),
+        ({"validation": -1}, "validation must be"),
+        ({"agreement": 0.0}, "agreement must be"),
+        ({"workers": 0}, "workers must be"),
+        ({"resume": "nowhere"}, "resume: nowhere"),
+    ],
+)
+def test_what_cannot_be_used_is_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        searched(**changes)
+
+
+def test_a_saved_or_interrupted_search_is_resumed_without_evaluating_it_again(tmp_path: Path) -> None:
+    first, called = searched(), [0]
+    again = searched(resume=first.save(tmp_path))
+    assert again.costs.tobytes() == first.costs.tobytes()
+    assert again.sample_seed == first.sample_seed
+
+    def stops(mass: float, drag: float) -> float:
+        called[0] += 1
+        if called[0] == 150:
+            raise KeyboardInterrupt
+        return 60.0 - 10.0 * abs(mass - 1.9) - 30.0 * drag
+
+    with pytest.raises(clearance.Interrupted) as interrupted:
+        clearance.search(stops, RANGES, 40.0, methods=METHODS)
+    done = len(interrupted.value.evaluations.costs)
+    with pytest.raises(ValueError, match="another simulator"):
+        searched(resume=interrupted.value)
+    assert 0 < done < 150
+
+
+def test_a_search_of_another_criterion_or_of_other_stages_is_not_resumed() -> None:
+    first = searched()
+    with pytest.raises(ValueError, match="another seed"):
+        searched(resume=first, seed=2)
+    with pytest.raises(ValueError, match="other stages"):
+        searched(resume=first, methods={"direct": 60})
+
+
+def test_workers_give_the_same_numbers() -> None:
+    beside = searched(workers=2, methods={"direct": 30}, validation=20)
+    here = searched(methods={"direct": 30}, validation=20)
+    assert np.array_equal(beside.costs[beside.method == "direct"], here.costs[here.method == "direct"])

@@ -1,0 +1,88 @@
+"""Forged records, of which every digest was computed again: the audit rejects each, or documents what it trusts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from campaigns import CampaignError
+from tests.given.corrupted_records import CALLS, CORRUPTIONS, Folder, write_called, written
+from tests.given.forgeries import FORGERIES, Forgery, changed, places
+from worker.engine.stages.parts import offered
+from worker.evidence.audit import judge
+from worker.evidence.audit.judge import closing
+from worker.evidence.audit.record import SEAL, UnreadableError
+from worker.evidence.audit.trusted import TRUSTED
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer simulations with the reference integrator, as configured in the audit."""
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
+    monkeypatch.setattr(offered, "AT_MOST", 3)
+    monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, offered.AT_MOST, offered.SPOT_CHECKS))
+
+
+def accepted(folder: Folder) -> bool:
+    """Whether the verdict follows from a record; one that cannot be read is rejected."""
+    try:
+        if "files" in folder.evidence:  # a record in the form of an earlier version has no digest
+            folder.reseal()
+        return closing(folder.items())[0]
+    except (UnreadableError, CampaignError, ValueError):
+        return False
+
+
+def trusted(path: str) -> bool:
+    return any(re.search(pattern, path) for one in TRUSTED for pattern in one.paths)
+
+
+@pytest.mark.parametrize("forgery", FORGERIES, ids=[f.text for f in FORGERIES])
+def test_a_forgery_is_rejected_or_documented(forgery: Forgery, tmp_path: Path) -> None:
+    folder = Folder(written(tmp_path / "out", forgery.run))
+    forgery.change(folder)
+    assert accepted(folder) == bool(forgery.trusted)
+    assert not forgery.trusted or trusted(forgery.trusted)
+
+
+@pytest.mark.parametrize("forgery", FORGERIES, ids=[f.text for f in FORGERIES])
+def test_without_new_digests_every_forgery_is_rejected(forgery: Forgery, tmp_path: Path) -> None:
+    folder = Folder(written(tmp_path / "out", forgery.run))
+    forgery.change(folder)
+    try:
+        items = folder.items()
+    except (UnreadableError, CampaignError):
+        return
+    assert SEAL in [item.name for item in items if item.agrees is False]
+
+
+@pytest.mark.parametrize(("name", "change"), [c[1:3] for c in CORRUPTIONS], ids=[c[0] for c in CORRUPTIONS])
+def test_a_corruption_with_new_digests_is_rejected(name: str, change: Callable[[Folder], Any], tmp_path: Path) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    change(folder)
+    assert not accepted(folder)
+
+
+@pytest.mark.parametrize(("name", "change"), [(c[0], c[2]) for c in CALLS], ids=[c[1] for c in CALLS])
+def test_forged_calls_are_rejected(name: str, change: Callable[[Folder], Any], tmp_path: Path) -> None:
+    write_called(tmp_path, name)
+    folder = Folder(tmp_path)
+    change(folder)
+    assert not accepted(folder)
+
+
+@pytest.mark.parametrize("count", [25, pytest.param(2000, marks=[pytest.mark.nightly, pytest.mark.timeout(3600)])])
+@pytest.mark.parametrize("name", ["cleared", "violated", "inconclusive", "noisy", "excluded"])
+def test_any_other_value_is_rejected_or_documented(name: str, count: int, tmp_path: Path) -> None:
+    path = written(tmp_path / "out", name)
+    original = {file.name: file.read_bytes() for file in path.iterdir()}
+    for part, place in places(Folder(path), 7, count):
+        for file, content in original.items():
+            (path / file).write_bytes(content)
+        folder = Folder(path)
+        at = changed(folder, part, place)
+        assert trusted(at) or not accepted(folder), at

@@ -1,0 +1,109 @@
+"""Whether evaluations are where the campaign puts them: the nominal case, the samples, the grid, the baseline's cases,
+and no point twice in a stage that never evaluates one twice."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from campaigns import cube
+from campaigns.claims.stages import sample as templates
+from campaigns.results.base import OK
+from worker.evidence.audit import draw
+from worker.evidence.audit.recompute import Run, Tree, counts
+
+SLACK = 1e-9
+"""Fraction of a range by which a case of the baseline may be beyond a bound, or differ by conversion of units."""
+
+
+def required(run: Run) -> Tree:
+    """The numbers of points by what they must be, each stated as required and found: a pair."""
+    pairs: Tree = {"nominal": (1, _nominal(run))}
+    for k in run.samples:
+        pairs[f"stage {k}"] = _drawn(run, k)
+    for k, planned in enumerate(run.plan):
+        if planned.kind == "certify" and run.grid(k):
+            pairs[f"grid of stage {k}"] = _grid(run, k)
+        if planned.kind == "baseline":
+            pairs[f"stage {k}"] = _baseline(run, k)
+        if planned.kind == "validate":
+            pairs[f"distinct in stage {k}"] = _distinct(run, k)
+    return {name: pair for name, pair in pairs.items() if pair is not None}
+
+
+def _nominal(run: Run) -> int:
+    low, high = (np.array(ends) for ends in zip(*run.bounds.values(), strict=True))
+    at = cube.share(np.array([run.known[path][1] for path in run.bounds]), low, high)
+    return int((run.rows(0)[0][:1] == at).all(axis=1).sum())
+
+
+def _drawn(run: Run, k: int) -> tuple[int, int] | None:
+    """None of a sample that gives no bound: its points are of another kind, or were extended."""
+    certify = run.campaign.stages.certify if run.plan[k].kind == "certify" else None
+    draws = run.draws(k)
+    points, _, status = (rows[:draws] for rows in run.rows(k))
+    stated = (run.claims["results"][k] or {}).get("seed")
+    seed = run.campaign.seed if stated is None else int(stated)
+    if certify is not None:
+        stream, blocks = draw.CERTIFY, draw.certified(certify.samples, status)
+    elif run.samples[k]["upper_bound"] is None:
+        return None
+    else:
+        stream, early = run.searches.index(k), bool(run.options(k).get("interval"))
+        blocks = draw.searched(run.plan[k].planned, draws, early)
+    drawn = draw.redrawn(run.campaign, run.bounds, seed, stream, blocks)
+    return draws, draw.agreeing(run.campaign, points, drawn)
+
+
+def _grid(run: Run, k: int) -> tuple[int, int]:
+    certify = run.campaign.stages.certify
+    assert certify is not None
+    assert certify.grid is not None
+    at, points = draw.gridded(certify.grid.points, len(run.bounds)), run.rows(k)[0][run.draws(k) :]
+    return len(at), int((points == at).all(axis=1).sum()) if len(points) == len(at) else 0
+
+
+def _baseline(run: Run, k: int) -> tuple[int, int]:
+    """Every evaluation of the stage at the parameters of the baseline's finding that names it."""
+    baseline, found = run.campaign.baseline, 0
+    assert baseline is not None
+    points = run.rows(k)[0]
+    cases = {case.label: case.parameters for case in baseline.cases}
+    rows = {case["index"]: cases.get(case["label"], {}) for case in run.claims["results"][k]["cases"]}
+    for row, point in enumerate(points):
+        at = run.values(point)
+        wanted = {path: rows.get(row, {}).get(path, run.known[path][1]) for path in at}
+        size = {path: high - low for path, (low, high) in run.bounds.items()}
+        found += row in rows and all(abs(at[path] - wanted[path]) <= SLACK * size[path] for path in at)
+    return len(points), found
+
+
+def _distinct(run: Run, k: int) -> tuple[int, int]:
+    points: Any = run.rows(k)[0]
+    return len(points), len({point.tobytes() for point in points})
+
+
+def grid(run: Run, k: int) -> Tree:
+    """What the grid of a certify stage shows."""
+    certify = run.campaign.stages.certify
+    assert certify is not None
+    assert certify.grid is not None
+    points, raw, status = (rows[run.draws(k) :] for rows in run.rows(k))
+    ok, found = raw[status == OK], counts(status)
+    each = certify.grid.points
+    lowest = int(np.argmin(np.where(status == OK, raw, np.inf))) if len(ok) else None
+    worst = None if lowest is None else float(raw[lowest])
+    stated = None if worst is None else (run.quantity, worst, run.unit)
+    violations = int(np.count_nonzero(ok <= run.threshold)) + found["failed"]
+    shown = None if worst is None else {"cost": worst, "margin": worst - run.threshold}
+    return {
+        "points": each,
+        "total": found["evaluations"],
+        "spacing": {path: (high - low) / (each - 1) for path, (low, high) in run.bounds.items()},
+        "lowest": shown and shown | {"parameters": run.values(points[lowest])},
+        "violations": violations,
+        "failed": found["failed"],
+        "excluded": found["excluded"],
+        "statement": templates.grid(each, found["evaluations"], stated, violations, found["failed"]),
+    }

@@ -1,0 +1,139 @@
+"""Composes the sentences of a run's stages again, from recomputed numbers, and compares sentences span by span.
+
+The templates are those of the run (`campaigns.claims.stages`): what must agree is that they were used, with these
+numbers. The sentences of the verdict itself are made again by `worker.evidence.restatement`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from campaigns.claims.say import count, say
+from campaigns.claims.spans import Quantity, Span, Spans, values, words
+from campaigns.claims.stages import ends
+from campaigns.claims.stages import sample as templates
+from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.record import Missing
+
+SPANS: TypeAdapter[Spans] = TypeAdapter(Spans)
+
+
+def alike(stated: Any, expected: Spans | Missing) -> bool:
+    """Whether stored spans are these; their numbers may differ by rounding."""
+    if isinstance(expected, Missing):
+        return False
+    try:
+        found = SPANS.validate_python(stated)
+    except ValidationError:
+        return False
+    return len(found) == len(expected) and all(map(_same, found, expected))
+
+
+def shown(stated: Any, expected: Spans | Missing) -> tuple[Any, Any]:
+    """Stored and expected spans as their words; as data, if the words alone show no difference."""
+    if isinstance(expected, Missing):
+        return stated, expected
+    text = words(expected)
+    if alike(stated, expected):
+        return text, text
+    try:
+        found = words(SPANS.validate_python(stated))
+    except ValidationError:
+        return str(stated), text
+    return (found, text) if found != text else (str(stated), str([span.model_dump(mode="json") for span in expected]))
+
+
+def of_sample(run: Run, k: int, sample: Tree) -> Tree:
+    """The sentences of a sample that gives a bound; those of any other name what its method drew, as taken."""
+    if sample["upper_bound"] is None:
+        return {}
+    failed, excluded, outside = sample["failed"], sample["excluded"], sample["outside"]
+    terms = _terms(run, certify=k not in run.searches)
+    # One that is short of samples has the number that was requested, so that another one disagrees.
+    size = run.draws(k) - excluded
+    counts = templates.Counts(sample["violations"], size, failed, excluded, outside, run.campaign.confidence, terms)
+    statement = counts.bound(sample["upper_bound"])
+    if "looks" in sample:
+        level = 1.0 - (1.0 - run.campaign.confidence) / (sample["looks"] * (sample["looks"] + 1))
+        statement = templates.interim(statement, sample["looks"], level)
+    found: Tree = {"statement": statement}
+    if "quantile" in sample:
+        certify, quantile = run.campaign.stages.certify, sample["quantile"]
+        assert certify is not None
+        order, least = quantile["order"] or 0, needed(certify.quantile - outside, run.campaign.confidence)
+        told = (certify.quantile, run.quantity, run.unit, order, least, quantile["bound"])
+        found["quantile"] = {"statement": counts.quantile(*told), "share": certify.quantile, "needed": least}
+    return found
+
+
+def of_stage(run: Run, k: int, sample: Tree | None, stop: Any) -> Tree:
+    """The sentences of a stage: of a sample as a whole, and how it ended if that is by its budget or a drawn sample."""
+    found: Tree = {}
+    certify = run.campaign.stages.certify
+    if run.plan[k].kind == "certify" and sample is not None and certify is not None and "statement" in sample:
+        size = run.draws(k) - sample["excluded"]
+        told = (sample["statement"], sample["quantile"]["statement"], size, certify.samples)
+        found["statement"] = templates.certified(*told)
+    if (
+        k in run.searches
+        and run.ended[k]["evaluations"] >= run.plan[k].planned
+        and (stop or {}).get("kind") == "budget"
+    ):
+        found["stop"] = {"statement": _budget(run.plan[k].planned)}
+    return found
+
+
+def needed(fraction: float, confidence: float) -> int | None:
+    """The smallest sample whose lowest value bounds the quantile at `fraction`; None if none does."""
+    if fraction <= 0.0:
+        return None
+    return max(1, math.ceil(math.log1p(-confidence) / math.log1p(-fraction) - 1e-9))
+
+
+def unlike(document: Any, path: str = "") -> Iterator[tuple[str, str, str]]:
+    """Every text in a result that is not the words of its own spans, and every number that is not theirs: path, the
+    text as written and as the spans have it."""
+    for key, value in document.items() if isinstance(document, dict) else enumerate(document):
+        if isinstance(value, dict | list):
+            yield from unlike(value, f"{path}.{key}".lstrip("."))
+    if not isinstance(document, dict) or not isinstance(document.get("statement"), list | tuple):
+        return
+    try:
+        spans = SPANS.validate_python(document["statement"])
+    except ValidationError:
+        yield f"{path}.statement", "spans", "none that can be read"
+        return
+    if isinstance(text := document.get("text"), str) and text != words(spans):
+        yield f"{path}.text", text, words(spans)
+    if isinstance(named := document.get("values"), dict) and "sentence" not in document and named != values(spans):
+        yield f"{path}.values", str(named), str(values(spans))
+
+
+def _same(stated: Span, expected: Span) -> bool:
+    if not isinstance(stated, Quantity) or not isinstance(expected, Quantity):
+        return stated == expected
+    near = math.isclose(stated.value, expected.value, rel_tol=1e-9, abs_tol=1e-15)
+    return near and stated == expected.model_copy(update={"value": stated.value})
+
+
+def _terms(run: Run, certify: bool) -> templates.Terms:
+    """The noise of a sample's evaluations."""
+    if run.random and certify:
+        return templates.DRAWN
+    simulator = run.campaign.simulator
+    if run.calls.noisy and simulator is not None:
+        one = certify or run.calls.number == 1
+        return templates.CALLED if one else templates.combined(simulator.combine, simulator.calls)
+    if run.random:
+        stated = run.campaign.given_scenario.realisations
+        return templates.stated(stated.combine, stated.seeds)
+    return templates.WITHOUT
+
+
+def _budget(evaluations: int) -> Spans:
+    before, _, after = ends.BUDGET.partition("{budget}")
+    return say(before, count(evaluations, "budget"), after)

@@ -1,0 +1,75 @@
+"""What the audit takes as given, and why: the table of docs/evidence.md; tests forge everything else."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Trusted(NamedTuple):
+    """Something in a record that the audit does not recompute; paths: patterns of where it is stored."""
+
+    what: str
+    why: str
+    paths: tuple[str, ...]
+
+
+TRUSTED = (
+    Trusted(
+        "Costs and status of evaluations, and the trajectories",
+        "nothing is simulated: `clearance replay` evaluates cases again; a sign-off has the evidence digest",
+        (r"arrays\.costs", r"arrays\.status", r"arrays\.points", r"files\.trace"),
+    ),
+    Trusted(
+        "The campaign, if the whole record fits another one",
+        "what was asked is not a result: compare its digest with that of your file",
+        (r"campaign\.",),
+    ),
+    Trusted(
+        "Which points a search evaluated, and when it stopped",
+        "searches are not run again; only samples, the grid, the nominal case and the baseline have points that follow",
+        (r"\.stop\.", r"members", r"evaluations$", r"gap\.(?!statement)", r"left_out", r"candidates", r"rounds"),
+    ),
+    Trusted(
+        "In a folder: that a sample's seed was drawn at the launch",
+        "only the database has the launch, and there it is compared",
+        (r"drawn_at_launch",),
+    ),
+    Trusted(
+        "Basins: which cases are one worst case, and whether all were polished",
+        "they rest on descents, which are not repeated",
+        (r"basin", r"complete", r"since", r"found\.#\.evaluations", r"to_near_best", r"comparison\.#\.minima"),
+    ),
+    Trusted(
+        "Values by half the step, the reference integrator and repeated calls; spot checks; neighbours",
+        "they are evaluations, too; tolerances, agreement and counts that follow from them are recomputed",
+        (r"half_step\.cost", r"integrator\.(cost|reason)", r"again", r"repeats\.(values|reasons)", r"incumbents",
+         r"spot_checks\.(compared|largest|median|violating|at|reasons)", r"violations\.confirmed", r"neighbours",
+         r"realisation", r"drawn_realisations", r"measured\.(?!statement)", r"untraced"),
+    ),
+    Trusted(
+        "The encounter: closest approach, motion, what lies beyond the horizon, the flight without avoidance",
+        "they come from trajectories; the checks that follow from them are recomputed",
+        (r"encounter", r"\.closest\."),
+    ),
+    Trusted(
+        "Boundary of a violation, Morris' and Sobol's indices",
+        "they illustrate; no verdict rests on them",
+        (r"boundary", r"morris", r"sobol"),
+    ),
+    Trusted(
+        "Versions, machine, times, names, tags, notes, labels, lists of failures, convergence history",
+        "they are no claims; what differs here is named by `clearance replay`",
+        (r"versions", r"seconds", r"^result\.(labels|failures|continues|baseline|given)", r"components",
+         r"best_so_far"),
+    ),
+    Trusted(
+        "Words of a package for its own simulator",
+        "they are not in the record's templates; the audit names what it could not compare",
+        (r"package words",),
+    ),
+    Trusted(
+        "A record in the form of an earlier version",
+        "it has no evidence digest; the closing sentence counts what could not be audited",
+        (r"earlier version",),
+    ),
+)  # fmt: skip

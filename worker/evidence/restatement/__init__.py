@@ -1,0 +1,1 @@
+"""The sentences of a stored verdict, made again from its record."""

@@ -1,0 +1,126 @@
+"""Makes the verdict of a stored run again from its results, for its sentences: `restated`.
+
+The rules and templates are those that every run uses, so that any other word in a record shows; whether the numbers are
+right is judged by the audit, which shares no code with them. Nothing is evaluated, and nothing of the record executed.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import ValidationError
+
+from campaigns.claims.say import say
+from campaigns.claims.spans import Spans
+from campaigns.results import Finding, Verdict
+from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.verdict import Check
+from campaigns.results.verdicts import described
+from campaigns.stages.found import stage_result
+from campaigns.version import VERSION
+from campaigns.versions import Versions
+from worker.engine.problem.problem import Problem
+from worker.evidence.audit.record import MISSING, Missing, Record
+from worker.evidence.audit.sentences import alike
+from worker.evidence.scopes import recorded
+from worker.evidence.verdicts.conclude import conclude
+from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.validation import worded
+
+UNREADABLE = (ValidationError, ValueError, KeyError, TypeError, AttributeError, IndexError, AssertionError)
+"""How a verdict cannot be made of results that are not those of a run."""
+
+
+SHOWN = {"code", "name", "title", "standing", "limit", "but", "remedies"}
+OF_PACKAGE = ("holds_for", "checks.repetition", "validation", "validation.violations", "validation.spot_checks")
+"""Sentences for which a package may state terms of its own simulator; and that of a cleared verdict."""
+
+
+class Sentence(NamedTuple):
+    """One sentence: as stored, which may be anything, and as it is made again; or why it is not."""
+
+    stored: Any
+    made: Spans | Missing
+
+
+def restated(record: Record) -> dict[str, Sentence] | Missing:
+    """Every sentence of the verdict and of the validation by its path in the record."""
+    claims = record.claims
+    if "components" not in claims or "holds_for" not in claims:
+        return Missing(MISSING)
+    try:
+        versions = Versions.of(claims["versions"] if "versions" in claims else claims["provenance"])
+        if versions.clearance not in (None, VERSION):
+            return Missing(f"clearance {versions.clearance} worded it")
+        scope = "".join(str(span.get("text", "")) for span in claims["holds_for"])
+        systems = recorded.systems(record.campaign, claims["components"], versions, scope)
+        made = [_made(record, Problem(record.campaign, system), versions) for system in systems]
+        found = max(made, key=lambda sentences: sum(alike(*one) for one in sentences.values()))
+    except UNREADABLE as error:
+        why = say(f"no verdict follows from what is stored: {type(error).__name__}")
+        return {"statement": Sentence(claims.get("statement"), why)}
+    if record.campaign.simulator is None or alike(*found["holds_for"]):
+        return found
+    of_package = {*OF_PACKAGE, *(["statement"] if claims["verdict"] == "cleared" else [])}
+    worded = Missing("the package of the simulator may have worded it")
+    return {
+        path: one if path not in of_package or alike(*one) else one._replace(made=worded) for path, one in found.items()
+    }
+
+
+def titles(record: Record) -> dict[str, tuple[Any, Any]]:
+    """How the checks of a folder are shown, besides their sentences: as stored, and as it follows from them."""
+    found: dict[str, tuple[Any, Any]] = {}
+    failed = (record.claims.get("evaluations") or {}).get("failed", 0)
+    for stored in record.claims["checks"] if "versions" in record.claims else ():
+        try:
+            (made,) = described([Check.model_validate(stored)], failed)
+        except UNREADABLE:
+            continue
+        shown = made.model_dump(mode="json", include=SHOWN)
+        found[str(made.code)] = ({key: stored.get(key) for key in shown}, shown)
+    return found
+
+
+def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sentence]:
+    findings = [Finding.model_validate(found) for found in record.claims["findings"]]
+    results = [stage_result(result) for result in record.claims["results"]]
+    status, ok = record.status, record.costs[record.status == OK, 0]
+    evidence = Evidence(
+        results=[worded(problem, result, findings) for result in results],
+        finding=findings[0] if findings else None,
+        others=findings[1:],
+        evaluations=len(status),
+        failed=int(np.count_nonzero((status != OK) & (status != EXCLUDED))),
+        excluded=int(np.count_nonzero(status == EXCLUDED)),
+        lowest=float(ok.min()) if len(ok) else None,
+        violating=int(np.count_nonzero(ok <= record.campaign.criterion.threshold)),
+        flaky=0 if isinstance(record.flaky, Missing) else record.flaky,
+    )
+    verdict = conclude(problem, evidence, versions)
+    return _sentences(record, verdict, evidence)
+
+
+def _sentences(record: Record, verdict: Verdict, evidence: Evidence) -> dict[str, Sentence]:
+    claims, validation = record.claims, evidence.validation
+    stored = {check["name"]: check.get("statement") for check in claims["checks"]}
+    last = claims["results"][-1]
+    found = {name: Sentence(claims[name], getattr(verdict, name)) for name in ("statement", "holds_for")}
+    found |= {f"checks.{c.name}": Sentence(stored.pop(c.name, None), c.statement) for c in verdict.checks}
+    found |= {f"checks.{name}": Sentence(spans, ()) for name, spans in stored.items()}
+    found["validation"] = Sentence(last.get("statement"), validation.statement)
+    for name in ("violations", "spot_checks"):
+        part = getattr(validation, name)
+        found[f"validation.{name}"] = Sentence(last[name].get("statement"), part.statement)
+    if verdict.statistics is not None:
+        found["statistics"] = Sentence(claims["statistics"].get("statement"), verdict.statistics.statement)
+        if verdict.statistics.quantile is not None:
+            stated = claims["statistics"]["quantile"]
+            found["statistics.quantile"] = Sentence(stated.get("statement"), verdict.statistics.quantile.statement)
+    if verdict.regression is not None:
+        changes = claims["regression"]
+        found["regression"] = Sentence(changes.get("statement"), verdict.regression.statement)
+        for k, (was, case) in enumerate(zip(changes["cases"], verdict.regression.cases, strict=False)):
+            found[f"regression.cases.{k}"] = Sentence(was.get("statement"), case.statement)
+    return found

@@ -1,0 +1,35 @@
+"""The audit of a stored run with what this installation knows of it: `audited`."""
+
+from __future__ import annotations
+
+from campaigns.checked.snapshot import changes
+from campaigns.versions import Versions
+from worker.evidence.audit import judge
+from worker.evidence.audit.judge import Item, Known
+from worker.evidence.audit.record import MISSING, Missing, Record
+from worker.evidence.restatement.restate import restated, titles
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs import identity
+
+
+def audited(record: Record) -> list[Item]:
+    """Every claim of the record with its recomputed value; nothing is evaluated."""
+    return judge.audit(record, known(record))
+
+
+def known(record: Record) -> Known:
+    """The sentences of the record made again, and its components next to those that are installed."""
+    return Known(restated(record), titles(record), _components(record))
+
+
+def _components(record: Record) -> list[str] | Missing:
+    """How the descriptions in the record differ from those here, if the code is the same; texts may have changed."""
+    claims = record.claims
+    versions = Versions.of(claims["versions"] if "versions" in claims else claims.get("provenance"))
+    if "components" not in claims or versions.code is None:
+        return Missing(MISSING)
+    if versions.code != identity.code(record.campaign).digest:
+        return Missing("other code ran it: what its components meant there is taken from the record")
+    found = [clause for clause in changes(claims["components"], catalogue()) if not clause.startswith("the text of ")]
+    gone = [clause for clause in found if clause.endswith(" is no longer in this installation")]
+    return Missing("; ".join(gone)) if gone else found

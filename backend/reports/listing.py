@@ -28,9 +28,7 @@ def page(reader: sa.Connection, q: str, cursor: str | None, limit: int) -> Repor
     )
 
 
-def _report(
-    reader: sa.Connection, run: RunSummary, unavailable: str | None, signed: Mapping[int, Signed]
-) -> Report:
+def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None, signed: Mapping[int, Signed]) -> Report:
     run_id = run_number(run.id) or 0
     digest = results_digest(reader, run_id)
     address = at(f"/api/v1/runs/{run.id}/report")

@@ -1,4 +1,4 @@
-"""One person signs once: by the account, or without accounts by the name as typed, in whatever case, spaces and punctuation."""
+"""One person signs once: by the account, or without accounts by the name as typed, whatever its case or spaces."""
 
 from __future__ import annotations
 

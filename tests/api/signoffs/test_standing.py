@@ -334,6 +334,7 @@ def test_why_a_sign_off_is_not_carried_on_is_stated(
     assert client.get(f"{API}/runs/{again}/signoffs").json()["not_carried"] == clause
     assert client.get(f"{API}/runs/{signed}/signoffs").json()["not_carried"] is None
     assert clause in client.get(f"{API}/requirements").json()["items"][0]["sentence"]
+    assert clause in _in_the_report(client, again)
     assert clause in _by_command(service, again, capsys)
     sign(client, again, "Ada Lovelace")
     assert client.get(f"{API}/runs/{again}/signoffs").json()["not_carried"] is None

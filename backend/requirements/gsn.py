@@ -19,6 +19,7 @@ from backend.requirements.schemas import RequirementRow, RequirementRun
 from backend.signoffs.schemas import signed_by
 from campaigns.asked.reading import Dumper
 from campaigns.claims.numbers import number, signed
+from campaigns.results.verdict import headline
 
 Element = dict[str, str | bool | list[str]]
 Nodes = dict[str, Element]
@@ -115,7 +116,7 @@ def _subgoal(
     above = "its threshold" if run.threshold is None else f"{number(run.threshold)} {run.unit}".strip()
     goal: Element = {"text": f"{run.campaign_name}: {run.quantity or 'the criterion'} stays above {above}"}
     nodes[f"G-{key}"] = goal
-    if run.verdict == "cleared" and run.signed and not run.suspect and not against:
+    if run.verdict == "cleared" and not run.not_sampled and run.signed and not run.suspect and not against:
         nodes[f"Sn-{key}"] = _leaf(run, claims, address)
         return _with(goal, f"G-{key}", supportedBy=[f"Sn-{key}"])
     goal |= {"undeveloped": True}
@@ -130,7 +131,7 @@ def _context(nodes: Nodes, name: str, run: RequirementRun, claims: Mapping[str, 
 
 
 def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> Element:
-    parts = [f"{run.id} is {run.verdict or run.state}"]
+    parts = [f"{run.id} is {headline(run.verdict or run.state, run.not_sampled)}"]
     if run.margin is not None:
         parts.append(f"worst margin {signed(run.margin)} {run.unit}".strip())
     current = [one for one in run.signoffs if one.current]

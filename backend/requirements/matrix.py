@@ -13,6 +13,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.db.digest import EVIDENCE
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement
 from backend.http.errors import RefusedError
@@ -33,12 +34,14 @@ from campaigns.runs import run_number
 
 @dataclass(frozen=True)
 class Known:
-    """signatures: those that were not withdrawn; changes: since the run, but for texts of requirements."""
+    """signatures: those that were not withdrawn; changes: since the run, but for texts of requirements; evidence: the
+    digest that its verdict states."""
 
     outcome: Outcome
     signatures: list[Signature]
     not_carried: str | None
     changes: tuple[str, ...]
+    evidence: str | None
 
     @property
     def current(self) -> list[Signature]:
@@ -158,7 +161,7 @@ def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present
             changed = tuple(present.changes(now, run_id, row.name, row.document, identity.of_row(row)))
             own = signed.get(run_id, UNSIGNED)
             found = [one for one in own.signatures if one.row.withdrawn is None]
-            known[run_id] = Known(outcome, found, own.not_carried, changed)
+            known[run_id] = Known(outcome, found, own.not_carried, changed, (row.provenance or {}).get(EVIDENCE))
     return known
 
 
@@ -223,4 +226,5 @@ def _run(edge: Edge, known: Known, now: Standing, key: str) -> RequirementRun:
         signed=edge.signed,
         suspect=edge.signed and bool(edge.changes),
         changes=list(edge.changes),
+        evidence_digest=known.evidence,
     )

@@ -38,6 +38,9 @@ class RequirementRun(Outcome):
     has changed."""
     changes: list[str]
     """What has changed since the run, as clauses; none if a sign-off is valid."""
+    evidence_digest: str | None
+    """The evidence digest that its verdict states, which `clearance audit` computes again; null without a verdict, and
+    for runs of earlier versions."""
 
 
 class RequirementRow(Schema):

@@ -13,6 +13,7 @@ from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import RequirementRow, RequirementRun
 from backend.signoffs.schemas import signed_by
 from campaigns.cells import plain
+from campaigns.results.verdict import headline
 
 IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
 TEXTS = ("text", "description", "statement", "object text", "reqif.text")
@@ -22,7 +23,8 @@ MOST_COLUMNS = 200
 
 _MATRIX = (
     "requirement", "text", "status", "why", "run", "counts", "campaign", "verdict", "quantity", "unit", "threshold",
-    "worst", "margin", "p_violation_bound", "campaign_sha256", "code_sha256", "date", "signed", "signed_by", "suspect",
+    "worst", "margin", "p_violation_bound", "campaign_sha256", "code_sha256",
+    "evidence_sha256", "date", "signed", "signed_by", "suspect",
     "changes",
 )  # fmt: skip
 
@@ -113,8 +115,10 @@ def _run(run: RequirementRun) -> list[object]:
     numbers = (run.threshold, run.worst_cost, run.margin, run.upper_bound)
     signed = "; ".join(f"{signed_by(s)}, {_date(s.created)}, {s.sentence}" for s in run.signoffs)
     return [
-        run.id, run.part, run.campaign_name, run.verdict or run.state, run.quantity, run.unit,
+        run.id, run.part, run.campaign_name, headline(run.verdict or run.state, run.not_sampled),
+        run.quantity, run.unit,
         *("" if number is None else repr(number) for number in numbers), run.campaign_digest, run.code or "",
+        run.evidence_digest or "",
         _date(run.finished or run.created), "yes" if run.signed else "no", signed, "yes" if run.suspect else "no",
         "; ".join(run.changes),
     ]  # fmt: skip

@@ -7,17 +7,19 @@ The exit code is 0 if it follows, 1 if it does not or is not known to, 3 if ther
 from __future__ import annotations
 
 import json
+import secrets
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from clearance.cli import VIOLATED, WrongInputError
+from clearance.cli import VIOLATED, WrongInputError, replay
 from clearance.cli._where import DATA, Data, Database, loaded_run
 from clearance.cli.trail import print_head, verify_trail
 
 if TYPE_CHECKING:
+    from clearance.cli.replay import Again
     from worker.evidence.audit.judge import Item
     from worker.evidence.audit.record import Record
 
@@ -52,6 +54,17 @@ app.command("head", hidden=True)(print_head)
 @app.command("run")
 def audit(
     run: Annotated[str, typer.Argument(help="The folder of a `run --out`, or the id of a stored run, such as R-0001.")],
+    rows: Annotated[
+        int | None,
+        typer.Option(
+            "--replay",
+            min=0,
+            metavar="N",
+            help="Also evaluate N stored evaluations that are drawn anew each time, the nominal case and all findings "
+            "again, and compare the costs as `clearance replay` does.",
+            show_default=False,
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
     data: Data = DATA,
     database: Database = "",
@@ -59,7 +72,7 @@ def audit(
     """Recompute a run's verdict from its stored evaluations with an independent program, and compare.
 
     Counts, lowest costs, margins, the agreement of the methods, the sample's bounds, the validation, every check and
-    the numbers of the sentence are recomputed. Nothing is simulated: the costs are those that were stored.
+    the numbers of the sentence are recomputed. Nothing is simulated without --replay: the costs are those stored.
     """
     from worker.evidence.audit import judge
     from worker.evidence.audit.record import UnreadableError
@@ -70,13 +83,26 @@ def audit(
     except UnreadableError as error:
         raise WrongInputError(f"{error}", error.code) from None
     follows, sentence = judge.closing(items)
+    again = None if rows is None else _again(run, data, database, rows)
     if as_json:
         listed = [item._asdict() | {"agrees": item.agrees} for item in items]
-        typer.echo(json.dumps({"run": run, "follows": follows, "sentence": sentence, "items": listed}, indent=2))
+        answer = {"run": run, "follows": follows, "sentence": sentence, "items": listed}
+        typer.echo(json.dumps(answer if again is None else answer | {"replay": again.document()}, indent=2))
     else:
         _print(items)
         typer.echo(f"{sentence[0].upper()}{sentence[1:]}.")
-    raise typer.Exit(0 if follows else VIOLATED)
+        for line in () if again is None else (*again.lines(all_of_them=False), again.closing()):
+            typer.echo(line)
+    raise typer.Exit(0 if follows and (again is None or again.agrees) else VIOLATED)
+
+
+def _again(run: str, data: Path, database: str, rows: int) -> Again:
+    """The nominal case, all findings and so many evaluations, which whoever wrote the record could not foresee."""
+    recorded = loaded_run(run, data, database, replay.of_folder, replay.of_database)
+    stored = [f"{at}:{k}" for at, columns in recorded.evaluations.items() for k in range(len(columns.status))]
+    drawn = secrets.SystemRandom().sample(stored[1:], min(rows, len(stored) - 1))
+    names = [*stored[:1], *(finding.label for finding in recorded.findings), *drawn]
+    return replay.evaluated_again(run, recorded, replay.opened_here(run, recorded), names)
 
 
 def _record(run: str, data: Path, database: str) -> Record:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,7 +22,7 @@ from clearance.cli._capsule_code import permits, refuse_unused, replayed_with_it
 from clearance.cli._where import DATA, Data, Database, loaded_run
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     import sqlalchemy as sa
 
@@ -66,33 +67,72 @@ def replay(
         if ended is not None:
             raise typer.Exit(ended)
     from worker.running.runs import sources as sources  # first: it records the files before they are loaded
-    from worker.running.runs.replay import UnknownCase, agrees, cases, replayed
 
     capsule = of_capsule(Path(run), allow_code) if is_capsule(run) else None
     recorded = loaded_run(run, data, database, of_folder, of_database) if capsule is None else capsule.recorded
-    problem = _opened(run, recorded, "" if capsule is None else permits(capsule.capsule))
+    problem = opened_here(run, recorded, "" if capsule is None else permits(capsule.capsule))
     if capsule is not None:
         refuse_unused(run, capsule.capsule)
+    again = evaluated_again(run, recorded, problem, case or [])
+    apart = [] if capsule is None else changed(capsule)
+    if as_json:
+        answer = {"run": run, **again.document()}
+        typer.echo(json.dumps(answer if capsule is None else answer | described(capsule, apart)))
+    else:
+        for line in again.lines():
+            typer.echo(line)
+        if capsule is not None:
+            typer.echo(sentence(capsule, apart))
+        typer.echo(again.closing())
+    raise typer.Exit(0 if again.agrees else VIOLATED)
+
+
+@dataclass(frozen=True)
+class Again:
+    """Cases that were evaluated again. well: whether each agrees; others, elsewhere: how installation and machine
+    differ from those that made the run, as clauses; noise: why costs may differ all the same, empty if they repeat."""
+
+    problem: Problem
+    found: list[Replayed]
+    well: list[bool]
+    others: list[str]
+    elsewhere: list[str]
+    noise: str
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all of them do."""
+        return all(self.well)
+
+    def document(self) -> dict[str, object]:
+        """As `--json` prints it."""
+        listed = zip(self.found, self.well, strict=True)
+        cases = [_described(one, self.problem) | {"agrees": fine} for one, fine in listed]
+        return {"agrees": self.agrees, "differences": self.others + self.elsewhere, "cases": cases}
+
+    def lines(self, all_of_them: bool = True) -> Iterator[str]:
+        """A line for each case, or only for those that do not agree."""
+        listed = zip(self.found, self.well, strict=True)
+        return (_line(one, self.problem) for one, fine in listed if all_of_them or not fine)
+
+    def closing(self) -> str:
+        """The last sentences."""
+        return _closing(self.well, self.others, self.elsewhere, self.noise)
+
+
+def evaluated_again(run: str, recorded: Recorded, problem: Problem, names: Sequence[str]) -> Again:
+    """Evaluate the cases of these names again, all findings without names, and close the problem."""
+    from worker.running.runs.replay import UnknownCase, agrees, cases, replayed
+
     with closing(problem.system):
         others, elsewhere = _compared(recorded, problem)
         try:
-            found = replayed(problem, cases(recorded, problem, case or []))
+            found = replayed(problem, cases(recorded, problem, names))
         except UnknownCase as error:
             raise WrongInputError(f"{run} cannot be replayed: {error}", RefusalCode.NO_SUCH_CASE) from None
         noise = _noise(recorded, problem)
     well = [agrees(one, not (others or elsewhere)) for one in found]
-    apart = [] if capsule is None else changed(capsule)
-    if as_json:
-        listed = [_described(one, problem) | {"agrees": fine} for one, fine in zip(found, well, strict=True)]
-        answer = {"run": run, "agrees": all(well), "differences": others + elsewhere, "cases": listed}
-        typer.echo(json.dumps(answer if capsule is None else answer | described(capsule, apart)))
-    else:
-        for one in found:
-            typer.echo(_line(one, problem))
-        if capsule is not None:
-            typer.echo(sentence(capsule, apart))
-        typer.echo(_closing(well, others, elsewhere, noise))
-    raise typer.Exit(0 if all(well) else VIOLATED)
+    return Again(problem, found, well, others, elsewhere, noise)
 
 
 def of_folder(folder: Path) -> Recorded:
@@ -167,8 +207,8 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
     )
 
 
-def _opened(run: str, recorded: Recorded, permitted: str) -> Problem:
-    """permitted: the message on code that a capsule contains."""
+def opened_here(run: str, recorded: Recorded, permitted: str = "") -> Problem:
+    """The problem of the run in this installation. permitted: the message on code that a capsule contains."""
     from campaigns import check
     from worker.engine.systems.base import CampaignUnusable
     from worker.running.catalogue.installed import catalogue

@@ -4,6 +4,7 @@ import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { RequirementRow, RequirementRun } from '../client'
 import { NONE } from '../format/numbers'
+import { Digest } from '../ui/Digests'
 import { SignedBy } from '../signoffs/SignedBy'
 import { DateCell, marginOf, OutcomeBadge } from '../trends/cells'
 import { leftOut, type Status, STATUSES } from './status'
@@ -40,7 +41,7 @@ export function Matrix({ rows, onChange }: MatrixProps) {
           <th>Run</th>
           <th>Verdict</th>
           <th className="num">Worst margin</th>
-          <th>Campaign, sha256</th>
+          <th>Campaign, evidence, sha256</th>
           <th>Date</th>
           <th>Sign-off</th>
         </tr>
@@ -128,6 +129,7 @@ function Cells({ run }: { run: RequirementRun }) {
         <Link to="/trends" search={{ name: run.campaign_name }} className="mono" title={run.campaign_digest}>
           {run.campaign_digest.slice(0, 12)}
         </Link>
+        {run.evidence_digest && <p className="small mut">evidence <Digest of={run.evidence_digest} /></p>}
       </td>
       <td data-label="Date">
         <DateCell outcome={run} />

@@ -36,7 +36,7 @@ def run(number: int, verdict: str | None = "cleared", **changes: Any) -> Require
         "clearance": "0.1.0", "quantity": "d_min", "unit": "m", "threshold": 0.5, "worst_cost": 0.84, "margin": 0.34,
         "upper_bound": None, "violations": None, "samples": None, "confidence": None, "created": 1.0, "finished": 2.0,
         "removed": False, "part": "evidence", "signed": True, "suspect": False, "changes": [],
-        "signoffs": [SIGNED],
+        "signoffs": [SIGNED], "evidence_digest": None,
     }  # fmt: skip
     return RequirementRun(**(known | changes))
 
@@ -64,6 +64,7 @@ ROWS = [
     ),
     row("OPEN", "inconclusive", run(7, "inconclusive")),
     row("FAILED", "no verdict", run(8, None, margin=None, **UNSIGNED)),
+    row("LUCKY", "not sampled", run(9, not_sampled=True)),
     row("NONE", "no evidence", text=""),
     row("7", "no evidence"),
     row("all-requirements", "no evidence"),
@@ -111,7 +112,7 @@ def test_every_leaf_has_claim_digest_and_link_and_shows_what_is_suspect() -> Non
     leaves = {
         name: node for name, node in nodes.items() if name.startswith(("Sn-", "CSn-", "C-")) and name != "C-export"
     }
-    assert len(leaves) == 9
+    assert len(leaves) == 10
     for node in leaves.values():
         assert {"text", "claim", "digest", "url"} <= node.keys()
         assert node["digest"].startswith("sha256 ")

@@ -21,6 +21,7 @@ from tests.given.refused_commands import refusal, refused
 from tests.migrated import migrated
 from tests.simulators.adversaries import adversary
 from worker.engine.stages.parts import offered
+from worker.evidence.audit import judge
 from worker.running.runs.replay import other_machine
 
 SEARCH = 2
@@ -32,6 +33,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer simulations with the reference integrator, as in the tests of the audit."""
     monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
     monkeypatch.setattr(offered, "AT_MOST", 3)
+    monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, offered.AT_MOST, offered.SPOT_CHECKS))
 
 
 def replayed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, Any]:
@@ -162,3 +164,38 @@ def test_a_machine_is_of_the_same_kind_only_where_that_is_known() -> None:
     assert other_machine(Versions(), here) == ["the processor of the run is not known"]
     for change in ({"system": "Darwin arm64"}, {"lanes": 16}, {"cpu": Processor(target="znver4", features="avx512f")}):
         assert len(other_machine(here.model_copy(update=change), here)) == 1
+
+
+def forge(folder: Folder, row: int) -> str:
+    """Make one cost of the first search harmless, in the arrays and in the table, with every digest computed again;
+    returns its case."""
+    before = float(folder.arrays[f"costs_{SEARCH}"][row, 0])
+    folder.arrays[f"costs_{SEARCH}"][row, 0] = before + 1e-3
+    table = folder.path / "evaluations.csv"
+    text = table.read_text(encoding="utf-8")
+    assert text.count(repr(before)) == 1
+    table.write_text(text.replace(repr(before), repr(before + 1e-3)), encoding="utf-8")
+    folder.reseal()
+    return f"{SEARCH}:{row}"
+
+
+def test_an_audit_that_replays_finds_a_forged_cost(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = Folder(written(tmp_path / "out", "cleared"))
+    path, count = str(folder.path), sum(len(a) for name, a in folder.arrays.items() if name.startswith("status_"))
+    assert invoke(["audit", path, "--replay", "5", "--json"]) == 0
+    cases = [case["case"] for case in json.loads(capsys.readouterr().out)["replay"]["cases"]]
+    labels = [finding["label"] for finding in folder.result["findings"]]
+    assert cases[1 : 1 + len(labels)] == labels
+    assert cases[0] == replayed(capsys, path, "0:0")[1]["cases"][0]["case"]
+    assert len({*cases}) == 6 + len(labels)
+    costs = folder.arrays[f"costs_{SEARCH}"][:, 0]
+    case = forge(folder, int(np.argsort(costs)[len(costs) // 2]))
+    assert invoke(["audit", path]) == 0, "costs are taken as given"
+    code, alone = replayed(capsys, path, case)
+    assert code == VIOLATED
+    name = alone["cases"][0]["case"]
+    assert invoke(["audit", path, "--replay", str(count), "--json"]) == VIOLATED
+    found = json.loads(capsys.readouterr().out)["replay"]["cases"]
+    assert (len(found), [one["case"] for one in found if not one["agrees"]]) == (count + len(labels), [name])
+    assert invoke(["audit", path, "--replay", str(count)]) == VIOLATED
+    assert sum(line.startswith(f"{name}: ") for line in capsys.readouterr().out.splitlines()) == 1

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from campaigns.identity.identity import UNREAD
 from worker.engine.systems.simulators.declared import reached
 from worker.engine.systems.simulators.declared.folder import digest_of_place, files_of_place, reached_from
-from worker.engine.systems.simulators.declared.reached import UNREAD
 
 ELSEWHERE = "import sys; sys.path.insert(0, {lib!r}); "
 PARENT = "import sys\nfrom pathlib import Path\nHERE = Path(__file__).resolve().parent\n"

@@ -32,7 +32,7 @@ from campaigns.identity.identity import Change
 from clearance.cli import invoke
 from tests.given.code_versions import CODE, OTHER, VERSIONS, edited
 from tests.given.databases import AT_NIGHT
-from tests.given.reported_runs import finish_fully
+from tests.given.reported_runs import finding, finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
 from tests.given.submissions import submit
@@ -258,7 +258,9 @@ OF_SECOND = {
     "another loop": sa.update(Run).where(Run.id == 2).values(flown=FLOWN | {"loop": "0"}),
     "another finding": sa.update(Finding).where(Finding.run_id == 2).values(cost=1.2999999999999998),
     "another stage": sa.update(Stage).where(Stage.run_id == 2, Stage.kind == "search").values(best=1.0),
-    "times of a simulator": sa.update(Trace).where(Trace.run_id == 2).values(meta={"values": {"seconds": 3.0}}),
+    "a parameter named as a working time": sa.update(Finding)
+    .where(Finding.run_id == 2, Finding.label == "F1")
+    .values(parameters=finding().parameters | {"seconds": 3.0}),
     "another description": sa.update(Run).where(Run.id == 2).values(snapshot=None),
     "another trace": sa.update(Trace).where(Trace.run_id == 2).values(data=b"\0" * 301 * 10 * 8),
     "removed": sa.update(Run).where(Run.id == 2).values(removed=1.0),

@@ -1,7 +1,7 @@
 """The digest of what a run evaluated and found, without times and machine: equal for two runs that repeat each other.
 
 SHA-256 over verdict, stage results, findings and traces as canonical JSON, and over points, costs and status of every
-evaluation, bit by bit, however they were divided into chunks.
+evaluation, bit by bit, however they were divided into chunks; and over the descriptions of the components.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.db import snapshots
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 
 _RUN = ("state", "verdict", "reason", "error", "summary", "nominal_cost", "worst_cost")
@@ -22,8 +23,8 @@ _FINDING = (
 )  # fmt: skip
 _TRACE = ("name", "columns", "rows", "meta")
 _BITS = ("points", "costs", "status")
-_NOT_REPEATED = ("seconds", "provenance")
-"""Keys of stored results: working time, and the machine."""
+_NOT_REPEATED = {"result": "seconds", "summary": "provenance"}
+"""The key of a column that is left out: working time, and the machine. Below it a simulator may give such names."""
 
 
 def repeat_digest(reader: sa.Connection, run_id: int) -> str:
@@ -35,8 +36,9 @@ def repeat_digest(reader: sa.Connection, run_id: int) -> str:
             (Trace, _TRACE, Trace.name),
         )
     ]
-    parts.append([list(row) for row in reader.execute(sa.select(*_columns(Run, _RUN)).where(Run.id == run_id))])
-    canonical = json.dumps(_repeated(parts), sort_keys=True, separators=(",", ":"), allow_nan=False)
+    parts.append([_repeated(row) for row in reader.execute(sa.select(*_columns(Run, _RUN)).where(Run.id == run_id))])
+    parts.append([[snapshots.digest(reader, run_id)]])
+    canonical = json.dumps(parts, sort_keys=True, separators=(",", ":"), allow_nan=False)
     whole = hashlib.sha256(canonical.encode())
     traces = sa.select(Trace.data).where(Trace.run_id == run_id).order_by(Trace.name)
     for data in reader.scalars(traces):
@@ -61,14 +63,17 @@ def _evaluations(reader: sa.Connection, run_id: int) -> list[bytes]:
 
 def _rows(reader: sa.Connection, table: Any, names: tuple[str, ...], order: Any, run_id: int) -> list[list[Any]]:
     of = sa.select(*_columns(table, names)).where(table.run_id == run_id).order_by(order)
-    return [list(row) for row in reader.execute(of)]
+    return [_repeated(row) for row in reader.execute(of)]
 
 
 def _columns(table: Any, names: tuple[str, ...]) -> list[Any]:
     return [getattr(table, name) for name in names]
 
 
-def _repeated(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _repeated(one) for key, one in value.items() if key not in _NOT_REPEATED}
-    return [_repeated(one) for one in value] if isinstance(value, list) else value
+def _repeated(row: Any) -> list[Any]:
+    return [
+        {key: one for key, one in value.items() if key != _NOT_REPEATED[name]}
+        if name in _NOT_REPEATED and isinstance(value, dict)
+        else value
+        for name, value in row._mapping.items()
+    ]

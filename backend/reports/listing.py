@@ -13,7 +13,7 @@ from backend.reports.schemas import Report, ReportFile, ReportPage
 from backend.runs import listing
 from backend.runs.filters import Filters
 from backend.runs.schemas import RunSummary
-from backend.signoffs.standing import Signature, signatures
+from backend.signoffs.standing import UNSIGNED, Signed, signatures
 from campaigns.runs import ENDED, run_number
 
 
@@ -28,9 +28,7 @@ def page(reader: sa.Connection, q: str, cursor: str | None, limit: int) -> Repor
     )
 
 
-def _report(
-    reader: sa.Connection, run: RunSummary, unavailable: str | None, signed: Mapping[int, list[Signature]]
-) -> Report:
+def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None, signed: Mapping[int, Signed]) -> Report:
     run_id = run_number(run.id) or 0
     digest = results_digest(reader, run_id)
     address = at(f"/api/v1/runs/{run.id}/report")
@@ -44,7 +42,7 @@ def _report(
         not_sampled=run.not_sampled,
         finished=run.finished,
         digest=digest,
-        signoffs=[one.signoff() for one in signed.get(run_id, []) if one.row.withdrawn is None],
+        signoffs=[one.signoff() for one in signed.get(run_id, UNSIGNED).signatures if one.row.withdrawn is None],
         files=[
             ReportFile(format="html", href=f"{address}.html", unavailable=None),
             ReportFile(format="pdf", href=f"{address}.pdf", unavailable=unavailable),

@@ -116,6 +116,7 @@ def _context(record: Record, at: float) -> dict[str, object]:
         "fig": charts.drawn(record),
         "doubts": sections.doubts(record),
         "signoffs": sections.signoffs(record),
+        "not_carried": record.signoffs.not_carried,
         "flights": _flights(record),
         "origin": _origin(record),
         "w": words,

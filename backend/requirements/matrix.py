@@ -25,7 +25,7 @@ from backend.runs import identity
 from backend.runs.outcomes import Outcome, outcomes
 from backend.signoffs import present
 from backend.signoffs.present import chunks
-from backend.signoffs.standing import Signature, signatures
+from backend.signoffs.standing import UNSIGNED, Signature, signatures
 from backend.signoffs.texts import Texts, texts
 from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord
@@ -39,6 +39,7 @@ class Known:
 
     outcome: Outcome
     signatures: list[Signature]
+    not_carried: str | None
     changes: tuple[str, ...]
     evidence: str | None
 
@@ -158,8 +159,9 @@ def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present
             run_id = run_number(outcome.id) or 0
             row = stored[run_id]
             changed = tuple(present.changes(now, run_id, row.name, row.document, identity.of_row(row)))
-            found = [one for one in signed.get(run_id, []) if one.row.withdrawn is None]
-            known[run_id] = Known(outcome, found, changed, (row.provenance or {}).get(EVIDENCE))
+            own = signed.get(run_id, UNSIGNED)
+            found = [one for one in own.signatures if one.row.withdrawn is None]
+            known[run_id] = Known(outcome, found, own.not_carried, changed, (row.provenance or {}).get(EVIDENCE))
     return known
 
 
@@ -172,13 +174,15 @@ def _whole(edge: Edge, known: Known | None, key: str, worded: Texts) -> Edge:
     changes = reasons[-1] if reasons else (*known.changes, *worded.changes(edge.run_id, key))
     if () in reasons:
         changes = ()
-    sources = {one.row.run_id for one in current}
+    valid = [one for one, found in zip(current, reasons, strict=True) if not found] or current
+    sources = {one.row.run_id for one in valid}
     return replace(
         edge,
         not_sampled=known.outcome.not_sampled,
         signed=bool(current),
         repeats=max(sources) if sources and edge.run_id not in sources else None,
-        own=all(one.own for one in current),
+        own=all(one.own for one in valid),
+        not_carried=known.not_carried,
         changes=changes,
     )
 

@@ -20,12 +20,16 @@ Status = Literal["violated", "inconclusive", "not sampled", "no verdict", "suspe
 ORDER: tuple[Status, ...] = get_args(Status)
 """The worst first."""
 
+ONLY_OWN = " only by who launched it"
+"""What a sentence adds to *signed off*."""
+
 
 @dataclass(frozen=True)
 class Edge:
     """One run of a requirement. question: see `campaigns.asked.requirements`; not_sampled: as its verdict has it;
     signed: whether a valid sign-off covers its results; repeats: the signed run that it repeats, if it was not signed
-    itself; own: whether only users who launched the signed run have signed; changes: what has changed since it ran, as
+    itself; own: whether only users who launched the signed run have signed; not_carried: why
+    no earlier sign-off counts for it; changes: what has changed since it ran, as
     clauses; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
 
     run_id: int
@@ -37,6 +41,7 @@ class Edge:
     signed: bool = False
     repeats: int | None = None
     own: bool = False
+    not_carried: str | None = None
     changes: tuple[str, ...] = ()
     threshold: float | None = None
     worst: float | None = None
@@ -103,7 +108,8 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
         text = f"{name}: {run}, the newest with a verdict, is {newest.verdict}.{before}"
         return Standing("inconclusive", text, evidence)
     if not newest.signed:
-        text = f"{name}: {run} is cleared, and no valid sign-off covers its results.{before}"
+        lost = f"; {newest.not_carried}" if newest.not_carried else ""
+        text = f"{name}: {run} is cleared, and no valid sign-off covers its results{lost}.{before}"
         return Standing("unsigned", text, evidence)
     signed = "is signed off"
     if newest.repeats is not None:
@@ -111,7 +117,7 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
     if newest.changes:
         text = f"{name}: {run} {signed}, but {'; '.join(newest.changes)}.{before}"
         return Standing("suspect", text, evidence)
-    by = " only by who launched it" if newest.own else ""
+    by = ONLY_OWN if newest.own else ""
     signed = signed.removeprefix("is ")
     text = f"{name}: {run} is cleared and {signed}{by}, and no change is known since.{before}"
     return Standing("met", text, evidence)

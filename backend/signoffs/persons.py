@@ -1,4 +1,4 @@
-"""One person signs once: by the account, or without accounts by the name as typed, in whatever case and spaces."""
+"""One person signs once: by the account, or without accounts by the name as typed, whatever its case or spaces."""
 
 from __future__ import annotations
 
@@ -24,5 +24,7 @@ def person(row: Any) -> tuple[bool, str]:
 
 
 def folded(name: str) -> str:
-    """Equal for names that a reader would take for the same."""
-    return " ".join(unicodedata.normalize("NFKC", name).casefold().split())
+    """Equal for names that a reader would take for the same: case, spaces, punctuation and the form of characters are
+    no difference."""
+    plain = unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
+    return "".join(character for character in plain if unicodedata.category(character)[0] not in "PSZ") or plain

@@ -85,4 +85,6 @@ class Signoffs(Schema):
     """Why the caller may not sign it off, such as having launched it; null if they may."""
     signs_as: str | None = None
     """The account under which the caller signs; null on a service without accounts, where a name is typed."""
+    not_carried: str | None = None
+    """Why the sign-offs of the newest signed run of this campaign before it do not count here, if none does."""
     items: list[Signoff]

@@ -22,7 +22,7 @@ from backend.runs.removal import refuse_removed
 from backend.runs.tombstones import refuse_purged
 from backend.signoffs.persons import folded, person, signs_as
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
-from backend.signoffs.standing import signatures
+from backend.signoffs.standing import UNSIGNED, signatures
 from backend.signoffs.texts import texts
 from campaigns import Problem
 from campaigns.runs import run_name
@@ -34,13 +34,19 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
     verdict = _verdict(reader, run_id)
     removed = reader.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
     digest = results_digest(reader, run_id)
-    items = [one.signoff() for one in signatures(reader, [run_id]).get(run_id, [])]
+    signed = signatures(reader, [run_id]).get(run_id, UNSIGNED)
+    items = [one.signoff() for one in signed.signatures]
     can_sign = verdict is not None and not removed
     if visitor is None:
-        return Signoffs(digest=digest, can_sign=can_sign, items=items)
-    account = signs_as(reader, visitor)
-    barred = _barred(reader, run_id, visitor, digest)
-    return Signoffs(digest=digest, can_sign=can_sign, barred=barred, signs_as=account, items=items)
+        return Signoffs(digest=digest, can_sign=can_sign, not_carried=signed.not_carried, items=items)
+    return Signoffs(
+        digest=digest,
+        can_sign=can_sign,
+        barred=_barred(reader, run_id, visitor, digest),
+        signs_as=signs_as(reader, visitor),
+        not_carried=signed.not_carried,
+        items=items,
+    )
 
 
 def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Visitor) -> Signoff:
@@ -97,7 +103,7 @@ def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visit
 def one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
     """A sign-off of a run's own results as it is now; 404 if there is none."""
     _verdict(reader, run_id)
-    for signature in signatures(reader, [run_id]).get(run_id, []):
+    for signature in signatures(reader, [run_id]).get(run_id, UNSIGNED).signatures:
         if signature.row.id == signoff_id and signature.row.run_id == run_id:
             return signature.signoff()
     raise not_found(f"sign-off of {run_name(run_id)} with the number", str(signoff_id))

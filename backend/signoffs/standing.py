@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -96,10 +96,20 @@ class Signature:
         return f"suspect: {'; '.join(reasons)} ({text})" if reasons else text
 
 
-def signatures(
-    reader: sa.Connection, run_ids: Collection[int], now: Present | None = None
-) -> dict[int, list[Signature]]:
-    """The sign-offs of these runs, oldest first, and those of earlier runs that they repeat; at most 500 runs.
+@dataclass(frozen=True)
+class Signed:
+    """signatures: of a run, with those that it carries on, oldest first; not_carried: why those of the newest signed
+    run of its campaign before it do not count here, if none does."""
+
+    signatures: tuple[Signature, ...] = ()
+    not_carried: str | None = None
+
+
+UNSIGNED = Signed()
+
+
+def signatures(reader: sa.Connection, run_ids: Collection[int], now: Present | None = None) -> dict[int, Signed]:
+    """The sign-offs of these runs, and those of earlier runs that they repeat; at most 500 runs.
 
     A run that repeats a signed one carries the sign-offs on that are valid, once for each person.
     """
@@ -113,35 +123,45 @@ def signatures(
     swept = set(reader.scalars(sa.select(Run.id).where(Run.id.in_(runs), in_sweep())))
     digests = {run_id: results_digest(reader, run_id) for run_id in sources}
     current = {row.id: row.digest == digests[row.run_id] for row in found}
+    valid = [row for row in found if row.withdrawn is None and current[row.id]]
     repeats, known = Repeats(reader), texts(reader, runs)
     newest = {run_id: repeats.newest(runs[run_id]) for run_id in concluded & runs.keys() & sources.keys()}
     now = present(reader, {row.campaign for row in runs.values()}) if now is None else now
-    signed: dict[int, list[Signature]] = {}
+    signed: dict[int, Signed] = {}
     for run_id, run in runs.items():
         own = [row for row in found if row.run_id == run_id]
-        carried = [
-            row
-            for row in found
-            if row.run_id < run_id
-            and row.withdrawn is None
-            and current[row.id]
-            and {row.run_id, run_id} <= concluded
-            and repeats.same(sources[row.run_id], run)
-        ]
+        earlier = [row for row in valid if row.run_id < run_id and {row.run_id, run_id} <= concluded]
+        earlier = [row for row in earlier if sources[row.run_id].campaign_digest == run.campaign_digest]
+        differs = {row.run_id: repeats.difference(run, sources[row.run_id]) for row in earlier}
+        carried = [row for row in earlier if differs[row.run_id] is None]
         if not own and not carried:
+            if differs:
+                signed[run_id] = Signed((), _not_carried(differs))
             continue
         # A variant of a sweep is not compared with the campaign that it was made from.
         changed = tuple(
             changes(now, run_id, "" if run_id in swept else run.campaign, run.document, identity.of_row(run))
         )
-        signed[run_id] = [
+        items = [
             Signature(
                 row, run_id, current[row.id], sources[row.run_id].owner, changed, known,
                 newest.get(run_id) if row.run_id == run_id else run_id,
             )
             for row in _once(own, carried, current)
         ]  # fmt: skip
+        counts = any(one.current and one.row.withdrawn is None for one in items)
+        signed[run_id] = Signed(tuple(items), None if counts or not differs else _not_carried(differs))
     return signed
+
+
+def _not_carried(differs: Mapping[int, str | None]) -> str:
+    newest = max(differs)
+    return not_carried(run_name(newest), differs[newest])
+
+
+def not_carried(run: str, difference: str | None) -> str:
+    """The clause; run: the signed one."""
+    return f"the sign-off of {run} is not carried on to this run: {difference}"
 
 
 def _signed(reader: sa.Connection, runs: dict[int, Any]) -> list[Any]:

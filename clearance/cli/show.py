@@ -29,7 +29,9 @@ def show(
             typer.echo(json.dumps(found.document, indent=2))
             return
         parts = [*_head(found), *_checks(found), *_findings(found, client.findings(found))]
-        typer.echo("\n".join([*parts, *map(_signoff, client.signoffs(found).items), client.link(found)]))
+        signed = client.signoffs(found)
+        missing = [f"Not signed off: {plain(signed.not_carried)}"] if signed.not_carried else []
+        typer.echo("\n".join([*parts, *map(_signoff, signed.items), *missing, client.link(found)]))
 
 
 def _head(found: RunDetail) -> list[str]:

@@ -14,8 +14,13 @@ export const STANDINGS: Readonly<Record<Standing, { word: string; tone: 'ok-t' |
   withdrawn: { word: 'Withdrawn', tone: 'bad-t', icon: IconCircleX },
 }
 
+const capital = (clause: string): string => `${clause.charAt(0).toUpperCase()}${clause.slice(1)}`
+
 /** The standing as a sentence. */
-export const sentenceOf = ({ sentence }: Pick<Signoff, 'sentence'>): string => `${sentence.charAt(0).toUpperCase()}${sentence.slice(1)}`
+const sentenceOf = ({ sentence }: Signoff): string => capital(sentence)
+
+/** The same below the word of the standing, which is not repeated. */
+export const detailOf = ({ sentence }: Signoff): string => capital(sentence.replace(/^(suspect:|withdrawn) /, ''))
 
 export function SignedBy({ items }: { items: readonly Signoff[] }) {
   return (

@@ -19,15 +19,17 @@ import { Modal } from '../ui/Modal'
 import { hiddenHead, Table } from '../ui/Table'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
-import { sentenceOf, STANDINGS } from './SignedBy'
+import { detailOf, STANDINGS } from './SignedBy'
 import styles from './signoffs.module.css'
+
+const sentence = (clause: string) => `${clause.charAt(0).toUpperCase()}${clause.slice(1)}.`
 
 const signoffsQuery = (run: string) =>
   queryOptions({ queryKey: ['signoffs', run], queryFn: () => getSignoffs(run), staleTime: 5_000 })
 
 export function SignoffsCard({ run, className }: { run: RunDetail; className: string | undefined }) {
   const { data, error, refetch } = useQuery(signoffsQuery(run.id))
-  const barred = data?.barred ? `${data.barred.charAt(0).toUpperCase()}${data.barred.slice(1)}.` : undefined
+  const barred = data?.barred ? sentence(data.barred) : undefined
   const [signing, setSigning] = useState(false)
   const [leaving, setLeaving] = useState<Signoff | null>(null)
   return (
@@ -43,7 +45,15 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
       className={className}
       id="signoff"
       flush={(data?.items.length ?? 0) > 0}
-      footer={data?.can_sign && barred !== undefined && <p className="small mut">{barred}</p>}
+      footer={
+        data?.can_sign &&
+        (barred !== undefined || data.not_carried !== null) && (
+          <div className="small mut">
+            {data.not_carried !== null && <p>{sentence(data.not_carried)}</p>}
+            {barred !== undefined && <p>{barred}</p>}
+          </div>
+        )
+      }
       right={
         data?.can_sign && (
           <Button small icon={IconSignature} onClick={() => setSigning(true)} barred={barred}>Sign off</Button>
@@ -143,7 +153,7 @@ function Status({ item, run }: { item: Signoff; run: string }) {
           </>
         )}
       </span>
-      <small>{sentenceOf(item)}</small>
+      <small>{detailOf(item)}</small>
     </span>
   )
 }

@@ -103,11 +103,11 @@ def test_other_results_than_those_reviewed_are_not_signed(client: httpx.Client, 
 
 @AT_NIGHT
 def test_a_typed_name_signs_once(client: httpx.Client, run: str) -> None:
-    """Under whatever title, and in whatever case, spaces and form of characters."""
+    """Under whatever title, and in whatever case, spaces, punctuation and form of characters."""
     body = given(client, run)
     signed = client.post(run, json=body).json()
     assert (signed["name"], signed["typed"], signed["account"]) == ("Grace Hopper", True, "local")
-    for name in ("Grace Hopper", "grace  HOPPER", "Ｇｒａｃｅ Hopper"):
+    for name in ("Grace Hopper", "grace  HOPPER", "Ｇｒａｃｅ Hopper", "Grace-Hopper", "Grace Hopper."):
         for role in (body["role"], "Safety authority"):
             detail = str(problem(client.post(run, json=body | {"name": name, "role": role}), 409)["detail"])
             assert detail.startswith("Grace Hopper")

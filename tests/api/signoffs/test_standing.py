@@ -19,15 +19,20 @@ from backend.db.tables import (
     RunRequirement,
     Signoff,
     Stage,
+    Sweep,
+    SweepRun,
     Trace,
 )
+from backend.requirements.standing import ONLY_OWN
 from backend.signoffs.present import NO_CODE, NOT_STORED, changed_campaign
+from backend.signoffs.repeats import OTHER_CODE, OTHER_RESULTS, other_sample
+from backend.signoffs.standing import not_carried
 from backend.signoffs.texts import CHANGED_TEXT, LATER_TEXT, OTHER_TEXT
 from campaigns.identity.identity import Change
 from clearance.cli import invoke
 from tests.given.code_versions import CODE, OTHER, VERSIONS, edited
 from tests.given.databases import AT_NIGHT
-from tests.given.reported_runs import finish_fully
+from tests.given.reported_runs import finding, finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
 from tests.given.submissions import submit
@@ -253,6 +258,10 @@ OF_SECOND = {
     "another loop": sa.update(Run).where(Run.id == 2).values(flown=FLOWN | {"loop": "0"}),
     "another finding": sa.update(Finding).where(Finding.run_id == 2).values(cost=1.2999999999999998),
     "another stage": sa.update(Stage).where(Stage.run_id == 2, Stage.kind == "search").values(best=1.0),
+    "a parameter named as a working time": sa.update(Finding)
+    .where(Finding.run_id == 2, Finding.label == "F1")
+    .values(parameters=finding().parameters | {"seconds": 3.0}),
+    "another description": sa.update(Run).where(Run.id == 2).values(snapshot=None),
     "another trace": sa.update(Trace).where(Trace.run_id == 2).values(data=b"\0" * 301 * 10 * 8),
     "removed": sa.update(Run).where(Run.id == 2).values(removed=1.0),
     "the signed one removed": sa.update(Run).where(Run.id == 1).values(removed=1.0),
@@ -279,9 +288,70 @@ def test_what_is_no_repetition_carries_nothing(service: Service, client: httpx.C
     assert carried(client)
 
 
-def test_another_campaign_is_no_repetition(service: Service, client: httpx.Client, signed: str) -> None:
-    ran(service, client, seed=2)
+OTHER_CAMPAIGN: dict[str, dict[str, Any]] = {
+    "seed": {"seed": 2},
+    "threshold": {"criterion": {"threshold": 0.4, "requirements": [REQUIREMENT]}},
+    "another requirement": {"criterion": {"threshold": 0.5, "requirements": [REQUIREMENT, "SYS-2"]}},
+    "another text": {"criterion": {"threshold": 0.5, "requirements": [{"id": REQUIREMENT, "text": "Keep 0.4 m."}]}},
+    "name": {"name": "Another"},
+}
+
+
+@pytest.mark.parametrize("what", OTHER_CAMPAIGN)
+def test_another_campaign_is_no_repetition(service: Service, client: httpx.Client, signed: str, what: str) -> None:
+    submit(client, **{"criterion": {"threshold": 0.5, "requirements": [REQUIREMENT]}, **OTHER_CAMPAIGN[what]})
+    finish_fully(service)
     assert not carried(client)
+
+
+def test_a_variant_of_a_sweep_is_no_repetition(service: Service, client: httpx.Client, signed: str) -> None:
+    """It is not compared with the campaign, so that what makes the signed run suspect would not show."""
+    ran(service, client)
+    with service.engine.begin() as writer:
+        names = {"name": "s", "campaign_name": "c", "path": "p", "title": "t", "unit": "m", "created": 1.0}
+        sweep = writer.execute(sa.insert(Sweep).values(owner="local", **names).returning(Sweep.id)).scalar_one()
+        writer.execute(sa.insert(SweepRun).values(sweep_id=sweep, run_id=2, position=0, value=1.0))
+    assert not carried(client)
+    assert "repeated by" not in _on_the_run(client, signed)
+
+
+NOT_CARRIED: dict[str, tuple[sa.Update, str]] = {
+    "another sample": (sa.update(Run).where(Run.id == 1).values(sample_seed=7), other_sample(7)),
+    "the same sample": (sa.update(Run).values(sample_seed=7), OTHER_RESULTS),
+    "other code": (sa.update(Run).where(Run.id == 2).values(flown=FLOWN | {"loop": "0"}), OTHER_CODE),
+}
+
+
+@pytest.mark.parametrize("what", NOT_CARRIED)
+def test_why_a_sign_off_is_not_carried_on_is_stated(
+    service: Service, client: httpx.Client, signed: str, what: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    again = ran(service, client)
+    change, reason = NOT_CARRIED[what]
+    other = sa.update(EvaluationChunk).where(EvaluationChunk.run_id == 2).values(costs=_bit(service, "costs"))
+    with service.engine.begin() as writer:
+        for statement in (other, change):
+            writer.execute(statement)
+    clause = not_carried(signed, reason)
+    assert client.get(f"{API}/runs/{again}/signoffs").json()["not_carried"] == clause
+    assert client.get(f"{API}/runs/{signed}/signoffs").json()["not_carried"] is None
+    assert clause in client.get(f"{API}/requirements").json()["items"][0]["sentence"]
+    assert clause in _in_the_report(client, again)
+    assert clause in _by_command(service, again, capsys)
+    sign(client, again, "Ada Lovelace")
+    assert client.get(f"{API}/runs/{again}/signoffs").json()["not_carried"] is None
+
+
+def test_who_signed_independently_counts_only_while_valid(service: Service, client: httpx.Client, signed: str) -> None:
+    """The text changes after an independent sign-off, and who launched the run signs the new one."""
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Signoff).values(account="ada", user="ada", name=""))
+    assert ONLY_OWN not in client.get(f"{API}/requirements").json()["items"][0]["sentence"]
+    word(client, "Keep 0.6 m.")
+    sign(client, signed)
+    (row,) = client.get(f"{API}/requirements").json()["items"]
+    assert row["status"] == "met"
+    assert ONLY_OWN in row["sentence"]
 
 
 def test_times_and_machine_are_no_difference(service: Service, client: httpx.Client, signed: str) -> None:

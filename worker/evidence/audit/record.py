@@ -15,6 +15,7 @@ import sqlalchemy as sa
 
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
+from campaigns.asked.requirements import question
 from campaigns.claims.earlier import throughout
 from campaigns.documents import JsonObject, digest_of
 from campaigns.refusals import Refusal, RefusalCode
@@ -124,7 +125,8 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     if run.get("purged") or not run["verdict"]:
         why = "it was purged" if run.get("purged") else f"it is {run['state']} and has no verdict"
         raise UnreadableError(f"{name} cannot be audited: {why}", RefusalCode.NO_VERDICT)
-    campaign = load_document(rows("campaigns", "digest", digest=run["campaign_digest"])[0]["document"], name)
+    asked = rows("campaigns", "digest", digest=run["campaign_digest"])[0]
+    campaign = load_document(asked["document"], name)
     stages = rows("stages", "position", run_id=run_id)
     claims = run["summary"] | {"run": run, "verdict": run["verdict"], "reason": run["reason"], "stages": stages}
     results, found = [stage["result"] for stage in stages], rows("findings", "cost", run_id=run_id)
@@ -138,6 +140,8 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     twice[SEAL] = (MISSING, MISSING) if sealed is None else (sealed, current_digest(connection, run_id))
     flown = run.get("flown") or {}
     twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in FIXED & provenance.keys()}
+    if asked.get("question") is not None:
+        twice["question"] = (asked["question"], question(asked["document"]))
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
     for sampled in (result for result in results if result and result.get("drawn_at_launch") is not None):
         drawn = {"seed": sampled.get("seed"), "drawn_at_launch": sampled["drawn_at_launch"]}

@@ -22,6 +22,8 @@ THRESHOLD = 1.0
 STREAM = 2**21
 """The random stream of the sample, which an attacker knows from the code."""
 TRIES = 84
+VALIDATION = 10_000
+"""Evaluations that validation may take: enough to leave nothing out."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,7 @@ def hidden_box(random: np.random.Generator, certify: int, fraction: tuple[float,
     names = [f"x{k}" for k in range(n)]
     asked = {
         "parameters": dict.fromkeys(names, (0.0, 1.0)), "threshold": THRESHOLD, "vectorized": True, "certify": 0,
+        "validation": VALIDATION,
         "methods": {"direct": 60 * n, "cma_es": 60 * n}, "seed": int(random.integers(1, 2**31)),
     }  # fmt: skip
     points = clearance.search(base, **asked).points
@@ -106,7 +109,8 @@ def needle(random: np.random.Generator) -> Hidden:
 
     asked = {
         "parameters": {f"x{k}": (0.0, 1.0) for k in range(n)}, "threshold": THRESHOLD, "vectorized": True,
-        "certify": 100, "methods": {"direct": 50 * n, "cma_es": 50 * n}, "seed": int(random.integers(1, 2**31)),
+        "certify": 100, "validation": VALIDATION,
+        "methods": {"direct": 50 * n, "cma_es": 50 * n}, "seed": int(random.integers(1, 2**31)),
         "nominal": {f"x{k}": 0.0 for k in range(n)},
     }  # fmt: skip
     return Hidden(function, asked, float(radius**n))

@@ -119,7 +119,7 @@ def test_with_data_the_measurement_is_stored_and_announced(tmp_path: Path, capsy
         assert (found.host, found.measured.evaluations) == (socket.gethostname(), 15)
         assert (found.measured.spread or 0.0) > 0.0
         text = announced(campaign, data, capsys)
-    assert "evaluations, " in text
+    assert "evaluations; " in text
     assert "One evaluation took " in text
     assert "(clearance check-simulator on " in text
 

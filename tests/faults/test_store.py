@@ -10,6 +10,7 @@ import pytest
 import sqlalchemy as sa
 from alembic import command
 
+from backend.db.digest import current_digest
 from backend.db.engine import migration_lock
 from backend.db.migrate import config
 from backend.db.queue import Claim, Queue, submit
@@ -193,7 +194,10 @@ def test_a_conclusion_ends_the_run(store: RunStore) -> None:
     [run] = rows(store, Run)
     assert (run.state, run.verdict, run.reason) == ("done", "violated", reason)
     assert (run.nominal_cost, run.worst_cost, run.worst_method) == (0.9, 0.3, "direct")
-    assert Verdict.model_validate(run.summary) == verdict
+    stored = Verdict.model_validate(run.summary)
+    with store.engine.connect() as reader:
+        assert stored.provenance.evidence == current_digest(reader, run.id)
+    assert stored.model_copy(update={"provenance": verdict.provenance}) == verdict
     assert run.finished >= run.started
 
 

@@ -200,6 +200,7 @@ def test_a_finished_run_shows_its_verdict(service: Service, client: httpx.Client
     store.conclude(verdict)
     detail = client.get(f"/api/v1/runs/{run}").json()
     assert (detail["verdict"], detail["reason"]) == ("cleared", "Cleared, within bounds.")
+    assert len(detail["summary"]["provenance"].pop("evidence")) == 64
     assert detail["summary"] == verdict.model_dump(mode="json")
     assert detail["worst_cost"] == 0.9417402345678901
     assert detail["margin"] == 0.9417402345678901 - 0.5

@@ -32,7 +32,7 @@ from worker.running.opening import opened
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
-DAILY = ["unicycle_static", "unicycle_noise", "uav_aca_dropout"]
+DAILY = ["unicycle_static", "unicycle_noise"]
 EXAMPLES = REPOSITORY / "docs" / "examples"
 
 
@@ -153,7 +153,7 @@ def test_a_function_is_called_no_more_often_than_stated(vectorized: bool, settin
     assert validated <= given.get("validation", searches)
 
 
-@pytest.mark.parametrize("example", ["mass_spring", "jsbsim_intruder"])
+@pytest.mark.parametrize("example", ["mass_spring", pytest.param("jsbsim_intruder", marks=pytest.mark.nightly)])
 def test_a_program_in_slots_is_called_no_more_often_than_stated(example: str, tmp_path: Path) -> None:
     if example.startswith("jsbsim") and find_spec("jsbsim") is None:
         pytest.skip("jsbsim is not installed")

@@ -293,6 +293,11 @@ def assert_audit_notices(folder: Folder, capsys: pytest.CaptureFixture[str]) -> 
     capsys.readouterr()
     assert invoke(["audit", str(folder.path), "--json"]) == VIOLATED
     items = {item["name"]: item["agrees"] for item in json.loads(capsys.readouterr().out)["items"]}
+    assert (items["verdict"], items["whole"]) == (None, False), "of this version it is forged"
+    folder.forget_seal()
+    folder.write()
+    assert invoke(["audit", str(folder.path), "--json"]) == VIOLATED
+    items = {item["name"]: item["agrees"] for item in json.loads(capsys.readouterr().out)["items"]}
     assert (items["verdict"], False in items.values()) == (None, False), "it is not known whether it follows"
     folder.result, folder.evidence, folder.campaign = json.loads(kept)
     folder.write()

@@ -22,6 +22,7 @@ from campaigns.identity.identity import Identity
 from campaigns.results import SensitivityResult, TraceHead, ValidateResult
 from campaigns.results.verdict import headline
 from campaigns.runs import RunState
+from campaigns.stages.plan import most
 from campaigns.version import VERSION
 from campaigns.versions import Processor, Versions
 
@@ -103,6 +104,7 @@ def _context(record: Record, at: float) -> dict[str, object]:
         "model": sections.model(record),
         "methods": sections.methods(record),
         "stages": sections.stages(record),
+        "bound": most(record.campaign),
         "findings": sections.findings(record),
         "since": since.changes(record),
         "validation": record.result(ValidateResult),

@@ -99,7 +99,12 @@ def _properties(ended: EndedRun) -> dict[str, object]:
         "code": None if ended.identity is None else ended.identity.model_dump(mode="json"),
     }
     if verdict is not None:
-        stated |= {"verdict": str(verdict.verdict), "reason": verdict.reason, "scope": verdict.scope}
+        stated |= {
+            "verdict": str(verdict.verdict),
+            "headline": verdict.headline,
+            "reason": verdict.reason,
+            "scope": verdict.scope,
+        }
         stated |= {"campaignDigest": verdict.provenance.digest, "seed": verdict.provenance.seed}
     return {name: value for name, value in stated.items() if value not in (None, "")}
 

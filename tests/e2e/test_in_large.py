@@ -122,6 +122,7 @@ LARGE: dict[str, Callable[[Home, str], bool]] = {
     "reports": report,
     "report.html": lambda home, run: ": not sampled" in home.text(f"/runs/{run}/report.html"),
     "junit": lambda home, run: ': not sampled"' in home.written("junit", run),
+    "sarif": lambda home, run: ': not sampled"' in home.written("sarif", run),
     "summary": lambda home, run: ": not sampled" in home.written("summary", run).splitlines()[0],
     "show": lambda home, run: ": not sampled" in home.printed("show", run).splitlines()[0],
     "runs": lambda home, run: any(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import re
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,6 +14,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.digest import EVIDENCE, current_digest
+from backend.db.engine import connect
 from backend.db.tables import Campaign, EvaluationChunk, Finding, Run, Stage
 from campaigns import CampaignError
 from tests.audited import recorded
@@ -42,9 +44,17 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(offered, "AT_MOST", 3)
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of the database, written once."""
+    folder = tmp_path_factory.mktemp("written")
+    stored(folder, "cleared").dispose()
+    return folder / "clearance.sqlite3"
+
+
 @pytest.fixture
-def database(tmp_path: Path) -> Iterator[sa.Engine]:
-    engine = stored(tmp_path, "cleared")
+def database(written: Path, tmp_path: Path) -> Iterator[sa.Engine]:
+    engine = connect(f"sqlite:///{shutil.copy(written, tmp_path / written.name)}")
     yield engine
     engine.dispose()
 

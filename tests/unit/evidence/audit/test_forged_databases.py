@@ -14,7 +14,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.digest import EVIDENCE, current_digest
-from backend.db.engine import connect
+from backend.db.engine import connect, default_url
 from backend.db.tables import Campaign, EvaluationChunk, Finding, Run, Stage
 from campaigns import CampaignError
 from tests.audited import recorded
@@ -45,16 +45,17 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The file of the database, written once."""
-    folder = tmp_path_factory.mktemp("written")
-    stored(folder, "cleared").dispose()
-    return folder / "clearance.sqlite3"
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Of the database, which the first test writes."""
+    return tmp_path_factory.mktemp("forged") / "written"
 
 
 @pytest.fixture
-def database(written: Path, tmp_path: Path) -> Iterator[sa.Engine]:
-    engine = connect(f"sqlite:///{shutil.copy(written, tmp_path / written.name)}")
+def database(quick: None, folder: Path, tmp_path: Path) -> Iterator[sa.Engine]:
+    if not folder.exists():
+        folder.mkdir()
+        stored(folder, "cleared").dispose()
+    engine = connect(default_url(shutil.copytree(folder, tmp_path / "copied")))
     yield engine
     engine.dispose()
 

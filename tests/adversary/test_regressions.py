@@ -81,5 +81,5 @@ def test_nothing_is_fixed_that_falls_to_a_violation_without_a_rise(count: int) -
             for end in low:
                 along = costs(document, np.linspace(start, end, STEPS))
                 assert (np.diff(along) > 1e-6).any(), f"{case.text}: it falls to {end}, which violates"
-    assert fixed or count < 10, "no attack had anything that is fixed"
+    assert fixed or count < 40, "no attack had anything that is fixed"
     assert violating >= count / 4, violating

@@ -207,6 +207,8 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
             rows[-1]["findings"] = [f["label"] for f in run.claims["findings"] if k in _positions(f)]
     checks = _checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
+    if sample and run.sealed:
+        sample["source"] = "certify" if any(stage.kind == "certify" for stage in run.plan) else "search"
     if run.campaign.baseline is not None:
         results[position(run)] |= evaluated(run)
     if run.calls.measures:

@@ -59,7 +59,7 @@ TRUSTED = (
     Trusted(
         "Versions, machine, times, names, tags, notes, labels, lists of failures, convergence history",
         "they are no claims; what differs here is named by `clearance replay`",
-        (r"versions", r"seconds", r"^result\.(labels|failures|continues|baseline|given)", r"components",
+        (r"versions", r"identity", r"seconds", r"^result\.(labels|failures|continues|baseline|given)", r"components",
          r"best_so_far"),
     ),
     Trusted(

@@ -49,7 +49,7 @@ def changed_avoidance(random: np.random.Generator) -> tuple[dict[str, Any], list
         {"label": f"F{k}", "parameters": problem.named(points[row]), "cost": float(before[row]), "difference": 0.0}
         for k, row in enumerate(sorted(rows, key=lambda row: before[row]), 1)
     ]
-    made["scenario"]["avoider"] = avoider(gain * float(random.uniform(0.9, 1.3)))
+    made["scenario"]["avoider"] = avoider(gain * float(random.uniform(0.9, 3.0)))
     made["criterion"] = made["criterion"] | {"threshold": threshold}
     made["baseline"] = {"run": "R-0001", "digest": "0" * 64, "threshold": threshold, "cases": cases}
     return made, [points[row].tolist() for row in sorted(rows, key=lambda row: before[row])]

@@ -35,6 +35,7 @@ from backend.middleware.heads import Heads
 from backend.middleware.hosts import Hosts
 from backend.middleware.preferred import Preferred
 from backend.middleware.proxied import Proxied
+from backend.middleware.visits import Visits
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.proposals import endpoints as proposals
@@ -101,6 +102,7 @@ def create(settings: Settings) -> FastAPI:
         middleware=[
             Middleware(Proxied, root=settings.root, trusted=settings.trusted),
             Middleware(Frame, encrypted=settings.encrypted),
+            Middleware(Visits, each=settings.max_connections_each),
             Middleware(Edge, hosts=hosts),
             Middleware(Heads),
             Middleware(GZipMiddleware, compresslevel=PACKED, exclude_content_types=UNPACKED),

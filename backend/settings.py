@@ -82,7 +82,9 @@ class Settings(BaseModel):
     max_bytes_each: Annotated[int, Field(ge=1)] = 100_000_000_000
     """Maximum size of what all runs of one user store, tokens included [bytes]."""
     max_connections: Annotated[int, Field(ge=1, le=100_000)] = 300
-    """Maximum number of open connections; further ones are refused."""
+    """Maximum number of open connections; on further ones only the health check is answered."""
+    max_connections_each: Annotated[int, Field(ge=1, le=100_000)] = 128
+    """Maximum number of open connections of one address, and of concurrent requests of one behind a trusted proxy."""
     request_patience: Annotated[float, Field(gt=0, le=3600)] = 20.0
     """How long a client may take to send a request, and to read on while an answer is sent [s]."""
     webhooks: SecretStr = SecretStr("")

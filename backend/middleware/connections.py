@@ -1,6 +1,7 @@
 """Limits that uvicorn lacks: the number of open connections, and the time a client may take to send or to read.
 
-Subclasses of uvicorn's HTTP/1.1 protocol and of its WebSocket protocol, which takes over after the upgrade. Source:
+Subclasses of uvicorn's HTTP/1.1 protocol and of its WebSocket protocol, which takes over after the upgrade. A connection
+for which the service waits (no request, half a request, an unread response) is closed when a limit needs its room. Source:
 OWASP Denial of Service Cheat Sheet, slow HTTP attacks.
 """
 
@@ -8,71 +9,118 @@ from __future__ import annotations
 
 import asyncio
 import json
+from asyncio.transports import BaseTransport
 from collections.abc import Mapping
 from typing import Any
 
 import h11
-from uvicorn._types import ASGISendEvent
+from uvicorn._types import ASGI3Application, ASGIReceiveCallable, ASGISendCallable, ASGISendEvent, Scope
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
+from backend.http.networks import network
+from backend.middleware.doors import Doors
+from backend.middleware.hosts import HEALTH
+
+RESERVE = 16
+"""Connections above the maximum, on which only the health check is answered."""
+
+RESERVED_PATIENCE = 2.0
+"""Time within which its request must arrive there [s]."""
+
+LONGEST_LINE = 8000
+"""Maximum of a line of a socket's request [bytes]; `websockets` reads 8192 and answers nothing to more."""
+
 _FULL = "the maximum number of connections is open: try again in a few seconds"
+_CROWDED = "{each} connections of your address are open, which is the limit: close some, or try again in a few seconds"
 _SLOW = "the request did not arrive in time"
 _UNREADABLE = "the request is not HTTP/1.1: its head cannot be read"
+_LONG = f"a line of the request has more than {LONGEST_LINE:,} bytes, which is the limit for sockets"
 _RETRY = "5"
 _KINDS = {
     400: ("bad-request", "Bad Request"),
     408: ("request-timeout", "Request Timeout"),
+    414: ("too-long", "URI Too Long"),
+    431: ("too-long", "Request Header Fields Too Large"),
     503: ("busy", "Service Unavailable"),
 }
 
 
-def bounded(most: int, patience: float, headers: Mapping[str, str]) -> type[H11Protocol]:
-    """The protocol for at most `most` connections; `patience` limits the time to send a request or to read on [s].
+def bounded(doors: Doors, patience: float, headers: Mapping[str, str]) -> type[H11Protocol]:
+    """The protocol; `patience` limits the time to send a request or to read on [s].
 
     headers: of the responses that the application does not make.
     """
-    return type("Bounded", (BoundedProtocol,), {"most": most, "patience": patience, "own_headers": headers})
+    return type("Bounded", (BoundedProtocol,), {"doors": doors, "patience": patience, "own_headers": headers})
 
 
-def bounded_socket(patience: float) -> type[WebSocketsSansIOProtocol]:
+def bounded_socket(doors: Doors, patience: float) -> type[WebSocketsSansIOProtocol]:
     """The WebSocket protocol; `patience` limits the time a client may take to read pending data at close [s]."""
-    return type("BoundedSocket", (BoundedSocketProtocol,), {"patience": patience})
+    return type("BoundedSocket", (BoundedSocketProtocol,), {"doors": doors, "patience": patience})
 
 
 class BoundedProtocol(H11Protocol):
     """Closes a connection if its request is not complete in time, or its client does not read the response."""
 
-    most: int
+    doors: Doors
     patience: float
     own_headers: Mapping[str, str]
+    address: str
 
     def __init__(self, *arguments: Any, **named: Any) -> None:
         super().__init__(*arguments, **named)
         self._sending: asyncio.TimerHandle | None = None
         self._reading: asyncio.TimerHandle | None = None
-        self._upgraded = False
+        self._upgraded = self._reserved = self._left = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
-        if len(self.connections) <= self.most or self._made_room():
+        self.address = network(self.client[0] if self.client else "")
+        self.doors.enter(self.address)
+        if self.doors.crowded(self.address) and not self._made_room(self.address):
+            self._refuse(_CROWDED.format(each=self.doors.each))
+        elif len(self.connections) <= self.doors.most or self._made_room():
+            self._await_request()
+        elif len(self.connections) <= self.doors.most + RESERVE:
+            self._reserved, self.app = True, self._only_health(self.app)
+            self.patience = min(self.patience, RESERVED_PATIENCE)
             self._await_request()
         else:
-            self._answer(503, _FULL)
+            self._refuse(_FULL)
 
-    def data_received(self, data: bytes) -> None:
-        super().data_received(data)
-        if self._upgraded or self.conn.their_state not in (h11.IDLE, h11.SEND_BODY):
+    def handle_events(self) -> None:
+        """Also called for requests that arrived in one piece with an earlier one."""
+        super().handle_events()
+        if self._upgraded or self.transport.is_closing():
+            return
+        if self._is_awaited:
+            if self._sending is None:
+                self._await_request()
+        else:
             self._sending = _cancelled(self._sending)
-        elif self._sending is None and not self.transport.is_closing():
-            self._await_request()
+
+    @property
+    def _is_awaited(self) -> bool:
+        """Whether the client must send the rest of a request; not between requests, for which there is a longer time."""
+        if self.conn.their_state is not h11.IDLE:
+            return self.conn.their_state is h11.SEND_BODY
+        return self.timeout_keep_alive_task is None or bool(self.conn.trailing_data[0])
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        self._upgraded = True
-        super().handle_websocket_upgrade(event)
+        if len(event.target) > LONGEST_LINE:
+            self._answer(414, _LONG)
+        elif any(len(name) + len(value) > LONGEST_LINE for name, value in self.headers):
+            self._answer(431, _LONG)
+        elif self._reserved:
+            self._refuse(_FULL)
+        else:
+            self._upgraded, self._sending = True, _cancelled(self._sending)
+            self._leave()  # the socket enters
+            super().handle_websocket_upgrade(event)
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._sending, self._reading = _cancelled(self._sending), _cancelled(self._reading)
+        self._leave()
         super().connection_lost(exc)
 
     def pause_writing(self) -> None:
@@ -84,25 +132,38 @@ class BoundedProtocol(H11Protocol):
         super().resume_writing()
 
     @property
-    def _idle_since(self) -> float | None:
-        """The time since which the service waits for a request; None while a response is due."""
-        if self.cycle is not None and not self.cycle.response_complete:
+    def idle_since(self) -> float | None:
+        """The time since which the service waits for the client to send or to read; None while a response is due."""
+        if self._reading is not None:
+            return self._reading.when() - self.patience
+        responding = self.cycle is not None and not self.cycle.response_complete
+        if responding and (self.conn.their_state is not h11.SEND_BODY or self.flow.read_paused):
             return None
         if self._sending is not None:
             return self._sending.when() - self.patience
         idle = self.timeout_keep_alive_task
-        return None if idle is None else idle.when() - self.timeout_keep_alive
+        return None if idle is None or responding else idle.when() - self.timeout_keep_alive
 
-    def _made_room(self) -> bool:
-        """Close the connection that has been idle longest, so that idle clients do not keep others out."""
-        idle = [(c._idle_since, c) for c in self.connections if isinstance(c, BoundedProtocol) and c is not self]
-        waiting = [(since, c) for since, c in idle if since is not None]
-        if not waiting:
+    def _made_room(self, address: str | None = None) -> bool:
+        """Close the connection that has been idle longest, of this address or of the one with the most connections."""
+        others = [c for c in self.connections if isinstance(c, BoundedProtocol) and c is not self]
+        if address is not None:
+            others = [c for c in others if c.address == address]
+        idle = [(-self.doors.of(c.address), since, c) for c in others if (since := c.idle_since) is not None]
+        if not idle:
             return False
-        _, longest = min(waiting, key=lambda one: one[0])
-        self.connections.discard(longest)
+        _, _, longest = min(idle, key=lambda one: one[:2])
+        longest._leave()
+        self.doors.refusals.note(longest.address)
         longest.transport.abort()
         return True
+
+    def _leave(self) -> None:
+        """The connection counts no longer; it may be closing still."""
+        self.connections.discard(self)
+        if not self._left:
+            self._left = True
+            self.doors.leave(self.address)
 
     def _await_request(self) -> None:
         self._sending = self.loop.call_later(self.patience, self._too_slow)
@@ -120,17 +181,48 @@ class BoundedProtocol(H11Protocol):
         """uvicorn's own is plain text without headers."""
         self._answer(400, _UNREADABLE)
 
+    def _only_health(self, app: ASGI3Application) -> ASGI3Application:
+        """The application, which answers one health check."""
+        paths = {HEALTH, f"{self.doors.root}{HEALTH}"}
+
+        async def reserved(scope: Scope, receive: ASGIReceiveCallable, send: ASGISendCallable) -> None:
+            self.cycle.keep_alive = False
+            if scope["type"] == "http" and scope["path"] in paths:
+                await app(scope, receive, send)
+                return
+            self.doors.refusals.note(self.address)
+            headers, body = self._document(503, _FULL)
+            raw = [(name.encode(), value.encode()) for name, value in headers.items()]
+            await send({"type": "http.response.start", "status": 503, "headers": raw, "trailers": False})
+            await send({"type": "http.response.body", "body": body, "more_body": False})
+
+        return reserved
+
+    def _refuse(self, detail: str) -> None:
+        self._leave()
+        self.doors.refusals.note(self.address)
+        self._answer(503, detail)
+
     def _answer(self, status: int, detail: str) -> None:
         """Send a problem document without the application, and close the connection."""
+        headers, body = self._document(status, detail)
+        head = (
+            f"HTTP/1.1 {status} {_KINDS[status][1]}",
+            *(f"{name}: {value}" for name, value in headers.items()),
+            "",
+            "",
+        )
+        self.transport.write("\r\n".join(head).encode() + body)
+        self.transport.close()
+
+    def _document(self, status: int, detail: str) -> tuple[dict[str, str], bytes]:
+        """Headers and body of a problem document."""
         name, title = _KINDS[status]
         kind = f"urn:clearance:problem:{name}"
         body = json.dumps({"type": kind, "title": title, "status": status, "detail": detail}).encode()
         headers = {"Content-Type": "application/problem+json", "Content-Length": f"{len(body)}", "Connection": "close"}
-        headers |= self.own_headers
-        headers |= {} if status == 400 else {"Retry-After": _RETRY}
-        lines = [f"HTTP/1.1 {status} {title}", *(f"{name}: {value}" for name, value in headers.items()), "", ""]
-        self.transport.write("\r\n".join(lines).encode() + body)
-        self.transport.close()
+        retry = {"Retry-After": _RETRY} if status in (408, 503) else {}
+        return {**headers, **self.own_headers, **retry}, body
 
 
 class BoundedSocketProtocol(WebSocketsSansIOProtocol):
@@ -139,7 +231,23 @@ class BoundedSocketProtocol(WebSocketsSansIOProtocol):
     uvicorn sends a ping every 20 s and closes the socket when no pong comes within 20 s.
     """
 
+    doors: Doors
     patience: float
+    address: str
+
+    def connection_made(self, transport: BaseTransport) -> None:
+        super().connection_made(transport)
+        self.address = network(self.client[0] if self.client else "")
+        self.doors.enter(self.address)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self.doors.leave(self.address)
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        if not self.handshake_initiated:  # the whole request came at once, and `websockets` could not read it
+            self.transport.abort()
 
     def keepalive_timeout(self) -> None:
         super().keepalive_timeout()

@@ -1,13 +1,16 @@
 # One image for the backend and the workers. Every step is in tools/image.sh, which also runs without an engine.
 
-FROM node:22-slim AS pages
+# A release names both with their digests, so that what was examined is what is built; see docs/operation.md, Releases.
+ARG NODE_IMAGE=node:22-slim
+ARG PYTHON_IMAGE=python:3.11-slim
+FROM ${NODE_IMAGE} AS pages
 WORKDIR /app
 COPY tools tools
 COPY docs docs
 COPY frontend frontend
 RUN tools/image.sh pages
 
-FROM python:3.11-slim
+FROM ${PYTHON_IMAGE}
 WORKDIR /app
 COPY tools tools
 COPY requirements.lock ./

@@ -16,6 +16,7 @@ from backend.access.auth import Guard
 from backend.access.door import Door
 from backend.access.frames import Frames
 from backend.access.rates import Bucket, Rates
+from backend.access.shares import Shares
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
@@ -126,7 +127,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     most = (settings.max_active_runs_each, settings.max_evaluations_each, settings.max_bytes_each)
     app.state.quota = Quota(*most)
-    app.state.turns = Turns()
+    app.state.turns, app.state.streams = Turns(), Shares("streams", settings.max_streams_each)
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)
     errors.install(app)
     api = APIRouter(responses=errors.PROBLEMS)

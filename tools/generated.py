@@ -1,7 +1,7 @@
 """Writes the files that follow from the code: `python -m tools.generated`; tests check that they are as it writes them.
 
 The API's description, the looks of the shipped methods and the rules of a claim, which the pages are built with, the
-types of the client's answers, and the tables of the guides between `<!-- generated: NAME -->` and `<!-- end -->`. Start
+types of the client's answers, the packages of the image, and the tables of the guides between `<!-- generated: NAME -->` and `<!-- end -->`. Start
 reading at `FILES`.
 """
 
@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 from backend import openapi
 from campaigns.documents import JsonObject
 from campaigns.rules import LIMITS, RULES
+from tools import image_packages
 from worker.engine.search.base import Method
 from worker.evidence.audit.trusted import TRUSTED
 from worker.running.catalogue.installed import methods
@@ -247,6 +248,7 @@ FILES: Mapping[str, Callable[[], str]] = {
     "frontend/src/ui/shipped.json": _looks,
     "frontend/src/api/rules.json": _rules,
     "clearance/client/answers.py": lambda: answers(json.loads(openapi.text())),
+    "tools/image-packages.txt": image_packages.text,
     "docs/methods.md": lambda: _guide("docs/methods.md"),
     "docs/evidence.md": lambda: _guide("docs/evidence.md"),
 }

@@ -117,6 +117,8 @@ class Capacities:
         # The largest campaign takes seconds to parse, and threads share one interpreter.
         reading = "other campaigns are being read and the queue is full: try again in a few seconds"
         self.bodies = Capacity("", 2, 32, None, 2, reading)
+        # A file is read by a process, for up to half a minute.
+        self.imports = Capacity("file of requirements is being read", 1, 4, 60.0, 10)
         # A password takes 19 MiB and tenths of a second of a core.
         signing_in = "many users are signing in at the same time: try again in a few seconds"
         self.passwords = Capacity("", 2, 16, None, 2, signing_in)

@@ -1,8 +1,8 @@
 """Limits that uvicorn lacks: the number of open connections, and the time a client may take to send or to read.
 
-Subclasses of uvicorn's HTTP/1.1 protocol and of its WebSocket protocol, which takes over after the upgrade. A connection
-for which the service waits (no request, half a request, an unread response) is closed when a limit needs its room. Source:
-OWASP Denial of Service Cheat Sheet, slow HTTP attacks.
+Subclasses of uvicorn's HTTP/1.1 protocol and of its WebSocket protocol, which takes over after the upgrade. A
+connection for which the service waits (no request, half a request, an unread response) is closed where a limit needs its
+room. Source: OWASP Denial of Service Cheat Sheet, slow HTTP attacks.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ class BoundedProtocol(H11Protocol):
 
     @property
     def _is_awaited(self) -> bool:
-        """Whether the client must send the rest of a request; not between requests, for which there is a longer time."""
+        """Whether the client must send the rest of a request; between requests there is a longer time."""
         if self.conn.their_state is not h11.IDLE:
             return self.conn.their_state is h11.SEND_BODY
         return self.timeout_keep_alive_task is None or bool(self.conn.trailing_data[0])

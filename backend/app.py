@@ -30,6 +30,7 @@ from backend.flights.turns import Turns
 from backend.health import endpoints as health
 from backend.http import errors, pages
 from backend.http.capacity import Capacities
+from backend.middleware.accesses import Accesses
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
 from backend.middleware.heads import Heads
@@ -102,6 +103,7 @@ def create(settings: Settings) -> FastAPI:
         lifespan=lifespan,
         middleware=[
             Middleware(Proxied, root=settings.root, trusted=settings.trusted),
+            *([Middleware(Accesses)] if settings.access_log else []),
             Middleware(Frame, encrypted=settings.encrypted),
             Middleware(Visits, each=settings.max_connections_each),
             Middleware(Edge, hosts=hosts),

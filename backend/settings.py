@@ -90,6 +90,8 @@ class Settings(BaseModel):
     """Maximum number of open connections of one address, and of concurrent requests of one behind a trusted proxy."""
     request_patience: Annotated[float, Field(gt=0, le=3600)] = 20.0
     """How long a client may take to send a request, and to read on while an answer is sent [s]."""
+    access_log: bool = False
+    """Whether the log has a line for every request."""
     webhooks: SecretStr = SecretStr("")
     """Addresses that receive a message when a run ends, separated by spaces; secret: some contain a password."""
     webhook_secret: SecretStr = SecretStr("")

@@ -1,8 +1,8 @@
 """Writes the files that follow from the code: `python -m tools.generated`; tests check that they are as it writes them.
 
 The API's description, the looks of the shipped methods and the rules of a claim, which the pages are built with, the
-types of the client's answers, the packages of the image, and the tables of the guides between `<!-- generated: NAME -->` and `<!-- end -->`. Start
-reading at `FILES`.
+types of the client's answers, the packages of the image, and the tables of the guides between
+`<!-- generated: NAME -->` and `<!-- end -->`. Start reading at `FILES`.
 """
 
 from __future__ import annotations

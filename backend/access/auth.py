@@ -46,12 +46,12 @@ class Guard:
         rules: Rules = scope["app"].state.rules
         connection, rule = HTTPConnection(scope), rules.of(scope)
         if rule.role is None:
-            foreign = _foreign(scope, connection.headers, required=False)
+            foreign = _foreign(scope, required=False)
             await (self.app if foreign is None else respond(foreign, scope["path"]))(scope, receive, send)
             return
         voucher = await self._voucher(scope, connection, rule)
         visitor = await self.door.visitor(connection) if voucher is None else voucher.visitor
-        refused = _refusal(scope, connection.headers, visitor, rule, voucher is None) or self._too_many(visitor)
+        refused = _refusal(scope, visitor, rule, voucher is None) or self._too_many(visitor)
         if refused is None and visitor is not None:
             still = partial(self.door.still, connection) if voucher is None else voucher.still
             scope.setdefault("state", {}).update(visitor=visitor, still=still)
@@ -94,9 +94,7 @@ def too_many(full: str) -> RefusedError:
     return RefusedError(429, "too-many-requests", f"{full}: wait for one to end", headers={"Retry-After": "1"})
 
 
-def _refusal(
-    scope: Scope, headers: Headers, visitor: Visitor | None, rule: Rule, foreign: bool = True
-) -> RefusedError | None:
+def _refusal(scope: Scope, visitor: Visitor | None, rule: Rule, foreign: bool = True) -> RefusedError | None:
     """foreign: whether the header Origin counts."""
     if visitor is None:
         detail = (
@@ -106,7 +104,7 @@ def _refusal(
         )
         return RefusedError(401, "not-signed-in", detail, headers={"WWW-Authenticate": 'Bearer realm="clearance"'})
     required = scope["type"] == "websocket" and visitor.via != "token"
-    return (_foreign(scope, headers, required) if foreign else None) or forbidden(visitor, rule)
+    return (_foreign(scope, required) if foreign else None) or forbidden(visitor, rule)
 
 
 def forbidden(visitor: Visitor, rule: Rule) -> RefusedError | None:
@@ -130,8 +128,9 @@ def forbidden(visitor: Visitor, rule: Rule) -> RefusedError | None:
     return None
 
 
-def _foreign(scope: Scope, headers: Headers, required: bool) -> RefusedError | None:
-    if (scope["type"] != "websocket" and scope["method"] in SAFE) or _from_our_pages(headers, required):
+def _foreign(scope: Scope, required: bool) -> RefusedError | None:
+    headers = Headers(scope=scope)
+    if (scope["type"] != "websocket" and scope["method"] in SAFE) or _from_our_pages(scope, headers, required):
         return None
     detail = (
         f"the request comes from {headers.get('origin', 'no Origin')!r}, not from a page of "
@@ -140,15 +139,27 @@ def _foreign(scope: Scope, headers: Headers, required: bool) -> RefusedError | N
     return RefusedError(403, "foreign-origin", detail)
 
 
-def _from_our_pages(headers: Headers, required: bool) -> bool:
-    """Browsers send Origin with every write and socket; a client that does not send it is not a browser."""
+def _from_our_pages(scope: Scope, headers: Headers, required: bool) -> bool:
+    """Browsers send Origin with every write and socket; a client that does not send it is not a browser.
+
+    A page of the same host is ours if it came encrypted, or if this host is not called encrypted: without a trusted
+    proxy the service does not see how the browser called it.
+    """
     origin = headers.get("origin")
     if origin is None:
         return not required
-    try:
-        return bool(origin) and urllib.parse.urlsplit(origin).netloc == headers.get("host", "")
-    except ValueError:  # no address at all, such as http://[
+    scheme, _, host = origin.partition("://")
+    if host != headers.get("host", "") or not host:
         return False
+    return scheme == "https" or (scheme == "http" and not _is_encrypted(scope, host))
+
+
+def _is_encrypted(scope: Scope, host: str) -> bool:
+    """Whether browsers call the service by HTTPS under this name."""
+    public = urllib.parse.urlsplit(scope["app"].state.settings.public_url)
+    return scope["scheme"] in ("https", "wss") or (
+        public.scheme == "https" and public.netloc.removesuffix(":443") == host.removesuffix(":443")
+    )
 
 
 async def visitor(request: Request) -> Visitor:

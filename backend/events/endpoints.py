@@ -33,9 +33,11 @@ HEADERS = {"X-Accel-Buffering": "no", "Connection": "close"}
 
 
 class EventStream(StreamingResponse):
-    """A stream that counts as one of its visitor's while it lasts; 429 if that are too many."""
-
     media_type = "text/event-stream"
+
+
+class CountedStream(EventStream):
+    """A stream that counts as one of its visitor's while it lasts; 429 if those are too many."""
 
     def __init__(self, texts: AsyncGenerator[str], shares: Shares, visitor: Visitor) -> None:
         super().__init__(texts, headers=HEADERS)
@@ -76,7 +78,7 @@ async def stream_events(
         await run_in_threadpool(_require, engine, run_id)
     state = request.app.state
     events = state.hub.listen(run_id, _since(last))
-    return EventStream(_while_admitted(events, request.state.still), state.streams, visitor)
+    return CountedStream(_while_admitted(events, request.state.still), state.streams, visitor)
 
 
 def _since(mark: str | None) -> float | None:

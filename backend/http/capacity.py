@@ -17,6 +17,7 @@ from fastapi.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
 from backend.http.errors import RefusedError
+from backend.http.readers import Readers
 
 Result = TypeVar("Result")
 Gone = Callable[[], Awaitable[bool]]
@@ -107,6 +108,7 @@ class BoundedStream(StreamingResponse):
 
 class Capacities:
     def __init__(self) -> None:
+        self.readers = Readers()
         self.pdf = Capacity("reports are being printed", 2, 4, 60.0, 30)
         self.recordings = Capacity("recordings are being made", 2, 6, 20.0, 5)
         self.files = Capacity("files are being written", 4, 12, 20.0, 5)

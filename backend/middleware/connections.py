@@ -1,8 +1,8 @@
 """Limits that uvicorn lacks: the number of open connections, and the time a client may take to send or to read.
 
 Subclasses of uvicorn's HTTP/1.1 protocol and of its WebSocket protocol, which takes over after the upgrade. A
-connection for which the service waits (no request, half a request, an unread response) is closed where a limit needs its
-room. Source: OWASP Denial of Service Cheat Sheet, slow HTTP attacks.
+connection for which the service waits (no request, half a request, an unread response) is closed where a limit needs
+its room. Source: OWASP Denial of Service Cheat Sheet, slow HTTP attacks.
 """
 
 from __future__ import annotations
@@ -31,8 +31,10 @@ RESERVED_PATIENCE = 2.0
 LONGEST_LINE = 8000
 """Maximum of a line of a socket's request [bytes]; `websockets` reads 8192 and answers nothing to more."""
 
-_FULL = "the maximum number of connections is open: try again in a few seconds"
-_CROWDED = "{each} connections of your address are open, which is the limit: close some, or try again in a few seconds"
+FEW = 8
+"""Addresses with at most so many connections are alike when one is closed."""
+
+_FULL = "the maximum number of connections is open, in total or of your address: try again in a few seconds"
 _SLOW = "the request did not arrive in time"
 _UNREADABLE = "the request is not HTTP/1.1: its head cannot be read"
 _LONG = f"a line of the request has more than {LONGEST_LINE:,} bytes, which is the limit for sockets"
@@ -77,16 +79,21 @@ class BoundedProtocol(H11Protocol):
         super().connection_made(transport)
         self.address = network(self.client[0] if self.client else "")
         self.doors.enter(self.address)
-        if self.doors.crowded(self.address) and not self._made_room(self.address):
-            self._refuse(_CROWDED.format(each=self.doors.each))
-        elif len(self.connections) <= self.doors.most or self._made_room():
+        if self.doors.crowded(self.address):
+            self._make_room(self.address)
+        if len(self.connections) > self.doors.most:
+            self._make_room()
+        if not self.doors.crowded(self.address) and len(self.connections) <= self.doors.most:
             self._await_request()
-        elif len(self.connections) <= self.doors.most + RESERVE:
+        elif (
+            self.doors.of(self.address) <= self.doors.each + RESERVE
+            and len(self.connections) <= self.doors.most + RESERVE
+        ):
             self._reserved, self.app = True, self._only_health(self.app)
             self.patience = min(self.patience, RESERVED_PATIENCE)
             self._await_request()
         else:
-            self._refuse(_FULL)
+            self._refuse()
 
     def handle_events(self) -> None:
         """Also called for requests that arrived in one piece with an earlier one."""
@@ -112,7 +119,7 @@ class BoundedProtocol(H11Protocol):
         elif any(len(name) + len(value) > LONGEST_LINE for name, value in self.headers):
             self._answer(431, _LONG)
         elif self._reserved:
-            self._refuse(_FULL)
+            self._refuse()
         else:
             self._upgraded, self._sending = True, _cancelled(self._sending)
             self._leave()  # the socket enters
@@ -137,6 +144,8 @@ class BoundedProtocol(H11Protocol):
         if self._reading is not None:
             return self._reading.when() - self.patience
         responding = self.cycle is not None and not self.cycle.response_complete
+        if responding and self.conn.their_state is h11.DONE and self.conn.trailing_data[0]:
+            return 0.0  # requests that were sent ahead, which no browser does, keep a connection busy without an end
         if responding and (self.conn.their_state is not h11.SEND_BODY or self.flow.read_paused):
             return None
         if self._sending is not None:
@@ -144,19 +153,20 @@ class BoundedProtocol(H11Protocol):
         idle = self.timeout_keep_alive_task
         return None if idle is None or responding else idle.when() - self.timeout_keep_alive
 
-    def _made_room(self, address: str | None = None) -> bool:
-        """Close the connection that has been idle longest, of this address or of the one with the most connections."""
+    def _make_room(self, address: str | None = None) -> None:
+        """Close the connection that has been idle longest, of this address or of those with the most connections.
+
+        Addresses with a few connections are alike: a browser has six.
+        """
         others = [c for c in self.connections if isinstance(c, BoundedProtocol) and c is not self]
         if address is not None:
             others = [c for c in others if c.address == address]
-        idle = [(-self.doors.of(c.address), since, c) for c in others if (since := c.idle_since) is not None]
-        if not idle:
-            return False
-        _, _, longest = min(idle, key=lambda one: one[:2])
-        longest._leave()
-        self.doors.refusals.note(longest.address)
-        longest.transport.abort()
-        return True
+        idle = [(-max(FEW, self.doors.of(c.address)), since, c) for c in others if (since := c.idle_since) is not None]
+        if idle:
+            _, _, longest = min(idle, key=lambda one: one[:2])
+            longest._leave()
+            self.doors.refusals.note(longest.address)
+            longest.transport.abort()
 
     def _leave(self) -> None:
         """The connection counts no longer; it may be closing still."""
@@ -198,10 +208,10 @@ class BoundedProtocol(H11Protocol):
 
         return reserved
 
-    def _refuse(self, detail: str) -> None:
+    def _refuse(self) -> None:
         self._leave()
         self.doors.refusals.note(self.address)
-        self._answer(503, detail)
+        self._answer(503, _FULL)
 
     def _answer(self, status: int, detail: str) -> None:
         """Send a problem document without the application, and close the connection."""

@@ -42,9 +42,13 @@ def _read(kind: FileKind, content: bytes, id_name: str, text_name: str) -> tuple
     environment = {key: value for key, value in os.environ.items() if not key.startswith("CLEARANCE_")}
     try:
         ended = subprocess.run(READER, input=head + content, capture_output=True, timeout=LIMIT, env=environment)
-        answer = json.loads(ended.stdout)
-    except (subprocess.TimeoutExpired, ValueError):  # killed, or ended without an answer
+    except subprocess.TimeoutExpired:
         raise CannotRead(_TOO_MUCH) from None
+    if ended.returncode < 0 or b"MemoryError" in ended.stderr:  # ended by a limit
+        raise CannotRead(_TOO_MUCH)
+    if ended.returncode:
+        raise RuntimeError(f"the process that reads files failed: {ended.stderr[-2000:].decode(errors='replace')}")
+    answer = json.loads(ended.stdout)
     if "refused" in answer:
         raise CannotRead(answer["refused"])
     return [Read(*one) for one in answer["found"]], answer["skipped"]

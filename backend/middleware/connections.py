@@ -15,7 +15,8 @@ from typing import Any
 
 import h11
 from uvicorn._types import ASGI3Application, ASGIReceiveCallable, ASGISendCallable, ASGISendEvent, Scope
-from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.http.flow_control import HIGH_WATER_LIMIT
+from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from backend.http.networks import network
@@ -77,6 +78,7 @@ class BoundedProtocol(H11Protocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
+        self.app = self._once_sent(self.app)
         self.address = network(self.client[0] if self.client else "")
         self.doors.enter(self.address)
         if self.doors.crowded(self.address):
@@ -100,6 +102,8 @@ class BoundedProtocol(H11Protocol):
         super().handle_events()
         if self._upgraded or self.transport.is_closing():
             return
+        if self._sent_ahead:
+            self.cycle.keep_alive = False
         if self._is_awaited:
             if self._sending is None:
                 self._await_request()
@@ -112,6 +116,12 @@ class BoundedProtocol(H11Protocol):
         if self.conn.their_state is not h11.IDLE:
             return self.conn.their_state is h11.SEND_BODY
         return self.timeout_keep_alive_task is None or bool(self.conn.trailing_data[0])
+
+    @property
+    def _sent_ahead(self) -> bool:
+        """Whether more was sent before the response: no browser does that, and it would keep a connection busy."""
+        responding = self.cycle is not None and not self.cycle.response_complete
+        return responding and self.conn.their_state is h11.DONE and bool(self.conn.trailing_data[0])
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
         if len(event.target) > LONGEST_LINE:
@@ -143,9 +153,9 @@ class BoundedProtocol(H11Protocol):
         """The time since which the service waits for the client to send or to read; None while a response is due."""
         if self._reading is not None:
             return self._reading.when() - self.patience
+        if self._sent_ahead:
+            return 0.0
         responding = self.cycle is not None and not self.cycle.response_complete
-        if responding and self.conn.their_state is h11.DONE and self.conn.trailing_data[0]:
-            return 0.0  # requests that were sent ahead, which no browser does, keep a connection busy without an end
         if responding and (self.conn.their_state is not h11.SEND_BODY or self.flow.read_paused):
             return None
         if self._sending is not None:
@@ -190,6 +200,29 @@ class BoundedProtocol(H11Protocol):
     def send_400_response(self, msg: str) -> None:
         """uvicorn's own is plain text without headers."""
         self._answer(400, _UNREADABLE)
+
+    def _once_sent(self, app: ASGI3Application) -> ASGI3Application:
+        """The application, once the body or its first 64 KB are there: half a body costs no work of the application."""
+
+        async def complete(scope: Scope, receive: ASGIReceiveCallable, send: ASGISendCallable) -> None:
+            cycle = self.cycle
+            while cycle.more_body and len(cycle.body) <= HIGH_WATER_LIMIT and not cycle.disconnected:
+                if cycle.waiting_for_100_continue:
+                    self._continue(cycle)
+                await cycle.message_event.wait()
+                cycle.message_event.clear()
+            if not cycle.disconnected:
+                cycle.message_event.set()
+                await app(scope, receive, send)
+
+        return complete
+
+    def _continue(self, cycle: RequestResponseCycle) -> None:
+        """Ask for the body (RFC 9110, 10.1.1)."""
+        cycle.waiting_for_100_continue = False
+        self.transport.write(
+            self.conn.send(h11.InformationalResponse(status_code=100, headers=[], reason="Continue")) or b""
+        )
 
     def _only_health(self, app: ASGI3Application) -> ASGI3Application:
         """The application, which answers one health check."""

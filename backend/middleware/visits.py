@@ -11,6 +11,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from backend.http.errors import RefusedError, respond
 from backend.http.networks import network
+from backend.middleware.hosts import HEALTH
 
 
 class Visits:
@@ -20,7 +21,7 @@ class Visits:
         self._open: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] not in ("http", "websocket") or not scope.get("client"):
+        if scope["type"] not in ("http", "websocket") or not scope.get("client") or scope["path"] == HEALTH:
             await self.app(scope, receive, send)
             return
         address = network(scope["client"][0])

@@ -8,22 +8,24 @@ from __future__ import annotations
 import difflib
 import hashlib
 
+from campaigns.documents import JsonObject
+
 LONGEST = 500
 """Characters of an excerpt."""
 _CUT = " …"
 
 
-def stated_text(text: str) -> dict[str, object]:
+def stated_text(text: str) -> JsonObject:
     """What a row states about one text."""
     return {"text": _measured(text) | {"begins": _cut(text)}}
 
 
-def changed_text(before: str, after: str) -> dict[str, object]:
+def changed_text(before: str, after: str) -> JsonObject:
     """What a row states about a change."""
     return {"before": _measured(before), "text": _measured(after), "difference": _difference(before, after)}
 
 
-def _measured(text: str) -> dict[str, object]:
+def _measured(text: str) -> JsonObject:
     return {"characters": len(text), "sha256": hashlib.sha256(text.encode()).hexdigest()}
 
 

@@ -26,9 +26,10 @@ from backend.db.engine import migrate
 from backend.db.private import keep_private, write_private
 from backend.db.registered import registered
 from backend.http.pages import unbuilt
-from backend.middleware.connections import bounded, bounded_socket
+from backend.middleware.connections import bounded
 from backend.middleware.doors import Doors
 from backend.middleware.frame import headers
+from backend.middleware.sockets import bounded_socket
 from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
 

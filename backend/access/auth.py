@@ -157,7 +157,7 @@ def _from_our_pages(scope: Scope, headers: Headers, required: bool) -> bool:
 def _is_encrypted(scope: Scope, host: str) -> bool:
     """Whether browsers call the service by HTTPS under this name."""
     public = urllib.parse.urlsplit(scope["app"].state.settings.public_url)
-    return scope["scheme"] in ("https", "wss") or (
+    return scope.get("scheme") in ("https", "wss") or (
         public.scheme == "https" and public.netloc.removesuffix(":443") == host.removesuffix(":443")
     )
 

@@ -1,6 +1,6 @@
 """Limits that uvicorn lacks: the number of open connections, and the time a client may take to send or to read.
 
-Subclasses of uvicorn's HTTP/1.1 protocol and of its WebSocket protocol, which takes over after the upgrade. A
+A subclass of uvicorn's HTTP/1.1 protocol; that of WebSockets is in `backend.middleware.sockets`. A
 connection for which the service waits (no request, half a request, an unread response) is closed where a limit needs
 its room. Source: OWASP Denial of Service Cheat Sheet, slow HTTP attacks.
 """
@@ -9,15 +9,13 @@ from __future__ import annotations
 
 import asyncio
 import json
-from asyncio.transports import BaseTransport
 from collections.abc import Mapping
 from typing import Any
 
 import h11
-from uvicorn._types import ASGI3Application, ASGIReceiveCallable, ASGISendCallable, ASGISendEvent, Scope
+from uvicorn._types import ASGI3Application, ASGIReceiveCallable, ASGISendCallable, Scope
 from uvicorn.protocols.http.flow_control import HIGH_WATER_LIMIT
 from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
-from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from backend.http.networks import network
 from backend.middleware.doors import Doors
@@ -57,11 +55,6 @@ def bounded(doors: Doors, patience: float, headers: Mapping[str, str]) -> type[H
     return type("Bounded", (BoundedProtocol,), {"doors": doors, "patience": patience, "own_headers": headers})
 
 
-def bounded_socket(doors: Doors, patience: float) -> type[WebSocketsSansIOProtocol]:
-    """The WebSocket protocol; `patience` limits the time a client may take to read pending data at close [s]."""
-    return type("BoundedSocket", (BoundedSocketProtocol,), {"doors": doors, "patience": patience})
-
-
 class BoundedProtocol(H11Protocol):
     """Closes a connection if its request is not complete in time, or its client does not read the response."""
 
@@ -74,6 +67,7 @@ class BoundedProtocol(H11Protocol):
         super().__init__(*arguments, **named)
         self._sending: asyncio.TimerHandle | None = None
         self._reading: asyncio.TimerHandle | None = None
+        self._queued: float | None = None
         self._upgraded = self._reserved = self._left = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
@@ -150,11 +144,13 @@ class BoundedProtocol(H11Protocol):
 
     @property
     def idle_since(self) -> float | None:
-        """The time since which the service waits for the client to send or to read; None while a response is due."""
+        """Since when the service waits for the client, or the request for its turn; None while it is answered."""
         if self._reading is not None:
             return self._reading.when() - self.patience
         if self._sent_ahead:
             return 0.0
+        if self._queued is not None:
+            return self._queued
         responding = self.cycle is not None and not self.cycle.response_complete
         if responding and (self.conn.their_state is not h11.SEND_BODY or self.flow.read_paused):
             return None
@@ -211,9 +207,12 @@ class BoundedProtocol(H11Protocol):
                     self._continue(cycle)
                 await cycle.message_event.wait()
                 cycle.message_event.clear()
-            if not cycle.disconnected:
-                cycle.message_event.set()
-                await app(scope, receive, send)
+            self._queued = self.loop.time()
+            async with self.doors.turn(self.address):
+                self._queued = None
+                if not cycle.disconnected:
+                    cycle.message_event.set()
+                    await app(scope, receive, send)
 
         return complete
 
@@ -266,45 +265,6 @@ class BoundedProtocol(H11Protocol):
         headers = {"Content-Type": "application/problem+json", "Content-Length": f"{len(body)}", "Connection": "close"}
         retry = {"Retry-After": _RETRY} if status in (408, 503) else {}
         return {**headers, **self.own_headers, **retry}, body
-
-
-class BoundedSocketProtocol(WebSocketsSansIOProtocol):
-    """Closes a socket whose client does not read; uvicorn would wait until all data are read.
-
-    uvicorn sends a ping every 20 s and closes the socket when no pong comes within 20 s.
-    """
-
-    doors: Doors
-    patience: float
-    address: str
-
-    def connection_made(self, transport: BaseTransport) -> None:
-        super().connection_made(transport)
-        self.address = network(self.client[0] if self.client else "")
-        self.doors.enter(self.address)
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        self.doors.leave(self.address)
-        super().connection_lost(exc)
-
-    def data_received(self, data: bytes) -> None:
-        super().data_received(data)
-        if not self.handshake_initiated:  # the whole request came at once, and `websockets` could not read it
-            self.transport.abort()
-
-    def keepalive_timeout(self) -> None:
-        super().keepalive_timeout()
-        if self.transport.get_write_buffer_size():
-            self.transport.abort()
-
-    async def send(self, message: ASGISendEvent) -> None:
-        if message["type"] == "websocket.close":  # this call waits until the client reads
-            self.loop.call_later(self.patience, self.transport.abort)
-        if message["type"].startswith("websocket.http.response") and self.conn.eof_sent:
-            return  # uvicorn has refused the handshake itself, because the service stops
-        await super().send(message)
-        if message["type"] == "websocket.http.response.body":  # answered: uvicorn would log it as an error
-            self.handshake_complete = True
 
 
 def _cancelled(timer: asyncio.TimerHandle | None) -> asyncio.TimerHandle | None:

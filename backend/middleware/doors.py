@@ -6,7 +6,8 @@ import asyncio
 import ipaddress
 import logging
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
 
 REPORTED = 60.0
 """Refused connections are reported at most this often [s]."""
@@ -15,6 +16,9 @@ MOST_ADDRESSES = 1000
 NAMED = 5
 """Addresses that a report names, those with the most refused connections."""
 OTHERS = "other addresses"
+TURNS, TURN = 8, 0.2
+"""Requests of an address at a time, more than a browser sends, and the time after which a longer one does not count [s].
+"""
 
 _log = logging.getLogger(__name__)
 
@@ -56,6 +60,7 @@ class Doors:
         self._proxies = [ipaddress.ip_network(one) for one in trusted]
         self.refusals = Refusals()
         self._open: Counter[str] = Counter()
+        self._turns: dict[str, asyncio.Semaphore] = {}
 
     def enter(self, address: str) -> None:
         self._open[address] += 1
@@ -64,9 +69,36 @@ class Doors:
         self._open[address] -= 1
         if not self._open[address]:
             del self._open[address]
+            self._turns.pop(address, None)
 
     def of(self, address: str) -> int:
         return self._open[address]
+
+    @asynccontextmanager
+    async def turn(self, address: str) -> AsyncIterator[None]:
+        """The turn of a request, when it comes; it ends with the request, or earlier if that takes long.
+
+        Requests of one address wait for each other, so that those of others do not wait for all of them.
+        """
+        if self._is_proxy(address):
+            yield
+            return
+        turns = self._turns.setdefault(address, asyncio.Semaphore(TURNS))
+        await turns.acquire()
+        loop, ended = asyncio.get_running_loop(), False
+
+        def end() -> None:
+            nonlocal ended
+            if not ended:
+                ended = True
+                turns.release()
+
+        timer = loop.call_later(TURN, end)
+        try:
+            yield
+        finally:
+            timer.cancel()
+            end()
 
     def crowded(self, address: str) -> bool:
         """Whether an address has more connections than it may have."""

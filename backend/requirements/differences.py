@@ -7,25 +7,24 @@ from __future__ import annotations
 
 import difflib
 import hashlib
-
-from campaigns.documents import JsonObject
+from collections.abc import Mapping
 
 LONGEST = 500
 """Characters of an excerpt."""
 _CUT = " …"
 
 
-def stated_text(text: str) -> JsonObject:
+def stated_text(text: str) -> Mapping[str, object]:
     """What a row states about one text."""
-    return {"text": _measured(text) | {"begins": _cut(text)}}
+    return {"text": {**_measured(text), "begins": _cut(text)}}
 
 
-def changed_text(before: str, after: str) -> JsonObject:
+def changed_text(before: str, after: str) -> Mapping[str, object]:
     """What a row states about a change."""
     return {"before": _measured(before), "text": _measured(after), "difference": _difference(before, after)}
 
 
-def _measured(text: str) -> JsonObject:
+def _measured(text: str) -> Mapping[str, object]:
     return {"characters": len(text), "sha256": hashlib.sha256(text.encode()).hexdigest()}
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import h11
 from uvicorn._types import ASGI3Application, ASGIReceiveCallable, ASGISendCallable, Scope
-from uvicorn.protocols.http.flow_control import HIGH_WATER_LIMIT
+from uvicorn.protocols.http.flow_control import CLOSE_HEADER, HIGH_WATER_LIMIT
 from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
 
 from backend.http.networks import network
@@ -67,8 +67,7 @@ class BoundedProtocol(H11Protocol):
         super().__init__(*arguments, **named)
         self._sending: asyncio.TimerHandle | None = None
         self._reading: asyncio.TimerHandle | None = None
-        self._queued: float | None = None
-        self._upgraded = self._reserved = self._left = False
+        self._upgraded = self._reserved = self._queued = self._left = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
@@ -149,8 +148,8 @@ class BoundedProtocol(H11Protocol):
             return self._reading.when() - self.patience
         if self._sent_ahead:
             return 0.0
-        if self._queued is not None:
-            return self._queued
+        if self._queued:
+            return self.loop.time()  # after all that wait for their client
         responding = self.cycle is not None and not self.cycle.response_complete
         if responding and (self.conn.their_state is not h11.SEND_BODY or self.flow.read_paused):
             return None
@@ -207,9 +206,9 @@ class BoundedProtocol(H11Protocol):
                     self._continue(cycle)
                 await cycle.message_event.wait()
                 cycle.message_event.clear()
-            self._queued = self.loop.time()
+            self._queued = True
             async with self.doors.turn(self.address):
-                self._queued = None
+                self._queued = False
                 if not cycle.disconnected:
                     cycle.message_event.set()
                     await app(scope, receive, send)
@@ -228,8 +227,8 @@ class BoundedProtocol(H11Protocol):
         paths = {HEALTH, f"{self.doors.root}{HEALTH}"}
 
         async def reserved(scope: Scope, receive: ASGIReceiveCallable, send: ASGISendCallable) -> None:
-            self.cycle.keep_alive = False
             if scope["type"] == "http" and scope["path"] in paths:
+                scope["headers"] = [*scope["headers"], CLOSE_HEADER]  # uvicorn answers with the same
                 await app(scope, receive, send)
                 return
             self.doors.refusals.note(self.address)

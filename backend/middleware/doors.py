@@ -17,8 +17,7 @@ NAMED = 5
 """Addresses that a report names, those with the most refused connections."""
 OTHERS = "other addresses"
 TURNS, TURN = 8, 0.2
-"""Requests of an address at a time, more than a browser sends, and the time after which a longer one does not count [s].
-"""
+"""Requests of an address at a time, more than a browser sends; the time after which a longer one does not count [s]."""
 
 _log = logging.getLogger(__name__)
 

@@ -1,4 +1,4 @@
-"""The service answers while others flood it with connections; all kinds are measured by `python -m tests.bench.doors`."""
+"""The service answers while others flood it with connections; `tests.bench.doors` measures all kinds."""
 
 from __future__ import annotations
 

@@ -22,6 +22,7 @@ from tests.given.service import Service, until
 
 MOST, EACH = 6, 4
 PATIENCE = 0.4
+LONG = {"a socket with a long path": b"414", "a socket with a long header": b"431"}
 HEALTH = b"GET /api/v1/health HTTP/1.1\r\nHost: localhost\r\n\r\n"
 AHEAD = ("half a body after a request", "many requests at once")
 WAITING = [kind for kind in STRANGERS if "socket" not in kind and kind not in AHEAD]
@@ -135,9 +136,7 @@ def test_a_body_in_pieces_arrives_whole(narrow: Service, size: int) -> None:
     assert (answer.status_code, answer.json()["text"]) == (201, text)
 
 
-@pytest.mark.parametrize(
-    ("kind", "status"), [("a socket with a long path", b"414"), ("a socket with a long header", b"431")]
-)
+@pytest.mark.parametrize(("kind", "status"), LONG.items())
 def test_a_socket_with_a_long_line_is_refused_and_closed(hasty: Service, kind: str, status: bytes) -> None:
     with opened(hasty) as connection:
         connection.sendall(STRANGERS[kind].encode())

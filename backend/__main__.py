@@ -77,8 +77,8 @@ def main() -> int:
     """Serve; returns 2 if the settings or the database cannot be used."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
-    for chatty in ("websockets", "uvicorn"):
-        logging.getLogger(chatty).setLevel(logging.WARNING)
+    logging.getLogger("websockets").setLevel(logging.WARNING)
+    logging.getLogger("uvicorn").setLevel(logging.ERROR)  # it warns of each unreadable request, which anybody can send
     try:
         settings = Settings.load()
         for sentence in filter(None, [*Settings.unknown(os.environ), unbuilt(settings.pages)]):

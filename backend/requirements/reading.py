@@ -29,7 +29,9 @@ LARGEST = 16_000_000
 def main() -> None:
     """Read one file. The limits hold before its first byte is read."""
     for limited, value in ((resource.RLIMIT_AS, MEMORY), (resource.RLIMIT_CPU, SECONDS), (resource.RLIMIT_CORE, 0)):
-        resource.setrlimit(limited, (value, value))
+        hard = resource.getrlimit(limited)[1]
+        lower = value if hard == resource.RLIM_INFINITY else min(value, hard)
+        resource.setrlimit(limited, (lower, lower))
     request = json.loads(sys.stdin.buffer.readline())
     try:
         made = _read(request["kind"], sys.stdin.buffer.read(), request["id"], request["text"])

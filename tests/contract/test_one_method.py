@@ -22,8 +22,6 @@ ALLOWED = {
     "worker/running/reproduce",
     # The statement of a random search reads the options of one; they are to become a property of the method.
     "worker/engine/stages/parts/sample.py",
-    # Data of tests.
-    "frontend/src/api/fixtures.ts",
 }
 WALK = '''"""Corner walk: evaluates the corners of the box.
 

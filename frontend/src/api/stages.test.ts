@@ -1,6 +1,6 @@
 // A stage's result by its kind.
 import { expect, it } from 'vitest'
-import { search, stage, validated } from './fixtures'
+import { search, stage, validated } from '../../tests/fixtures'
 import { resultOf } from './stages'
 
 it('gives the result of a stage of that kind, and of no other', () => {

@@ -2,8 +2,8 @@
 import { readFileSync } from 'node:fs'
 import { expect, it } from 'vitest'
 import type { Catalogue, MethodEntry } from '../client'
+import shipped from '../generated/methods.json'
 import { learnMethods, METHODS, methodLook, requestBy, OUTLINE, variables } from './methods'
-import shipped from './shipped.json'
 
 const CSS = readFileSync(new URL('../theme/tokens.css', import.meta.url), 'utf8')
 const [LIGHT = '', DARK = ''] = CSS.split(':root[data-theme="dark"]')

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from backend import openapi
-from campaigns.documents import JsonObject
 from campaigns.rules import LIMITS, RULES
 from worker.engine.search.base import Method
 from worker.evidence.audit.trusted import TRUSTED
@@ -45,7 +44,7 @@ def _looks() -> str:
 
 def _rules() -> str:
     """The limits of `campaigns.rules` by name, and the checks in their order."""
-    checks: list[JsonObject] = [
+    checks = [
         {"code": rule.code, "title": rule.title, "requires": rule.requires, "intended": rule.intended} for rule in RULES
     ]
     limits = {name.lower(): limit.value for name, limit in LIMITS.items()}

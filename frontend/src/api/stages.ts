@@ -1,4 +1,4 @@
-// The result of a stage by its kind: the API's results are a union whose members `stage` distinguishes.
+// The result of a stage, by its kind or by what it has: the API's results are a union whose members `stage` distinguishes.
 import type { StageDetail } from '../client'
 
 type Result = NonNullable<StageDetail['result']>
@@ -11,4 +11,17 @@ const isOf = <K extends Kind>(result: Result, kind: K): result is ResultOf<K> =>
 export function resultOf<K extends Kind>(stage: Pick<StageDetail, 'result'> | undefined, kind: K): ResultOf<K> | null {
   const result = stage?.result ?? null
   return result !== null && isOf(result, kind) ? result : null
+}
+
+type Having<P extends string, R = Result> = R extends unknown ? (P extends keyof R ? R : never) : never
+
+/** A result with slices through the nominal point. */
+export type SlicesResult = Having<'curves'>
+
+const has = <P extends string>(result: Result, property: P): result is Having<P> => property in result
+
+/** The first result that has this property, of whatever kind of stage; null if there is none yet. */
+export function resultWith<P extends string>(stages: readonly Pick<StageDetail, 'result'>[], property: P): Having<P> | null {
+  for (const { result } of stages) if (result && has(result, property)) return result
+  return null
 }

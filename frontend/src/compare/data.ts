@@ -2,7 +2,7 @@
 import { useQueries } from '@tanstack/react-query'
 import { asCampaign, hasScenario } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
-import { resultOf } from '../api/stages'
+import { resultOf, resultWith } from '../api/stages'
 import type { Catalogue, Evaluations, FindingDetail, RunDetail, Sample, StageDetail, TraceData } from '../client'
 import { uncertainOf, type UncertainParameter } from '../run/data/data'
 import { DASHES, LETTERS } from './search'
@@ -80,9 +80,8 @@ const traceOf = (id: string, name: string, traced: boolean) => {
 
 /** The independent sample of a run: the certify stage's, else that of the first random search. */
 export function sampleOf({ stages }: Compared): Sample | null {
-  const [certified] = stages.flatMap((stage) => resultOf(stage, 'certify') ?? [])
   const [searched] = stages.flatMap((stage) => resultOf(stage, 'search')?.sample ?? [])
-  return certified?.sample ?? searched ?? null
+  return resultWith(stages, 'grid')?.sample ?? searched ?? null
 }
 
 export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null

@@ -56,16 +56,7 @@ Word = Annotated[str, Field(max_length=200)]
     "/runs",
     status_code=status.HTTP_201_CREATED,
     openapi_extra=bodies.of("RunSubmit"),
-    responses=LOCATION
-    | problems(
-        "unsupported-media-type",
-        "unreadable",
-        "invalid-campaign",
-        "idempotency-key-reused",
-        "no-catalogue",
-        "busy",
-        "quota-reached",
-    ),
+    responses=LOCATION | problems(*bodies.LAUNCH),
 )
 async def submit_run(
     request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, parts: FromAddress, key: Key = None

@@ -125,6 +125,3 @@ export const OUTLINE: Record<Shape, string> = {
 const OPEN: readonly Shape[] = ['cross', 'ring', 'box', 'asterisk']
 
 export const isOpen = (shape: Shape): boolean => OPEN.includes(shape)
-
-/** Every shipped method. */
-export const METHODS: readonly string[] = SHIPPED.map(({ name }) => name)

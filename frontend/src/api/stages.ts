@@ -1,5 +1,5 @@
 // The result of a stage, by its kind or by what it has: the API's results are a union whose members `stage` distinguishes.
-import type { StageDetail } from '../client'
+import type { Sample, StageDetail } from '../client'
 
 type Result = NonNullable<StageDetail['result']>
 type Kind = Result['stage']
@@ -25,3 +25,9 @@ export function resultWith<P extends string>(stages: readonly Pick<StageDetail, 
   for (const { result } of stages) if (result && has(result, property)) return result
   return null
 }
+
+/** The independent sample of a run: that of its certificate, else that of the first random search. */
+export const independentSample = (stages: readonly Pick<StageDetail, 'result'>[]): Sample | null =>
+  resultWith(stages, 'grid')?.sample ??
+  stages.flatMap(({ result }) => (result && has(result, 'sample') && result.sample) || [])[0] ??
+  null

@@ -1,6 +1,6 @@
 // What a run has to show, and how much room that needs: the conditions of the sections of its page.
 import { hasScenario } from '../api/campaign'
-import { resultOf, resultWith, type SlicesResult } from '../api/stages'
+import { resultOf, resultWith, independentSample, type SlicesResult } from '../api/stages'
 import type { GridResult, Sample, SearchResult, ValidateResult } from '../client'
 import { type Best, bestOf, hasSpace, type RunData, stageOf } from './data/data'
 import { hasView } from './flight/declared'
@@ -49,7 +49,6 @@ export function factsOf(data: RunData): Facts {
   const lowest = findings.length > 0 ? null : bestOf(data)
   const shown = flown || findings.length > 0 || lowest !== null
   const sensitivity = resultWith(data.stages, 'curves')
-  const certified = resultWith(data.stages, 'grid')
   const searches = data.stages.flatMap((stage) => {
     const search = resultOf(stage, 'search')
     return search ? [{ position: stage.position, search }] : []
@@ -63,13 +62,13 @@ export function factsOf(data: RunData): Facts {
     timed: overTime(nominalTrace ?? (flies ? undefined : findingTrace)).length > 0,
     lowest,
     sensitivity,
-    grid: certified?.grid ?? null,
+    grid: resultWith(data.stages, 'grid')?.grid ?? null,
     validation: resultOf(stageOf(data, 'validate'), 'validate'),
     minima: minima.length > 0 ? minima : null,
     front: searches.some(({ search }) => search.front?.length),
     searched: run.stages.some((stage) => stage.method !== null && stage.evaluations > 0),
     methods: run.stages.filter((stage) => stage.method !== null).length,
-    sample: certified?.sample ?? searches.find(({ search }) => search.sample)?.search.sample ?? null,
+    sample: independentSample(data.stages),
     space: hasSpace(data),
     published: run.verdict ? (campaign.published?.length ?? 0) : 0,
     few: sensitivity !== null && sensitivity.curves.length <= 2 && flown,

@@ -15,7 +15,7 @@ if [ "$(cat "$installed" 2>/dev/null || true)" != "$wanted" ]; then
 fi
 
 generated=node_modules/.generated
-wanted="$(digest ../tools/generated.py ../campaigns/rules.py ../worker/engine/search/methods/*.py)"
+wanted="$(digest ../tools/generated.py ../campaigns/rules.py ../worker/engine/search/{base,methods/*}.py)"
 if [ ! -d src/generated ] || [ "$(cat "$generated" 2>/dev/null || true)" != "$wanted" ]; then
     (cd .. && "$VENV/bin/python" -m tools.generated pages)
     printf '%s' "$wanted" >"$generated"

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The steps of the container image, one by one, so that they can be run without a container engine too:
-#   image.sh pages      builds the pages in frontend/ (needs Node)
 #   image.sh packages   makes .venv from the lock file, with what the project and its extras need, without the tests' tools
-#   image.sh app        installs this project into it
+#   image.sh app        installs this project into it, and writes what the pages are built with
+#   image.sh pages      builds the pages in frontend/ (needs Node)
 #   image.sh pinned IMAGE...   fails unless each image is named with its digest, as those of a release must be
 # `tools/image.sh check FOLDER` runs all of them in FOLDER, on those files of the last commit that the Dockerfile copies,
 # and starts what came out.
@@ -27,6 +27,7 @@ app() {
     .venv/bin/python -m pip install --no-cache-dir --quiet --no-deps --no-build-isolation -e .
     .venv/bin/python -m compileall -q backend campaigns clearance worker
     .venv/bin/clearance --help >/dev/null
+    .venv/bin/python -m tools.generated pages
 }
 
 pinned() {
@@ -42,7 +43,7 @@ check() {
     mkdir -p "$folder"
     git archive HEAD backend campaigns clearance worker tools frontend docs pyproject.toml requirements.lock README.md |
         tar -x -C "$folder"
-    for step in packages pages app; do
+    for step in packages app pages; do
         say "== $step"
         "$folder/tools/image.sh" "$step"
     done

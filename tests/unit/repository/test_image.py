@@ -45,4 +45,4 @@ def test_a_base_image_of_a_release_has_a_digest(image: str, accepted: bool) -> N
 
 def test_the_base_images_are_arguments() -> None:
     text = (Path(ROOT) / "Dockerfile").read_text(encoding="utf-8")
-    assert re.findall(r"^FROM (\S+)", text, re.M) == ["${NODE_IMAGE}", "${PYTHON_IMAGE}"]
+    assert re.findall(r"^FROM (\S+)", text, re.M) == ["${PYTHON_IMAGE}", "${NODE_IMAGE}", "app"]

@@ -29,7 +29,7 @@ def straight_after_the_horizon(random: np.random.Generator) -> Attack:
     """A second obstacle comes past the goal on a straight line up to three horizons late, from anywhere."""
     horizon = round(float(random.uniform(6.5, 11.0)), 1)
     arrives, speed = horizon * float(random.uniform(1.1, 4.0)), float(random.uniform(0.3, 4.0))
-    angle, miss = float(random.uniform(0, 2 * math.pi)), float(random.uniform(-0.8, 0.8))
+    angle, miss = float(random.uniform(0, 2 * math.pi)), float(random.uniform(-2.0, 2.0))
     along, x, y = (math.cos(angle), math.sin(angle)), GOAL[0] - miss * math.sin(angle), GOAL[1] + miss * math.cos(angle)
     back, on = speed * arrives, 20.0 * speed
     moving = {
@@ -48,7 +48,7 @@ def turning_after_the_horizon(random: np.random.Generator) -> Attack:
     accelerating towards it."""
     horizon = round(float(random.uniform(6.5, 11.0)), 1)
     arrives, angle = horizon * float(random.uniform(1.1, 4.0)), float(random.uniform(0, 2 * math.pi))
-    kind, miss = random.integers(3), float(random.uniform(-0.8, 0.8))
+    kind, miss = random.integers(3), float(random.uniform(-2.0, 2.0))
     x, y = GOAL[0] - miss * math.sin(angle), GOAL[1] + miss * math.cos(angle)
     if kind == 0:
         moving = _along_waypoints(random, arrives, angle, (x, y))
@@ -104,7 +104,7 @@ def _on_a_circle(random: np.random.Generator, arrives: float, angle: float, miss
 def _after(name: str, random: np.random.Generator, moving: dict[str, Any], horizon: float) -> Attack:
     made = campaign(
         name, random, ANY, scenario__obstacles=[circle(4.0, 4.0, 0.5), moving], scenario__horizon=horizon,
-        criterion__threshold=float(random.uniform(0.5, 0.8)),
+        criterion__threshold=float(random.uniform(0.5, 0.93)),
     )  # fmt: skip
     scenario = made.document["scenario"] | {"horizon": round(LONGER * horizon, 1)}
     lowest = brute_force(load_document(made.document | {"scenario": scenario}), 7)

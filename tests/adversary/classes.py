@@ -287,15 +287,30 @@ def near_the_worst(random: np.random.Generator) -> Attack:
 def coarse_step(random: np.random.Generator) -> Attack:
     """A step so long that the worst case differs by it, and a threshold between the two: a violation that only the step
     has, or one that it hides."""
+    made, coarse, fine = _coarse("coarse step", random)
+    may = frozenset({"inconclusive", "refused"}) if fine > coarse else NOT_CLEARED
+    return _at(made, coarse + float(random.uniform(0.3, 0.7)) * (fine - coarse), may)
+
+
+def mild_violation(random: np.random.Generator) -> Attack:
+    """Such a step, and a threshold above both: a violation that is milder by one integration than by another."""
+    made, coarse, fine = _coarse("mild violation", random)
+    return _at(made, max(coarse, fine) + float(random.uniform(0.05, 2.0)) * abs(fine - coarse), NOT_CLEARED)
+
+
+def _coarse(name: str, random: np.random.Generator) -> tuple[dict[str, Any], float, float]:
+    """A campaign with a long step, and its lowest cost at that step and at a fine one."""
     step = float(random.choice([0.008, 0.01]))
     made = campaign(
-        "coarse step", random, ANY, scenario__obstacles=[circle(*random.uniform(3.6, 4.4, 2).tolist())],
+        name, random, ANY, scenario__obstacles=[circle(*random.uniform(3.6, 4.4, 2).tolist())],
         scenario__step=step, scenario__guidance={"period": step}, stages__certify={"samples": 60},
     ).document  # fmt: skip
     coarse, fine = (brute_force(load_document(made), 9, finer) for finer in (1, 64))
-    threshold = coarse + float(random.uniform(0.3, 0.7)) * (fine - coarse)
-    may = frozenset({"inconclusive", "refused"}) if fine > coarse else NOT_CLEARED
-    return Attack("coarse step", made | {"criterion": made["criterion"] | {"threshold": threshold}}, may)
+    return made, coarse, fine
+
+
+def _at(made: dict[str, Any], threshold: float, may: frozenset[str]) -> Attack:
+    return Attack(made["name"], made | {"criterion": made["criterion"] | {"threshold": threshold}}, may)
 
 
 def brute_force(asked: Campaign, points: int, finer: int = 2) -> float:
@@ -312,5 +327,5 @@ def brute_force(asked: Campaign, points: int, finer: int = 2) -> float:
 CLASSES: tuple[Callable[[np.random.Generator], Attack], ...] = (
     slit_on_a_slice, nobody_searched, horizon_too_short, never_moves, out_of_reach, no_avoidance, no_influence,
     collision, side_switch, one_realisation, mean_of_realisations, mostly_excluded, tails, through_a_wall, aliased,
-    near_the_worst, mass_outside, one_family, coarse_step,
+    near_the_worst, mass_outside, one_family, coarse_step, mild_violation,
 )  # fmt: skip

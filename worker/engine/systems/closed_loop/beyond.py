@@ -128,7 +128,8 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
         return
     seen, time = _Seen(flights, row, trace, last - 1, last), last * flights.step
     halfway = last - max(1, round(0.5 * flights.counts(flights.step)[0]))
-    before = _Seen(flights, row, trace, halfway - 1, halfway) if halfway > 0 else seen
+    states = any(obstacle.states for obstacle in flights.parts.obstacles)
+    before = _Seen(flights, row, trace, halfway - 1, halfway) if states and halfway > 0 else seen
     for i in range(len(flights.parts.obstacles)):
         closing = bool(seen.channels[1, i] < seen.channels[0, i])
         centres = np.concatenate([before.centres[:, i], seen.centres[:, i]])

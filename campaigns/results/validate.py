@@ -158,8 +158,8 @@ class Beyond(Result):
     lowest: Later | None
     """The one that comes closest; null if none meets an obstacle there."""
     unknown: Annotated[Later | None, UNLESS_NONE] = None
-    """The closest one to an obstacle that may come closer than can be told: it turns or has states, and approaches at
-    the end of what is known of its motion. Its value is that on straight lines."""
+    """The closest one to an obstacle that may come closer: it has states, or neither repeats its path nor ends it, and
+    is neither at rest nor moves away at a constant velocity. Its value is that on straight lines."""
 
 
 class Encounter(Result):

@@ -141,3 +141,19 @@ def test_no_point_of_a_path_is_closer_than_the_bound_of_its_interval(seed: int) 
         lowest = [true[k * each : (k + 1) * each + 1].min() for k in range(len(bound))]
         assert (bound <= np.array(lowest) + 1e-12).all()
         assert bound.min() == pytest.approx(true.min(), abs=0.15)
+
+
+@pytest.mark.parametrize(
+    ("centres", "away"),
+    [
+        (np.outer(np.arange(40), (1.0, 0.2, 0.0)), True),
+        (np.outer(np.arange(40) ** 2, (1.0, 0.0, 0.0)) + 1.0, False),  # accelerating
+        (np.outer(np.arange(40, 0, -1), (1.0, 0.2, 0.0)), False),  # approaching
+        (around(0.4)[:, [1, 0, 2]], False),  # turning
+    ],
+)
+def test_what_neither_repeats_nor_ends_is_known_while_it_moves_away_at_a_constant_velocity(
+    centres: Any, away: bool
+) -> None:
+    path = onward.Path(np.arange(float(len(centres))), centres.astype(float), whole=False)
+    assert onward.leaves(path, np.zeros(3)) == away

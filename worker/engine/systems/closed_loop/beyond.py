@@ -19,7 +19,7 @@ from campaigns.results.validate import Beyond, Later
 from worker.engine.kernels import loop as closed_loop
 from worker.engine.systems.base import Floats, Stopping
 from worker.engine.systems.closed_loop.flights import Flights
-from worker.engine.systems.closed_loop.onward import Motion, Onward, falling, motion
+from worker.engine.systems.closed_loop.onward import Motion, Onward, leaves, motion
 
 MEMORY = 2**23
 """The states of the flights that are simulated at a time may take this many bytes."""
@@ -191,7 +191,7 @@ class _End(NamedTuple):
             found.append(Approach(nearest - self.extent, self.obstacle, self.since + after))
             if after > 0.0:
                 yield found[-1]
-        if not path.whole and falling(path, here):
+        if not path.whole and not leaves(path, here):
             yield min(found, key=_value)._replace(known=False)
 
 

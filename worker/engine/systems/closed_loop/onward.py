@@ -164,7 +164,8 @@ def _lowest(relative: Floats) -> Floats:
     return found
 
 
-def falling(path: Path, position: Floats) -> bool:
-    """Whether it still comes closer at the end."""
+def leaves(path: Path, position: Floats) -> bool:
+    """Whether it moves away at the end, at the velocity of half the time before."""
+    half = len(path.centres) // 2
     before, now = np.linalg.norm(path.centres[-2:] - position, axis=1)
-    return bool(now < before)
+    return bool(now >= before) and _steady(path.centres[half - 1 : half + 1], path.centres[-2:])

@@ -149,11 +149,21 @@ def collision(random: np.random.Generator) -> Attack:
 def side_switch(random: np.random.Generator) -> Attack:
     """An avoider that changes sides: the worst ridge is a discontinuity whose position depends on the integrator."""
     start = {"x": float(random.uniform(0.1, 0.4)), "y": float(random.uniform(-0.4, -0.1)), "theta": 0.0}
+    return _switching("side switch", random, start, float(random.uniform(1.617, 1.622)))
+
+
+def mild_violation(random: np.random.Generator) -> Attack:
+    """The same avoider at a threshold above every integration: by most they violate by less than as evaluated."""
+    start = {"x": float(random.uniform(0.1, 0.4)), "y": float(random.uniform(-0.4, -0.1)), "theta": 0.0}
+    return _switching("mild violation", random, start, float(random.uniform(1.625, 1.75)))
+
+
+def _switching(name: str, random: np.random.Generator, start: dict[str, float], threshold: float) -> Attack:
     uncertain = MASSES | {"start.x": {"low": -0.5, "high": 0.5}, "start.y": {"low": -0.5, "high": 0.5}}
     return campaign(
-        "side switch", random, NOT_CLEARED, scenario__avoider={"component": "gnron", "parameters": {}},
+        name, random, NOT_CLEARED, scenario__avoider={"component": "gnron", "parameters": {}},
         scenario__start=start, scenario__goal={"x": 8.0, "y": 8.0}, uncertain=uncertain, scenario__horizon=12.0,
-        criterion__threshold=float(random.uniform(1.617, 1.622)),
+        criterion__threshold=threshold,
     )  # fmt: skip
 
 
@@ -287,30 +297,15 @@ def near_the_worst(random: np.random.Generator) -> Attack:
 def coarse_step(random: np.random.Generator) -> Attack:
     """A step so long that the worst case differs by it, and a threshold between the two: a violation that only the step
     has, or one that it hides."""
-    made, coarse, fine = _coarse("coarse step", random)
-    may = frozenset({"inconclusive", "refused"}) if fine > coarse else NOT_CLEARED
-    return _at(made, coarse + float(random.uniform(0.3, 0.7)) * (fine - coarse), may)
-
-
-def mild_violation(random: np.random.Generator) -> Attack:
-    """Such a step, and a threshold above both: a violation that is milder by one integration than by another."""
-    made, coarse, fine = _coarse("mild violation", random)
-    return _at(made, max(coarse, fine) + float(random.uniform(0.05, 2.0)) * abs(fine - coarse), NOT_CLEARED)
-
-
-def _coarse(name: str, random: np.random.Generator) -> tuple[dict[str, Any], float, float]:
-    """A campaign with a long step, and its lowest cost at that step and at a fine one."""
     step = float(random.choice([0.008, 0.01]))
     made = campaign(
-        name, random, ANY, scenario__obstacles=[circle(*random.uniform(3.6, 4.4, 2).tolist())],
+        "coarse step", random, ANY, scenario__obstacles=[circle(*random.uniform(3.6, 4.4, 2).tolist())],
         scenario__step=step, scenario__guidance={"period": step}, stages__certify={"samples": 60},
     ).document  # fmt: skip
     coarse, fine = (brute_force(load_document(made), 9, finer) for finer in (1, 64))
-    return made, coarse, fine
-
-
-def _at(made: dict[str, Any], threshold: float, may: frozenset[str]) -> Attack:
-    return Attack(made["name"], made | {"criterion": made["criterion"] | {"threshold": threshold}}, may)
+    threshold = coarse + float(random.uniform(0.3, 0.7)) * (fine - coarse)
+    may = frozenset({"inconclusive", "refused"}) if fine > coarse else NOT_CLEARED
+    return Attack("coarse step", made | {"criterion": made["criterion"] | {"threshold": threshold}}, may)
 
 
 def brute_force(asked: Campaign, points: int, finer: int = 2) -> float:

@@ -185,11 +185,11 @@ class _End(NamedTuple):
     def followed(self, onward: Onward, moves: Motion, below: float) -> Iterator[Approach]:
         """Of an obstacle whose path is known, for as long as it is."""
         path, here = onward.path(moves), self.seen.positions[1]
-        found = []
+        now, found = float(np.linalg.norm(path.centres[0] - here)), []
         for own, lasts in ((np.zeros(3), 0.0), (self.own, self.horizon)):
             nearest, after = onward.nearest(path, here, own, lasts, below + self.extent)
             found.append(Approach(nearest - self.extent, self.obstacle, self.since + after))
-            if after > 0.0:
+            if nearest < now:
                 yield found[-1]
         if not path.whole and not leaves(path, here):
             yield min(found, key=_value)._replace(known=False)

@@ -155,11 +155,12 @@ def _bend(relative: Floats) -> Floats:
 
 def _lowest(relative: Floats) -> Floats:
     """The least distance from the origin within every interval, (m - 1,): that of its chord, less what the path may
-    deviate from it, at a corner, too."""
+    deviate from it, at a corner, too: half of the larger second difference, at either end all of the only one."""
     begin, along = relative[:-1], np.diff(relative, axis=0)
     square = (along**2).sum(axis=1)
     at = np.clip(-(begin * along).sum(axis=1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
-    bend = np.pad(_bend(relative), 1, mode="edge")
+    bend = _bend(relative)
+    bend = np.concatenate([2.0 * bend[:1], bend, 2.0 * bend[-1:]])
     found: Floats = np.linalg.norm(begin + at[:, None] * along, axis=1) - 0.5 * np.maximum(bend[:-1], bend[1:])
     return found
 

@@ -106,7 +106,7 @@ class Onward:
         found = self._centres(step, first, count + 2)
         end = round((length if turn is None else turn) / step)
         whole = 0 < end <= count and _repeats(found, end)
-        return Path(step * np.arange(count + 1), found[:-1], whole or _same(found[-2], found[-1]))
+        return Path(step * np.arange(count + 1, dtype=np.float64), found[:-1], whole or _same(found[-2], found[-1]))
 
     def _centres(self, step: float, first: int, count: int) -> Floats:
         states = np.broadcast_to(self._state, (count, len(self._state)))

@@ -1,8 +1,8 @@
 """A finding of a baseline is "fixed" only if nothing that the run knows in its basin violates; truth by dense lines.
 
 Vehicles with other avoidance, and functions with wells of which some are raised: the findings of the earlier one are
-cases of its violations. The truth is a line to each stored violation, of any stage and whether listed or not: "fixed" is
-wrong if the criterion falls along one of them without a rise.
+cases of its violations. The truth is a line to each stored violation, of any stage and whether listed or not: "fixed"
+is wrong if the criterion falls along one of them without a rise.
 """
 
 from __future__ import annotations

@@ -16,29 +16,36 @@ from typing import Any
 import numpy as np
 
 from worker.engine.components.own import folders
+from worker.engine.systems.simulators.declared.external import Reader
+from worker.engine.systems.simulators.declared.outside import BUILTINS, NAMES, Outside
 from worker.running.examination import reading
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.reading import Source
 
 NOISE = "declare it as noise, in `draw` of an environment or by a fault"
-RANDOM, CLOCK, OUTSIDE = (
+RANDOM, CLOCK, OUTSIDE, ADDRESS, TABLE = (
     f"is random, and the same case must give the same result: {NOISE}",
     "reads the clock, and the same case must give the same result: use t, the time of the simulation",
     "reaches outside of the simulation, and a component computes from its arguments only: remove it",
+    "differs between processes, and the same case must give the same result: remove it",
+    "reads what the digest of the component does not cover: write the numbers into its file",
 )
+TEXTS = {Outside.RANDOM: RANDOM, Outside.CLOCK: CLOCK, Outside.ADDRESS: ADDRESS}
+"""Of what reads the state outside; of all else `OUTSIDE`."""
 MODULES = {
-    **dict.fromkeys(("random", "secrets", "uuid", "numpy.random"), RANDOM),
-    **dict.fromkeys(("time", "datetime"), CLOCK),
-    **dict.fromkeys(("os", "posix", "sys", "io", "pathlib", "subprocess", "socket", "logging", "shutil"), OUTSIDE),
-    **dict.fromkeys(("threading", "multiprocessing", "ctypes", "itertools", "gc", "warnings"), OUTSIDE),
+    **{name: TEXTS.get(kind, OUTSIDE) for name, kind in NAMES.items() if kind is not None},
+    **dict.fromkeys(("datetime",), CLOCK),
+    **dict.fromkeys(("posix", "sys", "io", "pathlib", "logging", "threading", "ctypes", "itertools", "gc"), OUTSIDE),
+    **dict.fromkeys(("warnings",), OUTSIDE),
 }
 FUNCTIONS = {
-    **dict.fromkeys(("print", "input", "open", "exec", "eval", "compile", "__import__", "breakpoint"), OUTSIDE),
+    **{name: TEXTS.get(kind, OUTSIDE) for name, kind in BUILTINS.items()},
+    **dict.fromkeys(("print", "exec", "eval", "compile", "__import__", "breakpoint"), OUTSIDE),
     **dict.fromkeys(("globals", "locals", "vars", "setattr", "delattr", "next"), OUTSIDE),
-    **dict.fromkeys(
-        ("id", "hash"), "differs between processes, and the same case must give the same result: remove it"
-    ),
+    **dict.fromkeys(("repr", "object"), ADDRESS),
 }
+HIDDEN = frozenset({"__hash__", "__repr__", "__str__", "__reduce__"})
+"""Attributes that may have the address of an object or the seed of its process."""
 CONSTANTS = (bool, int, float, complex, str, bytes, range, np.generic, np.ndarray, ModuleType)
 
 
@@ -55,11 +62,35 @@ def _check(source: Source, known: Mapping[str, Any], seen: set[Path]) -> None:
                 _check_name(source, known, seen, (function, node, name, chain))
         if function in source.kernels:
             _check_stores(function, of_scope)
-    tops = [s for s in source.tree.body if not isinstance(s, reading.Scope | ast.Import | ast.ImportFrom)]
+    tops = [*_at_import(source.tree)]
     for node, name, chain in (found for top in tops for found in _loaded(top)):
         text = next(_impure(known, name, chain), "")
-        if text in (RANDOM, CLOCK):
+        if text in (RANDOM, CLOCK, ADDRESS):
             raise Mistake(f"{'.'.join((name, *chain))} {text}", node.lineno)
+    reader = Reader(source.tree)
+    for use in (use for top in [*tops, *source.functions.values()] for use in reader.of(top)):
+        raise Mistake(f"{use.name} {TEXTS.get(use.kind, TABLE)}", use.line)
+    _check_order(source.tree)
+
+
+def _at_import(tree: ast.Module) -> Iterator[ast.AST]:
+    """What is executed when the file is imported: statements, bodies of classes, defaults of functions."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            yield from (default for default in (*node.args.defaults, *node.args.kw_defaults) if default is not None)
+        elif not isinstance(node, ast.Import | ast.ImportFrom):
+            yield node
+
+
+def _check_order(tree: ast.Module) -> None:
+    """What may differ in every process: the order of a set of texts, and what objects tell of themselves."""
+    tested = {id(side) for node in ast.walk(tree) if isinstance(node, ast.Compare) for side in node.comparators}
+    for node in ast.walk(tree):
+        called = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+        if (isinstance(node, ast.Set | ast.SetComp) or called in ("set", "frozenset")) and id(node) not in tested:
+            raise Mistake("a set has another order in every process: use a tuple", node.lineno)
+        if isinstance(node, ast.Attribute) and node.attr in HIDDEN:
+            raise Mistake(f"{node.attr} {ADDRESS}", node.lineno)
 
 
 def _check_name(

@@ -133,7 +133,12 @@ IMPURE = [
         "K =",
         "np.fromfile reads what the digest of",
     ),
-    top("a file", "K = float(len(open(__file__).read()))", "K =", "open reads what the digest of the component"),
+    top(
+        "a file",
+        "from pathlib import Path\nK = float(len(Path(__file__).read_text()))",
+        "K =",
+        "read_text reads what the digest of the component",
+    ),
     top(
         "the environment at the top",
         "import os\nK = float(os.environ.get('K', '1'))",

@@ -49,6 +49,24 @@ READING = {
     "as a default": ("import time\ndef helper(clock=time.time):\n    return clock()", "helper() * x"),
     "as an argument": ("import time\ndef helper(clock):\n    return clock()", "helper(time.time) * x"),
     "in a list": ("import time\nCLOCKS = [time.time]", "CLOCKS[0]() * x"),
+    "a module by another name": ("import numpy as np\nxp = np", "xp.loadtxt('table.csv') * x"),
+    "a module in a function": (
+        "import numpy as np\ndef helper():\n    xp = np\n    return xp.loadtxt('t')",
+        "helper()",
+    ),
+    "a module as a default": ("import numpy as np\ndef helper(xp=np):\n    return xp.loadtxt('t')", "helper() * x"),
+    "a module as an argument": ("import numpy as np\ndef helper(xp):\n    return xp.loadtxt('t')", "helper(np) * x"),
+    "a module as a call": ("", "__import__('time').time() * x"),
+    "import_module": ("from importlib import import_module", "import_module('time').time() * x"),
+    "of all modules": ("import sys", "float(sys.modules['os'].environ['GAIN']) * x"),
+    "of builtins": ("import builtins", "float(builtins.open('table.csv').read()) * x"),
+    "everything of a module": ("from numpy import *", "loadtxt('table.csv') * x"),
+    "a name that another function binds": ("def other(open):\n    return open", "float(open('table.csv').read()) * x"),
+    "its value in a class": ("import numpy as np\nclass Table:\n    gain = np.random.rand()", "Table.gain * x"),
+    "a name that is local elsewhere": (
+        "import time\ndef other(time):\n    return time\ndef helper():\n    return time.time()",
+        "other(helper()) * x",
+    ),
     "bound before": ("import functools\nread = functools.partial(open, 'table.csv')", "float(read().read()) * x"),
 }
 """By what it is: what stands before the function, and the expression of x that it returns."""
@@ -68,6 +86,9 @@ CLOSED = {
     "a constant date": ("from datetime import datetime, timedelta", "timedelta(x).days"),
     "json of a text": ("import json", "json.loads('1.5') * x"),
     "a path as text": ("import os", "len(os.path.join('a', 'b')) * x"),
+    "numpy by another name": ("import numpy as np\nxp = np", "float(xp.sin(x))"),
+    "a local name of a module": ("import time\ndef helper(time):\n    return 2.0 * time", "helper(x)"),
+    "a variable of that name": ("import time\ndef helper(y):\n    time = y + 1.0\n    return time", "helper(x)"),
     "words of its own": ("def load(y):\n    return y\ndef read_gain():\n    return 2.0", "load(x) * read_gain()"),
 }
 

@@ -31,7 +31,7 @@ if __name__ == "__main__":
 
 def made(first: str, text: str) -> Callable[..., Any]:
     """A function as a notebook defines it."""
-    space: dict[str, Any] = {}
+    space: dict[str, Any] = {"__name__": "notebook"}
     exec(source(first, text), space)
     function: Callable[..., Any] = space["fly"]
     return function

@@ -72,20 +72,17 @@ def fall(context: Context, position: int, falls: Falls, room: int, barrier: floa
     room: evaluations that this may take; barrier: a rise by more than this is one.
     """
     points, costs = _violations(context, position, falls)
-    went_on = False
+    distance, went_on = context.campaign.stages.findings.distance, False
     for case in falls.cases.values():
         if case.cost is None:
             (case.cost,) = (yield case.point[None, :]).ranked().tolist()
             room -= 1
-        while case.violation is None:
-            rows = _new(case, points, context.campaign.stages.findings.distance)
-            rows = rows[: min(AT_ONCE, max(room, 0) // POINTS)]
-            if not len(rows):
-                break
+        rows = _new(case, points, distance)
+        while case.violation is None and len(rows) and room >= POINTS:
+            some, rows = np.split(rows, [min(AT_ONCE, room // POINTS)])
+            room -= yield from _compare(case, points[some], costs[some], barrier)
+            case.compared.update(map(tuple, _cells(points[some], distance).tolist()))
             went_on = True
-            room -= yield from _compare(case, points[rows], costs[rows], barrier)
-            cells = _cells(points[rows], context.campaign.stages.findings.distance)
-            case.compared.update(map(tuple, cells.tolist()))
     return went_on
 
 

@@ -164,7 +164,8 @@ def _fall(context: Context, position: int, found: Found) -> Generator[Floats, Ba
     room = validation(context.campaign, noisy(context)).stored - found.seen.evaluations
     measured = context.results[0].repeatability
     spread = 0.0 if measured is None or measured.spread is None else measured.spread
-    barrier = max(_rules(context, found.basins[0].cost).barrier, spread)
+    worst = found.basins[0].cost
+    barrier = max(_rules(context, worst).barrier, ROUNDING * scale(context, worst), spread)
     return (yield from fall(context, position, found.falls, room, barrier))
 
 

@@ -122,6 +122,7 @@ class _Reader:
 
     def _callable(self, value: Any, name: str, depth: int) -> None:
         if isinstance(value, ModuleType):
+            self.read("", value.__name__, kind=Outside.VALUE)
             self._module(value, [()])
         elif isinstance(value, FunctionType):
             self._function(value, depth)
@@ -165,7 +166,7 @@ class _Reader:
         used = {name: cell.cell_contents for name, cell in cells if not _empty(cell)}
         found = uses(function.__code__)
         known = function.__globals__
-        used |= {name: known[name] for name in found.names if name in known}
+        used |= {name: known[name] for name in found.names if name in known and name in found.wide}
         self._outside(function, found, used)
         for name in sorted(used):
             self.put(name)
@@ -197,7 +198,7 @@ class _Reader:
                     kind = BUILTINS[name]
                 self.read(dotted if _installed(dotted) else "", ".".join((name, *chain)), where, kind)
                 if not chain and isinstance(used.get(name), ModuleType):
-                    self.miss(f"the module {used[name].__name__} as a value{where}")  # for getattr
+                    self.miss(Outside.VALUE.clause(used[name].__name__) + where)
         for name, line in found.methods.items():
             self.read("", name, f", line {line} of {function.__name__}", METHODS.get(name))
 

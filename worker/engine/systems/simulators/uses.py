@@ -28,11 +28,12 @@ class Import:
 
 @dataclass
 class Uses:
-    """names: the chains of every name, with the line of their first use; methods: called on objects without a global
+    """names: the chains of every name, with the line of their first use; wide: those that are not local only; methods: called on objects without a global
     name, by line; seedless: chains, with their names, that are not called with a value; imports: those in the code;
     unread: whether one of them cannot be read."""
 
     names: dict[str, dict[Chain, int]] = field(default_factory=dict)
+    wide: set[str] = field(default_factory=set)
     methods: dict[str, int] = field(default_factory=dict)
     seedless: set[Chain] = field(default_factory=set)
     imports: list[Import] = field(default_factory=list)
@@ -63,6 +64,8 @@ def _read(code: CodeType, found: Uses) -> None:
             found.names.setdefault(pair[-1], {}).setdefault(chain, line)
             if not _has_value(listed, k + 1 + len(chain)):
                 found.seedless.add((pair[-1], *chain))
+            if instruction.opname != "LOAD_FAST":
+                found.wide.update(pair)
             if instruction.opname in GLOBAL:
                 named.update(range(k + 1, k + 1 + len(chain)))
         elif k not in named and (instruction.opname == "LOAD_METHOD" or "NULL|self" in instruction.argrepr):

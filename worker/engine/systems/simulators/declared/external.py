@@ -14,6 +14,7 @@ from worker.engine.systems.simulators.declared.outside import BUILTINS, METHODS,
 
 Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 DECORATOR, READS = "simulator", "reads"
+IMPORTS = ("__import__", "import_module", "importlib.import_module")
 
 
 @dataclass(frozen=True)
@@ -86,33 +87,44 @@ class Reader:
 
     def __init__(self, tree: ast.Module) -> None:
         self.imported: dict[str, str] = {}
-        self.bound: set[str] = set()
+        self.local: frozenset[str] = frozenset()
+        """Names that the function at hand binds."""
+        self.modules: set[str] = set()
+        """Names of modules."""
         self.stars: list[str] = []
         """Modules of which everything is imported."""
+        self.defined = {node.name for node in ast.walk(tree) if isinstance(node, Definition)}
+        self.bound = {node.name for node in tree.body if isinstance(node, Definition)}
+        for top in (node for node in tree.body if not isinstance(node, Definition)):
+            self.bound |= _stored(top)
         for node in ast.walk(tree):
             if isinstance(node, ast.Import):
                 for alias in node.names:
                     whole = alias.name if alias.asname else alias.name.partition(".")[0]
                     self.imported[alias.asname or whole] = whole
+                    self.modules.add(alias.asname or whole)
             elif isinstance(node, ast.ImportFrom) and not node.level:
                 self.stars += [str(node.module) for alias in node.names if alias.name == "*"]
                 self.imported |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
-            elif isinstance(node, Definition):
-                self.bound.add(node.name)
-            elif isinstance(node, ast.arg):
-                self.bound.add(node.arg)
-            elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-                self.bound.add(node.id)
+        self.renamed: set[int] = set()
+        """Names that only give another name to what is imported, by id."""
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
+                dotted = self._dotted(node.value)
+                if dotted is not None and isinstance(node.value, ast.Name | ast.Attribute):
+                    self.imported.setdefault(node.targets[0].id, dotted)
+                    self.renamed.add(id(node.value))
 
     def of(self, top: ast.AST) -> Iterator[Use]:
         """What a statement reads."""
         calls = {id(node.func): node for node in ast.walk(top) if isinstance(node, ast.Call)}
         inner = {id(node.value) for node in ast.walk(top) if isinstance(node, ast.Attribute)}
-        for node in ast.walk(top):
-            if isinstance(node, ast.Attribute | ast.Name) and id(node) not in inner:
-                yield from self._of_name(node, calls.get(id(node)))
-            elif isinstance(node, ast.Attribute):  # in the middle of a chain: Path(x).open().read()
-                yield from self._of_method(node, calls.get(id(node)))
+        for node, self.local in _scoped(top, frozenset()):
+            if isinstance(node, ast.Attribute | ast.Name) and isinstance(node.ctx, ast.Load):
+                if id(node) not in inner:
+                    yield from self._of_name(node, calls.get(id(node)))
+                elif isinstance(node, ast.Attribute):  # in the middle of a chain: Path(x).open().read()
+                    yield from self._of_method(node, calls.get(id(node)))
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "getattr" and len(node.args) > 1:
                 yield from self._of_getattr(node)
 
@@ -121,18 +133,20 @@ class Reader:
         if dotted is None:
             if isinstance(node, ast.Attribute):
                 yield from self._of_method(node, call)
-            elif node.id in BUILTINS and node.id not in self.bound and not _writes(call, 1):
+            elif node.id in BUILTINS and node.id not in self.bound | self.local and not _writes(call, 1):
                 yield Use(node.lineno, BUILTINS[node.id], node.id)
             return
         kind = outside(dotted)
         seeded = dotted in SEEDED and call is not None and _seeded(call)
         if kind is not None and not seeded and not (kind is Outside.FILES and _writes(call, 1)):
             yield Use(node.lineno, kind, ast.unparse(node), dotted.partition(".")[0])
+        elif isinstance(node, ast.Name) and node.id in self.modules and id(node) not in self.renamed:
+            yield Use(node.lineno, Outside.VALUE, dotted, dotted.partition(".")[0])
 
     def _of_method(self, node: ast.Attribute, call: ast.Call | None) -> Iterator[Use]:
         """Of an object that is not known by its name."""
         kind = METHODS.get(node.attr)
-        if kind is None or call is None or node.attr in self.bound or self._dotted(node) is not None:
+        if kind is None or call is None or node.attr in self.defined or self._dotted(node) is not None:
             return
         if not _writes(call, 0) and not any(k.arg == "random_state" for k in call.keywords):
             yield Use(node.lineno, kind, node.attr)
@@ -143,7 +157,7 @@ class Reader:
         if dotted is None:
             return
         if not isinstance(attribute, ast.Constant):
-            yield Use(node.lineno, Outside.FILES, f"an attribute of {dotted}", dotted.partition(".")[0])
+            yield Use(node.lineno, Outside.VALUE, dotted, dotted.partition(".")[0])
         elif (kind := outside(f"{dotted}.{attribute.value}")) is not None:
             yield Use(node.lineno, kind, f"{dotted}.{attribute.value}", dotted.partition(".")[0])
 
@@ -153,12 +167,55 @@ class Reader:
         while isinstance(node, ast.Attribute):
             names.insert(0, node.attr)
             node = node.value
-        if not isinstance(node, ast.Name):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in IMPORTS and node.args:
+            module = node.args[0]
+            return ".".join([str(module.value), *names]) if isinstance(module, ast.Constant) else None
+        if not isinstance(node, ast.Name) or node.id in self.local:
             return None
         if node.id in self.imported:
             return ".".join([self.imported[node.id], *names])
         every = [".".join([module, node.id, *names]) for module in self.stars if node.id not in self.bound]
         return next((dotted for dotted in every if outside(dotted) is not None), None)
+
+
+def _scoped(node: ast.AST, local: frozenset[str]) -> Iterator[tuple[ast.AST, frozenset[str]]]:
+    """Every node inside with the names that its functions bind to something that is not imported."""
+    yield node, local
+    for inner in ast.iter_child_nodes(node):
+        if not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            yield from _scoped(inner, local)
+        elif isinstance(inner, ast.arguments):
+            for default in (*inner.defaults, *(d for d in inner.kw_defaults if d is not None)):
+                yield from _scoped(default, local)
+        else:
+            yield from _scoped(inner, local | _bound_in(node))
+
+
+def _bound_in(function: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> frozenset[str]:
+    """Names that a function binds; not those that it may bind to what is imported."""
+    arguments = function.args
+    found = {a.arg for a in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)}
+    waiting: list[ast.AST] = list(function.body) if isinstance(function.body, list) else []
+    imported = set[str]()
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name | ast.Attribute):
+            imported |= _stored(node)
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            imported |= {alias.asname or alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.Global):
+            imported |= set(node.names)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            found.add(node.id)
+        if not isinstance(node, ast.Lambda | Definition):
+            waiting += ast.iter_child_nodes(node)
+    return frozenset(found - imported)
+
+
+def _stored(top: ast.AST) -> set[str]:
+    """Names that a statement binds."""
+    stored = {n.id for n in ast.walk(top) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    return stored | {n.arg for n in ast.walk(top) if isinstance(n, ast.arg)}
 
 
 def _seeded(call: ast.Call) -> bool:

@@ -20,6 +20,7 @@ class Outside(StrEnum):
     PROCESSES = "the process that {} starts"
     NETWORK = "what {} reads from the network"
     ADDRESS = "{}, which differs between processes,"
+    VALUE = "what is read of the module {}, used as a value,"
 
     def clause(self, name: str) -> str:
         """A noun with what reads it."""
@@ -39,7 +40,10 @@ NAMES: dict[str, Outside | None] = {
     **_each(None, "uuid.UUID uuid.uuid3 uuid.uuid5 numpy.random.Generator"),
     **_each(CLOCK, "time datetime.datetime.now datetime.datetime.today datetime.datetime.utcnow datetime.date.today"),
     **_each(None, "time.sleep time.struct_time"),
-    **_each(ENVIRONMENT, "os sys.argv sys.orig_argv sys.stdin sys.getrefcount platform locale getpass pwd resource"),
+    **_each(
+        ENVIRONMENT,
+        "os sys.argv sys.orig_argv sys.stdin sys.modules sys.getrefcount platform locale getpass pwd resource",
+    ),
     **_each(ENVIRONMENT, "os.path.expanduser os.path.expandvars pathlib.Path.cwd pathlib.Path.home"),
     **_each(
         None, "os.path os.sep os.fspath os.linesep os.pathsep os.PathLike os.curdir os.pardir os.makedirs os.mkdir"
@@ -49,12 +53,19 @@ NAMES: dict[str, Outside | None] = {
     **_each(FILES, "os.path.exists os.path.lexists os.path.isfile os.path.isdir os.path.getsize os.path.getmtime"),
     **_each(FILES, "io.open io.FileIO io.open_code sqlite3 shelve dbm mmap glob shutil tempfile fileinput linecache"),
     **_each(FILES, "configparser importlib.resources pkgutil.get_data netrc mailbox h5py netCDF4 zarr tables"),
+    **_each(FILES, "scipy.datasets sklearn.datasets statsmodels.datasets"),
     **_each(NETWORK, "socket socketserver urllib.request http.client ftplib smtplib poplib imaplib xmlrpc requests"),
     **_each(NETWORK, "httpx urllib3 aiohttp websocket websockets paramiko zmq boto3"),
 }
 """By the longest name that begins it; None for what reads nothing although the rest of its module does."""
 
-BUILTINS: dict[str, Outside] = {"open": FILES, "input": ENVIRONMENT, "id": ADDRESS, "hash": ADDRESS}
+BUILTINS: dict[str, Outside] = {
+    "open": FILES,
+    "input": ENVIRONMENT,
+    "id": ADDRESS,
+    "hash": ADDRESS,
+    "__builtins__": FILES,
+}
 
 SEEDED = frozenset(
     _each(
@@ -66,8 +77,8 @@ SEEDED = frozenset(
 """Generators of random numbers that read nothing if they are given a seed."""
 
 READING = re.compile(
-    r"read|read_\w+|imread|load|load(_\w+|txt|mat)|open|open_\w+|from_?(file|regex)|genfromtxt|memmap|DataSource|get_data"
-    r"|(fetch|download|urlretrieve)\w*|\w*[a-z0-9]File|Dataset|connect|urlopen"
+    r"read|readfile|(read|scan)_\w+|imread|load|load(_\w+|txt|mat)|open|open_\w+|from_?(file|regex)|genfromtxt|memmap|DataSource|get_data"
+    r"|(fetch|download|urlretrieve)\w*|\w*[a-z0-9](File|Reader)|Dataset|connect|urlopen"
 )
 """Functions and classes of installed packages that read files, as far as their names tell."""
 

@@ -72,7 +72,7 @@ def test_a_declared_table_is_part_of_a_function(text: str, tmp_path: Path, monke
     monkeypatch.chdir(tmp_path)
     table = tmp_path / "table.csv"
     function = made("import numpy", text.replace("__import__('numpy')", "numpy"))
-    assert "table.csv, which is missing" in identified(function, ["table.csv"]).unknown
+    assert "the missing data file table.csv" in identified(function, ["table.csv"]).unknown
     table.write_text("1.0")
     before = identified(function, ["table.csv"])
     assert before.unknown == ""
@@ -103,7 +103,7 @@ def test_a_declared_table_is_part_of_a_file(first: str, reads: str, tmp_path: Pa
     Path(place["file"]).write_text(DECLARED.format(first=first, text=text, reads=""))
     assert f"what open reads from files, line {6 + first.count(chr(10))} of fly.py" in reached_from(place).unknown
     Path(place["file"]).write_text(DECLARED.format(first=first, text=text, reads=f", {reads}"))
-    assert "which is missing" in reached_from(place).unknown
+    assert "the missing data file" in reached_from(place).unknown
     table = tmp_path / ("tables/a.csv" if "tables" in reads else "table.csv")
     table.parent.mkdir(exist_ok=True)
     table.write_text("1.0")

@@ -28,9 +28,9 @@ class Import:
 
 @dataclass
 class Uses:
-    """names: the chains of every name, with the line of their first use; wide: those that are not local only; methods: called on objects without a global
-    name, by line; seedless: chains, with their names, that are not called with a value; imports: those in the code;
-    unread: whether one of them cannot be read."""
+    """names: the chains of every name, with the line of their first use; wide: those that are not local only; methods:
+    called on objects without a global name, by line; seedless: chains, with their names, that are not called with a
+    value; imports: those in the code; unread: whether one of them cannot be read."""
 
     names: dict[str, dict[Chain, int]] = field(default_factory=dict)
     wide: set[str] = field(default_factory=set)
@@ -64,7 +64,7 @@ def _read(code: CodeType, found: Uses) -> None:
             found.names.setdefault(pair[-1], {}).setdefault(chain, line)
             if not _has_value(listed, k + 1 + len(chain)):
                 found.seedless.add((pair[-1], *chain))
-            if instruction.opname != "LOAD_FAST":
+            if not instruction.opname.startswith("LOAD_FAST"):
                 found.wide.update(pair)
             if instruction.opname in GLOBAL:
                 named.update(range(k + 1, k + 1 + len(chain)))
@@ -90,10 +90,10 @@ def _chain(listed: list[dis.Instruction], k: int) -> Chain:
 
 def _has_value(listed: list[dis.Instruction], k: int) -> bool:
     """Whether what has just been loaded is called with something other than None."""
-    at = [(i.opname, i.argval) for i in listed[k : k + 2]]
-    called_bare = at[:1] and at[0][0] in ("PRECALL", "CALL")
-    with_none = len(at) > 1 and at[0] == ("LOAD_CONST", None) and at[1][0] in ("PRECALL", "CALL", "KW_NAMES")
-    return bool(at) and not called_bare and not with_none and not at[0][0].startswith(("STORE", "RETURN"))
+    if k >= len(listed):
+        return False
+    name, value = listed[k].opname, listed[k].argval
+    return not name.startswith(("PRECALL", "CALL", "STORE", "RETURN")) and (name, value) != ("LOAD_CONST", None)
 
 
 def _imports(listed: list[dis.Instruction], k: int) -> Iterator[Import]:

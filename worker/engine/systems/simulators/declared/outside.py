@@ -19,8 +19,8 @@ class Outside(StrEnum):
     RANDOM = "the random numbers of {}"
     PROCESSES = "the process that {} starts"
     NETWORK = "what {} reads from the network"
-    ADDRESS = "{}, which differs between processes,"
-    VALUE = "what is read of the module {}, used as a value,"
+    ADDRESS = "what {} gives in this process"
+    VALUE = "the module {} as a value"
 
     def clause(self, name: str) -> str:
         """A noun with what reads it."""

@@ -140,7 +140,7 @@ def data_files(declared: Iterable[str], folder: Path) -> tuple[dict[str, Path], 
         path = folder / text
         files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
         if not files or not os.access(files[0], os.R_OK):
-            return found, f"the data file {text}, which is missing,"
+            return found, f"the missing data file {text}"
         found |= {os.path.relpath(p, folder): p for p in files}
     return found, ""
 

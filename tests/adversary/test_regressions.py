@@ -7,7 +7,9 @@ is wrong if the criterion falls along one of them without a rise.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,7 @@ import pytest
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from campaigns.results.regression import FindingChange, Standing
+from clearance.cli import invoke
 from clearance.testing.problems import Problem as Flown
 from tests.adversary.classes import MASSES, avoider, campaign, circle
 from worker.engine.problem.problem import Problem
@@ -180,3 +183,16 @@ def test_a_function_has_nothing_fixed_that_falls_to_a_violation_without_a_rise(c
         standings += [case.standing for case in cases]
     assert beside > count / 4, "hardly any finding is fixed while another one violates"
     assert count < 40 or {Standing.UNRESOLVED, Standing.BETTER, Standing.SAME} < {*standings}
+
+
+@pytest.mark.nightly
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize(("seed", "at_most", "allowance"), [(0, 2, 200), (2, 1, 20_000), (7, 1, 20_000)])
+def test_the_audit_finds_the_same_standings(seed: int, at_most: int, allowance: int, tmp_path: Path) -> None:
+    """Unresolved, fixed, the same and better."""
+    document, _, _ = changed_avoidance(np.random.default_rng([20_261_124, 8, seed]))
+    document["stages"]["findings"] = {"at_most": at_most}
+    document["stages"]["validate"] = {"neighbours": 10, "evaluations": allowance}
+    (tmp_path / "campaign.json").write_text(json.dumps(document))
+    invoke(["run", str(tmp_path / "campaign.json"), "--out", str(tmp_path / "out")])
+    assert invoke(["audit", str(tmp_path / "out")]) == 0

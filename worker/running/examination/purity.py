@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import importlib.util
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from worker.engine.components.own import folders
-from worker.engine.systems.simulators.declared.external import Reader
+from worker.engine.systems.simulators.declared.external import Reader, is_main
 from worker.engine.systems.simulators.declared.outside import BUILTINS, NAMES, Outside
 from worker.running.examination import reading
 from worker.running.examination.mistake import Mistake
@@ -52,6 +53,27 @@ CONSTANTS = (bool, int, float, complex, str, bytes, range, np.generic, np.ndarra
 def check(source: Source, module: str) -> None:
     """Raises `Mistake` for the first name in the file of an imported module that makes it random or keeps state."""
     _check(source, vars(sys.modules[module]), {source.file})
+    _check_imports(source, sys.modules[module].__package__ or "", {source.file})
+
+
+def _check_imports(source: Source, package: str, seen: set[Path]) -> None:
+    """What is executed in own files that it imports, also where no kernel uses their functions."""
+    for node in ast.walk(source.tree):
+        if not isinstance(node, ast.Import | ast.ImportFrom):
+            continue
+        base = "" if isinstance(node, ast.Import) else "." * node.level + (node.module or "")
+        between = "." if base.strip(".") else ""
+        for name in {base, *(f"{base}{between}{alias.name}" for alias in node.names)} - {""}:
+            module = sys.modules.get(importlib.util.resolve_name(name, package))
+            file = Path(getattr(module, "__file__", None) or ".")
+            if module is not None and file not in seen and file.parent in folders():
+                seen.add(file)
+                inner = reading.read(file)
+                try:
+                    _check_outside(inner, vars(module))
+                    _check_imports(inner, module.__package__ or "", seen)
+                except Mistake as mistake:
+                    raise Mistake(f"{file.name}, line {mistake.line}: {mistake.text}", node.lineno) from None
 
 
 def _check(source: Source, known: Mapping[str, Any], seen: set[Path]) -> None:
@@ -62,6 +84,11 @@ def _check(source: Source, known: Mapping[str, Any], seen: set[Path]) -> None:
                 _check_name(source, known, seen, (function, node, name, chain))
         if function in source.kernels:
             _check_stores(function, of_scope)
+    _check_outside(source, known)
+
+
+def _check_outside(source: Source, known: Mapping[str, Any]) -> None:
+    """What the file reads of the state outside, in functions and when it is imported."""
     tops = [*_at_import(source.tree)]
     for node, name, chain in (found for top in tops for found in _loaded(top)):
         text = next(_impure(known, name, chain), "")
@@ -78,7 +105,7 @@ def _at_import(tree: ast.Module) -> Iterator[ast.AST]:
     for node in tree.body:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             yield from (default for default in (*node.args.defaults, *node.args.kw_defaults) if default is not None)
-        elif not isinstance(node, ast.Import | ast.ImportFrom):
+        elif not isinstance(node, ast.Import | ast.ImportFrom) and not is_main(node):
             yield node
 
 
@@ -87,7 +114,10 @@ def _check_order(tree: ast.Module) -> None:
     tested = {id(side) for node in ast.walk(tree) if isinstance(node, ast.Compare) for side in node.comparators}
     for node in ast.walk(tree):
         called = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
-        if (isinstance(node, ast.Set | ast.SetComp) or called in ("set", "frozenset")) and id(node) not in tested:
+        texts = isinstance(node, ast.Set) and not all(
+            isinstance(e, ast.Constant) and isinstance(e.value, int) for e in node.elts
+        )
+        if (texts or isinstance(node, ast.SetComp) or called in ("set", "frozenset")) and id(node) not in tested:
             raise Mistake("a set has another order in every process: use a tuple", node.lineno)
         if isinstance(node, ast.Attribute) and node.attr in HIDDEN:
             raise Mistake(f"{node.attr} {ADDRESS}", node.lineno)

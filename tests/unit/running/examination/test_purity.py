@@ -220,6 +220,12 @@ ENDLESS = [
 ]
 """Found by the time that they take."""
 
+TABLED = """import numpy as np
+K = 1.0
+def table():
+    return float(np.fromfile(__file__, dtype=np.uint8)[0])
+"""
+
 SHARED = """import random
 from worker.engine.kernels.maths import kernel
 
@@ -236,6 +242,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setenv("CLEARANCE_COMPONENTS", str(tmp_path))
     monkeypatch.setenv("CLEARANCE_KERNEL_CACHE", str(tmp_path / "cache"))
     (tmp_path / "_shared.py").write_text(SHARED, encoding="utf-8")
+    (tmp_path / "_tabled.py").write_text(TABLED, encoding="utf-8")
     yield tmp_path
     for name in [name for name in sys.modules if name.startswith("worker.engine.components.own.")]:
         del sys.modules[name]
@@ -294,7 +301,12 @@ def test_a_loop_that_counts_its_turns_is_permitted(test: str, folder: Path) -> N
 
 
 def test_a_set_that_is_only_tested_is_permitted(folder: Path) -> None:
-    examined(written(folder, Bad("", "K = 1.0 if 3 in {3, 4} else 0.0", "x = x + K", "", "")))
+    examined(written(folder, Bad("", "K = 1.0 if 'a' in {'a', 'b'} else 0.0", "x = x + K", "", "")))
+
+
+def test_what_only_the_program_reads_is_permitted(folder: Path) -> None:
+    main = "if __name__ == '__main__':\n    print(open(__file__).read())"
+    examined(written(folder, Bad("", f"import sys\nsys.path.append('/nowhere')\n{main}", "x = x + 0.0", "", "")))
 
 
 @pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")

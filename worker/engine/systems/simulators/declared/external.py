@@ -64,7 +64,7 @@ def _decorates(node: ast.AST) -> bool:
 
 def _executed(tree: ast.Module) -> list[ast.stmt]:
     """The statements of a module that its simulators may execute; all but the main block if it has no simulator."""
-    tops = [node for node in tree.body if not _main(node)]
+    tops = [node for node in tree.body if not is_main(node)]
     roots = [n for n in tops if not isinstance(n, Definition) or any(map(_decorates, n.decorator_list))]
     if not any(isinstance(node, Definition) for node in roots):
         return tops
@@ -78,7 +78,8 @@ def _executed(tree: ast.Module) -> list[ast.stmt]:
     return found
 
 
-def _main(node: ast.stmt) -> bool:
+def is_main(node: ast.stmt) -> bool:
+    """Whether it is executed only if the file is the program."""
     return isinstance(node, ast.If) and ast.unparse(node.test) in ("__name__ == '__main__'", "'__main__' == __name__")
 
 

@@ -12,8 +12,10 @@ import pytest
 from campaigns.identity.identity import UNREAD
 from tests.given.outside_state import CLOSED, READING, source
 from worker.engine.systems.simulators.declared.folder import digest_of_place, files_of_place, reached_from
+from worker.engine.systems.simulators.declared.outside import Outside
 from worker.engine.systems.simulators.identity import identified
 
+OPEN = Outside.FILES.clause("open")
 DECLARED = """
 import clearance
 {first}
@@ -63,8 +65,8 @@ def test_a_file_that_reads_nothing_is_identified(form: str, tmp_path: Path) -> N
 
 
 def test_the_reason_has_name_and_line() -> None:
-    assert identified(made(*READING["np.loadtxt"])).unknown == "what np.loadtxt reads from files, line 3 of fly"
-    assert identified(made(*READING["the clock"])).unknown == "the clock that time.time reads, line 3 of fly"
+    assert identified(made(*READING["np.loadtxt"])).unknown == f"{Outside.FILES.clause('np.loadtxt')}, line 3 of fly"
+    assert identified(made(*READING["the clock"])).unknown == f"{Outside.CLOCK.clause('time.time')}, line 3 of fly"
 
 
 @pytest.mark.parametrize("text", ["open('table.csv').read()", "__import__('numpy').loadtxt('table.csv')"])
@@ -72,7 +74,7 @@ def test_a_declared_table_is_part_of_a_function(text: str, tmp_path: Path, monke
     monkeypatch.chdir(tmp_path)
     table = tmp_path / "table.csv"
     function = made("import numpy", text.replace("__import__('numpy')", "numpy"))
-    assert "the missing data file table.csv" in identified(function, ["table.csv"]).unknown
+    assert "missing" in identified(function, ["table.csv"]).unknown
     table.write_text("1.0")
     before = identified(function, ["table.csv"])
     assert before.unknown == ""
@@ -93,7 +95,7 @@ def test_declared_files_excuse_files_only(tmp_path: Path, monkeypatch: pytest.Mo
     [
         ("", "reads=['table.csv']"),
         ("TABLES = ('table.csv',)", "reads=TABLES"),
-        ("from pathlib import Path\nHERE = Path(__file__).parent", "reads=[HERE / 'table.csv']"),
+        ("import pathlib\nHERE = pathlib.Path(__file__).parent", "reads=[HERE / 'table.csv']"),
         ("", "reads=['tables']"),
     ],
 )
@@ -101,9 +103,9 @@ def test_a_declared_table_is_part_of_a_file(first: str, reads: str, tmp_path: Pa
     place = {"file": str(tmp_path / "fly.py"), "name": "fly"}
     text = "float(open('table.csv').read()) * x"
     Path(place["file"]).write_text(DECLARED.format(first=first, text=text, reads=""))
-    assert f"what open reads from files, line {6 + first.count(chr(10))} of fly.py" in reached_from(place).unknown
+    assert f"{OPEN}, line {6 + first.count(chr(10))} of fly.py" in reached_from(place).unknown
     Path(place["file"]).write_text(DECLARED.format(first=first, text=text, reads=f", {reads}"))
-    assert "the missing data file" in reached_from(place).unknown
+    assert "missing" in reached_from(place).unknown
     table = tmp_path / ("tables/a.csv" if "tables" in reads else "table.csv")
     table.parent.mkdir(exist_ok=True)
     table.write_text("1.0")
@@ -119,10 +121,10 @@ def test_what_no_simulator_of_a_file_uses_does_not_count(tmp_path: Path) -> None
     Path(place["file"]).write_text(DECLARED.format(first="", text="2.0 * x", reads=""))
     assert reached_from(place).unknown == ""
     Path(place["file"]).write_text(DECLARED.format(first="", text="2.0 * x + len(plotted())", reads=""))
-    assert "what open reads from files, line 9 of fly.py" in reached_from(place).unknown
+    assert f"{OPEN}, line 9 of fly.py" in reached_from(place).unknown
 
 
 def test_a_path_in_reads_that_is_computed_is_named(tmp_path: Path) -> None:
     place = {"file": str(tmp_path / "fly.py"), "name": "fly"}
     Path(place["file"]).write_text(DECLARED.format(first="N = 1", text="x", reads=", reads=[f'{N}.csv']"))
-    assert "a computed path in reads, line 4 of fly.py" in reached_from(place).unknown
+    assert "path in reads, line 4" in reached_from(place).unknown

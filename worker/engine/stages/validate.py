@@ -111,7 +111,7 @@ def _basins(context: Context, position: int, found: findings.Found) -> list[Case
     """What is known of the basin of each case of the baseline, listed or not."""
     known, basins = [*found.basins, *found.besides], []
     for k, case in enumerate(_reevaluated(context)):
-        basin = found.basin_at(np.array(case.point)) if case.cost is not None and found.distinguished else None
+        basin = found.basin_at(np.array(case.point)) if case.cost is not None and found.descended else None
         listed = basin is not None and basin < len(found.basins)
         fall = found.falls.cases.get(k)
         basins.append(

@@ -85,6 +85,11 @@ def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) ->
     return "polished every distinct minimum"
 
 
+def descended(basins: list[Basin]) -> Generator[Floats, Batch, None]:
+    """Move basins to where rough descents from them end."""
+    yield from _descend(basins, ROUGH)
+
+
 def _close(basins: list[Basin], distance: float) -> list[Basin]:
     """The basins, lowest first; those closer than `distance` to a lower one are merged into it."""
     kept: list[Basin] = []

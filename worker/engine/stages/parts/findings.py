@@ -18,7 +18,7 @@ from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
 from worker.engine.search.base import Batch, Search
-from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
+from worker.engine.search.parts.basins import ROUGH, Basin, Rules, descended, distinct, promising
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
@@ -75,8 +75,8 @@ class Found:
     skipped: int = 0
     """Points that the allowance was too small to descend from."""
     rounds: int = 0
-    distinguished: bool = False
-    """Whether the descents from all candidates have ended."""
+    descended: bool = False
+    """Whether the descents from the cases of the baseline have ended."""
     seen: Lowest = field(default_factory=Lowest)
     falls: Falls = field(default_factory=Falls)
     evidence: dict[bytes, Evidence] = field(default_factory=dict)
@@ -97,6 +97,12 @@ class Found:
         known = [*self.basins, *self.besides]
         return next((i for i, basin in enumerate(known) if wanted & set(basin.members)), None)
 
+    def see(self, points: Floats, batch: Batch, context: Context) -> None:
+        """Remember the lowest evaluation, and the violations."""
+        ranked = batch.ranked()
+        self.seen.see(points, ranked)
+        self.falls.see(points, ranked, context.problem.threshold)
+
     def keep(self, listed: Sequence[Basin], dropped: Sequence[Basin]) -> None:
         """List these basins; of those dropped, the ones of followed candidates are remembered."""
         self.basins[:] = listed
@@ -109,20 +115,40 @@ class Found:
 
 
 def search(context: Context, position: int, found: Found) -> Search:
-    """Request the evaluations that distinguish the worst cases; `found` is always up to date."""
-    asking = _search(context, position, found)
+    """Request the evaluations that distinguish the worst cases; `found` is always up to date.
+
+    A quarter of the allowance is reserved for the cases of the baseline that violate no more.
+    """
+    found.falls.cases = begun(context)
+    asking, waits = _search(context, position, found), bool(found.falls.cases)
     try:
         points = next(asking)
         while True:
             batch = yield points
-            found.seen.see(points, batch.ranked())
-            found.falls.see(points, batch.ranked(), context.problem.threshold)
+            found.see(points, batch, context)
+            if waits and found.seen.evaluations > 0.75 * validation(context.campaign, noisy(context)).stored:
+                waits = False
+                yield from _recorded(context, found, _fall(context, position, found))
             points = asking.send(batch)
     except StopIteration as end:
         rule: str = end.value
         return rule
     finally:
         asking.close()
+
+
+def _recorded(context: Context, found: Found, part: Generator[Floats, Batch, bool]) -> Part:
+    """A part whose evaluations are recorded in `found`."""
+    try:
+        points = next(part)
+        while True:
+            batch = yield points
+            found.see(points, batch, context)
+            points = part.send(batch)
+    except StopIteration:
+        return
+    finally:
+        part.close()
 
 
 def settle(context: Context, position: int, found: Found, left: Left) -> bool:
@@ -144,13 +170,14 @@ def settle(context: Context, position: int, found: Found, left: Left) -> bool:
 
 
 def _search(context: Context, position: int, found: Found) -> Search:
-    found.falls.cases = begun(context)
     found.candidates = gather(context, position, found)
     yield from _drawn(context, position, found)
     if not found.candidates:
         return ends.NOTHING
     random = stream(context.campaign.seed, FINDINGS_STREAM)
-    yield from _distinguished(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
+    starts = [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)]
+    yield from _followed(context, found, starts)
+    yield from _distinguished(context, found, starts)
     yield from _evidence(context, found, random)
     compared = True
     while compared:
@@ -159,12 +186,23 @@ def _search(context: Context, position: int, found: Found) -> Search:
     return ends.FINDINGS
 
 
+def _followed(context: Context, found: Found, starts: Sequence[Basin]) -> Part:
+    """Descend from the cases of the baseline that violate no more first, if that takes half of the allowance at most;
+    `starts` move to where the descents end."""
+    cases = {case.point.tobytes() for case in found.falls.cases.values()}
+    own = [b for b in starts if b.point.tobytes() in cases]
+    room = validation(context.campaign, noisy(context)).stored // 2
+    if own and len(own) * ROUGH.iterations * (context.problem.dimension + 2) <= room:
+        yield from descended(own)
+        found.descended = True
+
+
 def _fall(context: Context, position: int, found: Found) -> Generator[Floats, Batch, bool]:
     """Compare the cases of the baseline with stored violations, as far as the allowance goes."""
     room = validation(context.campaign, noisy(context)).stored - found.seen.evaluations
     measured = context.results[0].repeatability
     spread = 0.0 if measured is None or measured.spread is None else measured.spread
-    worst = found.basins[0].cost
+    worst = min(each.cost for each in (*found.candidates, *found.basins))
     barrier = max(_rules(context, worst).barrier, ROUNDING * scale(context, worst), spread)
     return (yield from fall(context, position, found.falls, room, barrier))
 
@@ -241,7 +279,7 @@ def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Part:
     distinguished = False
     try:
         yield from distinct(points, costs, replace(rules, followed=frozenset(followed)), basins)
-        found.distinguished = distinguished = True
+        found.descended = distinguished = True
     finally:  # when the budget ends, none is lost
         known = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]
         listed = rules.at_most if distinguished else len(known)

@@ -97,7 +97,7 @@ class _Basin:
 def _basins(evidence: Evidence, matched: Sequence[str | None]) -> list[_Basin]:
     """Of every case; matched: the findings in them."""
     found = {f.label: f for f in evidence.findings}
-    known = evidence.validation.basins or [None] * len(matched)
+    known: Sequence[CaseBasin | None] = evidence.validation.basins or [None] * len(matched)
     return [_basin(found.get(label or ""), basin) for label, basin in zip(matched, known, strict=True)]
 
 

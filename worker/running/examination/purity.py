@@ -112,7 +112,7 @@ def _at_import(tree: ast.Module) -> Iterator[ast.AST]:
 def _check_order(tree: ast.Module) -> None:
     """What may differ in every process: the order of a set of texts, and what objects tell of themselves."""
     tested = {id(side) for node in ast.walk(tree) if isinstance(node, ast.Compare) for side in node.comparators}
-    for node in ast.walk(tree):
+    for node in (node for node in ast.walk(tree) if isinstance(node, ast.expr)):
         called = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
         texts = isinstance(node, ast.Set) and not all(
             isinstance(e, ast.Constant) and isinstance(e.value, int) for e in node.elts

@@ -143,4 +143,4 @@ def _compare(case: Fall, ends: Floats, costs: Floats, barrier: float) -> Generat
 def _rises(values: Floats) -> Floats:
     """The largest rise along each line, above the lowest value before it."""
     with np.errstate(invalid="ignore"):  # infinite where there is no value
-        return (values - np.minimum.accumulate(values, axis=1)).max(axis=1)
+        return np.asarray((values - np.minimum.accumulate(values, axis=1)).max(axis=1))

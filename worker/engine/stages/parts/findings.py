@@ -202,7 +202,7 @@ def _fall(context: Context, position: int, found: Found) -> Generator[Floats, Ba
     room = validation(context.campaign, noisy(context)).stored - found.seen.evaluations
     measured = context.results[0].repeatability
     spread = 0.0 if measured is None or measured.spread is None else measured.spread
-    worst = min(each.cost for each in (*found.candidates, *found.basins))
+    worst = min([c.cost for c in found.candidates] + [b.cost for b in found.basins])
     barrier = max(_rules(context, worst).barrier, ROUNDING * scale(context, worst), spread)
     return (yield from fall(context, position, found.falls, room, barrier))
 

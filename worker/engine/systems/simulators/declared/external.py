@@ -157,7 +157,7 @@ class Reader:
         dotted = self._dotted(base)
         if dotted is None:
             return
-        if not isinstance(attribute, ast.Constant):
+        if not isinstance(attribute, ast.Constant) or not isinstance(attribute.value, str):
             yield Use(node.lineno, Outside.VALUE, dotted, dotted.partition(".")[0])
         elif (kind := outside(f"{dotted}.{attribute.value}")) is not None:
             yield Use(node.lineno, kind, f"{dotted}.{attribute.value}", dotted.partition(".")[0])

@@ -46,7 +46,9 @@ NAMES: dict[str, Outside | None] = {
     ),
     **_each(ENVIRONMENT, "os.path.expanduser os.path.expandvars pathlib.Path.cwd pathlib.Path.home"),
     **_each(
-        None, "os.path os.sep os.fspath os.linesep os.pathsep os.PathLike os.curdir os.pardir os.makedirs os.mkdir"
+        None,
+        "os._exit os.abort os.kill os.path os.sep os.fspath os.linesep os.pathsep os.PathLike os.curdir os.pardir "
+        "os.makedirs os.mkdir",
     ),
     **_each(PROCESSES, "os.system os.popen os.fork os.startfile subprocess multiprocessing pty"),
     **_each(FILES, "os.listdir os.scandir os.walk os.stat os.lstat os.open os.read os.access os.readlink"),

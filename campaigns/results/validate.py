@@ -191,6 +191,29 @@ class Incumbent(Result):
     validation: Validation
 
 
+class Downhill(Result):
+    """A stored violation with no barrier on the line to it."""
+
+    position: int
+    """Of its stage."""
+    index: int
+    cost: float
+
+
+class CaseBasin(Result):
+    """What is known of the basin of a case of the baseline."""
+
+    lowest: float | None
+    """The lowest cost in the basin in which a descent from it ended, a finding or not; null if none has ended."""
+    parameters: Annotated[Values | None, UNLESS_NONE] = None
+    """At that cost; omitted if a finding has them."""
+    violation: Annotated[Downhill | None, UNLESS_NONE] = None
+    """Of a case that violates no more; omitted if there is none."""
+    not_compared: int = 0
+    """Stored violations that the line was not evaluated to, because the allowance was used up; those close to each
+    other count once."""
+
+
 class ValidateResult(StageResult, Described):
     """The validation of the run. The findings contain their own evidence."""
 
@@ -212,3 +235,6 @@ class ValidateResult(StageResult, Described):
     since: Annotated[list[str | None], UNLESS_EMPTY] = []
     """The finding whose basin contains each case of the baseline, in their order; null if there is none; omitted
     without a baseline."""
+    basins: Annotated[list[CaseBasin], UNLESS_EMPTY] = []
+    """What is known of the basin of each case of the baseline, in their order; omitted without one, and in results of
+    earlier versions."""

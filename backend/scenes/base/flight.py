@@ -172,7 +172,7 @@ def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], hea
         rotation=pose[known, 3:],
         separation=separation[known],
         tracks={number: axes.drawn(track[known]) for number, track in tracks.items()},
-        closest=_closest(head.closest, axes),
+        closest=_closest(head.approach, axes),
         parameters=head.parameters,
         cost=head.cost,
         status=head.status,

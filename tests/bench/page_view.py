@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from playwright.sync_api import Page, expect
 
 from tests.bench.page_loads import settled
+from tests.e2e.browser import in_3d
 from tests.faults.processes import command_of, descendants
 
 if TYPE_CHECKING:
@@ -51,13 +52,8 @@ def views(visitor: Visitor, run: str) -> dict[str, float]:
 
 
 def opened(page: Page) -> None:
-    """Open the view in 3D, which a browser without a graphics processor does on request."""
-    play = page.get_by_role("button", name="Play", exact=True)
-    still = page.get_by_role("button", name="Open in 3D")
-    expect(still.or_(page.locator("#flight iframe"))).to_be_visible()
-    if still.is_visible():
-        still.click()
-    expect(play).to_be_enabled()
+    in_3d(page)
+    expect(page.get_by_role("button", name="Play", exact=True)).to_be_enabled()
 
 
 def played(page: Page) -> float:

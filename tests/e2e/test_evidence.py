@@ -56,7 +56,7 @@ def submit(client: httpx.Client, mass: float) -> None:
 @pytest.fixture(scope="module")
 def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, finished.url) as visit:
-        visit.go(f"/login?code={finished.login_code()}")
+        visit.sign_in(finished.login_code())
         yield visit
 
 
@@ -329,7 +329,7 @@ def test_runs_to_compare_are_chosen_on_the_page(visit: Visit) -> None:
 
 def test_a_run_is_removed_and_restored(visit: Visit) -> None:
     page = visit.page
-    visit.go("/runs/R-0001")
+    visit.move("/runs/R-0001")
     page.get_by_role("button", name="Remove").click()
     page.get_by_role("textbox", name="Reason").fill("The bounds were wrong.")
     page.get_by_role("dialog").get_by_role("button", name="Remove run").click()
@@ -337,7 +337,7 @@ def test_a_run_is_removed_and_restored(visit: Visit) -> None:
     expect(note).to_be_visible()
     for name in ("Remove", "Sign off", "Write", "Change name and tags"):
         expect(page.get_by_role("button", name=name, exact=True)).to_have_count(0)
-    visit.go("/runs")
+    visit.move("/runs")
     expect(page.locator("tr[data-run]")).to_have_count(1)
     page.get_by_role("checkbox", name="Select R-0002").check()
     page.get_by_role("button", name="Remove 1 run").click()

@@ -119,7 +119,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 @pytest.fixture(scope="module")
 def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, finished.url) as visit:
-        visit.go(f"/login?code={finished.login_code()}")
+        visit.sign_in(finished.login_code())
         yield visit
 
 

@@ -21,7 +21,7 @@ pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 @pytest.fixture(scope="module")
 def visit(stored: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, stored.url, views=False) as visit:
-        visit.go(f"/login?code={stored.login_code()}")
+        visit.sign_in(stored.login_code())
         yield visit
 
 

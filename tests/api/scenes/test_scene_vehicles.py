@@ -55,7 +55,7 @@ def flight(status: str) -> Flight:
 @pytest.mark.parametrize(
     ("status", "label"),
     [
-        ("ok", "Nominal 5.00 m"),
+        ("ok", "Nominal 5.0062 m"),
         ("failed", "Nominal: failed at 20.00 s"),
         ("timeout", "Nominal: timeout at 20.00 s"),
         ("excluded", "Nominal: excluded at 20.00 s"),

@@ -22,7 +22,6 @@ from backend.scenes.drawing.labels import Anchor, Label, Tag
 from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.trail import Trail
 from backend.scenes.drawing.world import World
-from campaigns.results.base import Status
 
 MESHES = {
     "robot": shapes.unicycle,
@@ -77,7 +76,7 @@ class Drawn:
         count = len(self._setting.moving)
         self.bodies = bodies_of([self._setting.look(i) for i in range(count)], self._setting.values, flight)
         self._closest(flight.closest)
-        if flight.status != Status.OK:
+        if not flight.ok:
             self._failed(flight)
         self._root.visible = self.visible
         self.move(time)

@@ -67,6 +67,10 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
           view={view}
           shown={known.shown}
           alone={alone}
+          onCamera={(camera) => {
+            setAsked(true) // who chooses a camera wants to see from there
+            view.steer({ camera })
+          }}
           onFull={() => void holder.current?.requestFullscreen().catch(() => undefined)}
         />
       }

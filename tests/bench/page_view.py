@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 WATCHED = 10.0
 """How long the view is watched in every state [s]."""
+REST = 8.0
+"""How long after an event the view may still draw [s]."""
 DRAWING = re.compile("--type=(renderer|gpu-process|zygote)")
 """A zygote starts the others, and has the time of those that have ended."""
 
@@ -39,11 +41,12 @@ def views(visitor: Visitor, run: str) -> dict[str, float]:
         opened(page)
         settled(page, 30.0)
         found["view_open_s"] = drawing() - before
+        page.wait_for_timeout(1e3 * REST)
         found["view_rest_core_percent"] = core(page)
         found["view_playing_core_percent"] = played(page)
         page.evaluate("scrollTo({top: 1e6, behavior: 'instant'})")
         expect(page.locator("#flight")).not_to_be_in_viewport()
-        settled(page, 30.0)
+        page.wait_for_timeout(1e3 * REST)
         found["view_out_of_sight_core_percent"] = core(page)
         page.locator("#flight").scroll_into_view_if_needed()
         settled(page, 30.0)

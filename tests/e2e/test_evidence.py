@@ -154,6 +154,7 @@ def test_what_is_chosen_is_seen_in_every_card(page: Page) -> None:
 
 def test_every_criterion_is_shown(page: Page) -> None:
     space = page.locator("#space")
+    space.scroll_into_view_if_needed()
     row = page.get_by_role("row", name=re.compile("Goal miss"))
     expect(row).to_contain_text(re.compile("0.600.*0.700.*more is worse"))
     expect(page.locator("[data-finding=F1]")).to_contain_text("0.7000")

@@ -53,6 +53,7 @@ def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
 def card(visit: Visit) -> Locator:
     """The card without any range."""
     card = visit.page.locator("#space")
+    card.scroll_into_view_if_needed()
     expect(card.get_by_test_id("kept")).to_be_visible()
     card.get_by_role("slider").first.press("Escape")
     return card
@@ -136,6 +137,7 @@ def test_a_range_is_set_by_keys(visit: Visit, card: Locator) -> None:
     expect(card.get_by_role("button", name=re.compile(r"^Clear range of\s+d\s*min"))).to_be_visible()
     expect(visit.page).to_have_url(re.compile(r"brush=value:[\d.]+:[\d.]+"))
     visit.page.reload()
+    card.scroll_into_view_if_needed()
     expect(kept(card)).to_have_text(re.compile("^894 of"))
     card.get_by_role("slider").first.focus()
     visit.page.keyboard.press("Escape")

@@ -168,7 +168,9 @@ def current(page: Page) -> str:
 def test_tabs_are_in_page_order_and_follow_the_scroll(visit: Visit) -> None:
     visit.go("/runs/R-0002")
     page = visit.page
+    page.locator("#space").scroll_into_view_if_needed()
     expect(page.locator("#space section")).to_be_visible()
+    page.evaluate("scrollTo({top: 0, behavior: 'instant'})")
     links = page.get_by_role("navigation", name="Sections").get_by_role("link")
     targets = [str(link.get_attribute("href")) for link in links.all()]
     places = [page.locator(target).bounding_box() for target in targets]

@@ -120,6 +120,7 @@ def test_a_declared_scene_is_drawn_and_another_case_evaluated(
     expect(page.get_by_role("button", name="Closest approach")).to_have_count(0)
     assert not re.search(r"\bflights?\b", page.locator("main").inner_text(), re.IGNORECASE)
     space, card = page.locator("#space"), page.locator("#what-if")
+    space.scroll_into_view_if_needed()
     space.get_by_role("button", name="Use its values").click()
     expect(space.get_by_role("status", name="Evaluated again")).to_contain_text("which evaluates them on request")
     card.get_by_label("Begin at the parameters of").select_option("F1")

@@ -35,7 +35,7 @@ QUIET = (
 """At its start viser prepares to sort Gaussian splats by compiling code from text, which the policy refuses; no scene
 has splats. The rejection is handled, so that the policy stays strict and the console empty."""
 
-BEATS = 5
+BEATS = 3
 """How many of viser's frames without a request, one a second, are drawn after something happened."""
 
 AT_REST = """<script>

@@ -30,7 +30,7 @@ from playwright.sync_api import (
 )
 
 from backend.reports import pdf
-from tests.faults.processes import REPOSITORY
+from tests.faults.processes import REPOSITORY, until
 
 SCREENSHOTS = REPOSITORY / "build" / "screenshots"
 
@@ -190,6 +190,18 @@ def rests(view: FrameLocator) -> bool:
     """Whether a view that has no picture draws nothing for longer than viser's own interval between frames."""
     drawn = "() => new Promise(done => { const n = blankDraws; setTimeout(() => done(n === blankDraws), 1500) })"
     return bool(view.locator("body").evaluate(drawn))
+
+
+def space_of(page: Page) -> Locator:
+    """The parameter space of a run, which is drawn where it is seen; what is above it may still grow."""
+    space = page.locator("#space")
+
+    def seen() -> bool:
+        space.scroll_into_view_if_needed()
+        return space.locator("section").is_visible()
+
+    until(seen, "the parameter space", PATIENCE / 1e3)
+    return space
 
 
 def in_3d(page: Page) -> None:

@@ -24,7 +24,7 @@ from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
 from backend.signoffs.present import changed_campaign
 from campaigns.catalogue import UnusableEntry
-from tests.e2e.browser import Visit, nightly_but, visiting
+from tests.e2e.browser import Visit, nightly_but, space_of, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
 from tests.given.code_versions import edited
@@ -153,8 +153,7 @@ def test_what_is_chosen_is_seen_in_every_card(page: Page) -> None:
 
 
 def test_every_criterion_is_shown(page: Page) -> None:
-    space = page.locator("#space")
-    space.scroll_into_view_if_needed()
+    space = space_of(page)
     row = page.get_by_role("row", name=re.compile("Goal miss"))
     expect(row).to_contain_text(re.compile("0.600.*0.700.*more is worse"))
     expect(page.locator("[data-finding=F1]")).to_contain_text("0.7000")

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Locator, expect
 
-from tests.e2e.browser import PATIENCE, Visit, visiting
+from tests.e2e.browser import PATIENCE, Visit, space_of, visiting
 from tests.e2e.looking import LOOKS, within
 from tests.e2e.stored import served
 from tests.given.finished_runs import Work
@@ -52,9 +52,7 @@ def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
 @pytest.fixture
 def card(visit: Visit) -> Locator:
     """The card without any range."""
-    card = visit.page.locator("#space")
-    card.scroll_into_view_if_needed()
-    expect(card.get_by_test_id("kept")).to_be_visible()
+    card = space_of(visit.page)
     card.get_by_role("slider").first.press("Escape")
     return card
 
@@ -137,7 +135,7 @@ def test_a_range_is_set_by_keys(visit: Visit, card: Locator) -> None:
     expect(card.get_by_role("button", name=re.compile(r"^Clear range of\s+d\s*min"))).to_be_visible()
     expect(visit.page).to_have_url(re.compile(r"brush=value:[\d.]+:[\d.]+"))
     visit.page.reload()
-    card.scroll_into_view_if_needed()
+    space_of(visit.page)
     expect(kept(card)).to_have_text(re.compile("^894 of"))
     card.get_by_role("slider").first.focus()
     visit.page.keyboard.press("Escape")

@@ -160,7 +160,7 @@ def lost(visit: Visit) -> Locator:
     """The card of the run of 21 simulated evaluations."""
     visit.page.set_viewport_size({"width": 1440, "height": 900})
     visit.move("/runs/R-0002")
-    card = visit.page.locator("#space")
+    card = space_of(visit.page)
     expect(kept(card)).to_have_text(re.compile("^21 of 21 evaluations selected"))
     return card
 

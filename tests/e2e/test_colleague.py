@@ -38,7 +38,7 @@ def service(tmp_path: Path) -> Iterator[Service]:
 def test_a_colleague_reviews_what_an_engineer_may_not_sign(service: Service, browser: Browser, tmp_path: Path) -> None:
     with ExitStack() as stack:
         admin, engineer, reviewer = (stack.enter_context(visiting(browser, service.url, views=False)) for _ in range(3))
-        admin.sign_in(service.login_code())
+        admin.go(f"/login?code={service.login_code()}")
         joins(engineer, invitation(admin.page, ENGINEER, "engineer"), ENGINEER)
         joins(reviewer, invitation(admin.page, REVIEWER, "reviewer"), REVIEWER)
         signs_out(reviewer.page)

@@ -143,7 +143,7 @@ class Later(Result):
     closing: float
     """The speed at which that distance falls at the last sample [m/s]; negative while it grows."""
     simulated: bool
-    """Simulated on beyond the horizon; else extrapolated along straight lines."""
+    """Simulated on beyond the horizon; else extrapolated."""
 
 
 class Beyond(Result):
@@ -157,6 +157,9 @@ class Beyond(Result):
     """How many of them come closer there than any evaluation of the run."""
     lowest: Later | None
     """The one that comes closest; null if none meets an obstacle there."""
+    unknown: Annotated[Later | None, UNLESS_NONE] = None
+    """The closest one to an obstacle that may come closer: it has states, or neither repeats its path nor ends it, and
+    is neither at rest nor moves away at a constant velocity. Its value is that on straight lines."""
 
 
 class Encounter(Result):

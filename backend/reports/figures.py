@@ -38,7 +38,7 @@ class Case:
 
     @property
     def closest(self) -> Closest | None:
-        return self.head.closest
+        return self.head.approach
 
 
 @dataclass(frozen=True)

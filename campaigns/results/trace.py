@@ -83,3 +83,8 @@ class TraceHead(Result):
     """Null without noise."""
     scene: Annotated[Scene | None, UNLESS_EMPTY] = None
     """What the columns of a simulator's trace are positions of; omitted if it does not declare this."""
+
+    @property
+    def approach(self) -> Closest | None:
+        """The closest approach of an evaluation that ended ok; how near a failed one came is no value of it."""
+        return self.closest if self.status == Status.OK else None

@@ -6,8 +6,10 @@ The browser must have no 3D graphics: the 3D view is a program of its own. Start
 from __future__ import annotations
 
 import json
+import math
 import os
 import statistics
+import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -48,7 +50,7 @@ def _load(visitor: Visitor, name: str, path: str, seen: str) -> dict[str, float]
     found: dict[str, list[float]] = {}
     for _ in range(REPEATS):
         with visitor.page() as page:
-            _settled(page)
+            settled(page)
             for kind in ("", "_again"):
                 browser, service = _browser(), seconds(visitor.running.family())
                 _opened(page, visitor.address + path, seen)
@@ -62,13 +64,13 @@ def _load(visitor: Visitor, name: str, path: str, seen: str) -> dict[str, float]
 def _opened(page: Page, address: str, seen: str) -> None:
     page.goto(address)
     page.locator(seen).first.wait_for()
-    _settled(page)
+    settled(page)
 
 
-def _settled(page: Page) -> None:
-    """Wait until the browser has nothing to do."""
-    before = -LITTLE
-    while (now := _browser()) - before > LITTLE:
+def settled(page: Page, patience: float = math.inf) -> None:
+    """Wait until the browser has nothing to do, for so long [s]."""
+    before, began = -LITTLE, time.monotonic()
+    while (now := _browser()) - before > LITTLE and time.monotonic() - began < patience:
         before = now
         page.wait_for_timeout(1e3 * QUIET)
 

@@ -25,10 +25,10 @@ import sqlalchemy as sa
 from playwright.sync_api import Browser, BrowserType, Page, Request, WebSocket, sync_playwright
 
 from backend.db.engine import connect, default_url
-from tests.bench import page_data, page_loads
+from tests.bench import page_data, page_loads, page_view
 from tests.bench.first_verdict import verdicts
 from tests.bench.page_loads import seconds
-from tests.e2e.browser import PATIENCE, launch
+from tests.e2e.browser import PATIENCE, in_3d, launch
 from tests.faults.processes import Started, started, until
 
 BUILD = Path("build")
@@ -46,6 +46,8 @@ TARGETS = {
     "run_page_100000_mb": 3.0,
     "live_view_core_percent": 5.0,
     "live_list_core_percent": 5.0,
+    "view_rest_core_percent": 1.0,
+    "view_out_of_sight_core_percent": 1.0,
 }
 LISTS: dict[str, dict[str, str | int]] = {
     "newest": {},
@@ -69,7 +71,7 @@ def main() -> None:
             browser = launch(playwright.chromium, optimises=True)
             visitor = Visitor(browser, address, running)
             found = measured(address, visitor, engine, large) | loaded(playwright.chromium, visitor, large)
-            found |= verdicts(browser)
+            found |= page_view.views(visitor, f"R-{large:04d}") | verdicts(browser)
             browser.close()
         engine.dispose()
     (BUILD / "bench-pages.json").write_text(json.dumps(found, indent=2) + "\n")
@@ -191,6 +193,7 @@ class Visitor:
             interactive(page, self.address, run)
             taken = 1e3 * (time.perf_counter() - began)
             page.locator("#flight").scroll_into_view_if_needed()
+            in_3d(page)
             page.frame_locator("#flight iframe").locator("canvas").first.wait_for()
             page.wait_for_timeout(1e3 * SETTLED)
             own, view = traffic.megabytes()

@@ -30,7 +30,7 @@ from playwright.sync_api import (
 )
 
 from backend.reports import pdf
-from tests.faults.processes import REPOSITORY
+from tests.faults.processes import REPOSITORY, until
 
 SCREENSHOTS = REPOSITORY / "build" / "screenshots"
 
@@ -83,6 +83,11 @@ class Visit:
         page.on("pageerror", self._threw)
         page.on("request", self._asked)
         page.on("websocket", self._opened)
+
+    def sign_in(self, code: str) -> None:
+        """Sign in with a login code without loading a page; links are opened in tests/e2e/test_whole_way.py."""
+        answer = self.page.context.request.get(f"{self.address}/login?code={code}", max_redirects=0)
+        assert answer.status == 303, answer.text()
 
     def go(self, path: str) -> None:
         """Open an address of the service."""
@@ -181,6 +186,32 @@ def draws(view: FrameLocator | Page) -> bool:
     return bool(view.locator("body").evaluate("() => window.blankDraws !== 0"))
 
 
+def rests(view: FrameLocator) -> bool:
+    """Whether a view that has no picture draws nothing for longer than viser's own interval between frames."""
+    drawn = "() => new Promise(done => { const n = blankDraws; setTimeout(() => done(n === blankDraws), 1500) })"
+    return bool(view.locator("body").evaluate(drawn))
+
+
+def space_of(page: Page) -> Locator:
+    """The parameter space of a run, which is drawn where it is seen; what is above it may still grow."""
+    space = page.locator("#space")
+
+    def seen() -> bool:
+        space.scroll_into_view_if_needed()
+        return space.locator("section").is_visible()
+
+    until(seen, "the parameter space", PATIENCE / 1e3)
+    return space
+
+
+def in_3d(page: Page) -> None:
+    """Open the 3D view, in place of which a browser without a graphics processor shows a picture at first."""
+    still = page.get_by_role("button", name="Open in 3D")
+    expect(still.or_(page.locator("#flight iframe"))).to_be_visible(timeout=PATIENCE)
+    if still.is_visible():
+        still.click()
+
+
 @contextmanager
 def visiting(browser: Browser, address: str, *, views: bool = True, moving: bool = False) -> Iterator[Visit]:
     """A new browser profile at 1440 x 900; fails at the end if the browser reported errors.
@@ -197,6 +228,8 @@ def visiting(browser: Browser, address: str, *, views: bool = True, moving: bool
     if not views:
         blank(context)
     visit = Visit(context.new_page(), address)
+    if not views and pictured():
+        visit.page.add_locator_handler(visit.page.get_by_role("button", name="Open in 3D"), lambda still: still.click())
     try:
         yield visit
     finally:

@@ -82,7 +82,7 @@ def visit(service: Service, browser: Browser) -> Iterator[Visit]:
         # The 3D view is another project's page, and takes seconds to draw without a graphics card.
         visit.page.route("**/view/**", lambda route: route.fulfill(body="", content_type="text/html"))
         visit.page.route("**/views/**", lambda route: route.fulfill(json=VIEW))
-        visit.go(f"/login?code={service.login_code()}")
+        visit.sign_in(service.login_code())
         yield visit
 
 

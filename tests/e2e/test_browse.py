@@ -55,7 +55,7 @@ def waiting(visit: Visit, name: str) -> str:
 def signed_in(stored: Service, browser: Browser) -> Iterator[Visit]:
     """A page of a browser that signed in with the login link."""
     with visiting(browser, stored.url) as visit:
-        visit.go(f"/login?code={stored.login_code()}")
+        visit.sign_in(stored.login_code())
         yield visit
 
 
@@ -63,7 +63,7 @@ def signed_in(stored: Service, browser: Browser) -> Iterator[Visit]:
 def drawing(stored: Service, browsers: Browsers) -> Iterator[Visit]:
     """Another session, with 3D views."""
     with visiting(browsers(pictured()), stored.url, views=False) as visit:
-        visit.go(f"/login?code={stored.login_code()}")
+        visit.sign_in(stored.login_code())
         yield visit
 
 
@@ -376,7 +376,7 @@ def test_help_explains_methods_verdicts_and_components(signed_in: Visit) -> None
     for component in catalogue["components"]:
         expect(page.locator(f"[id='{component['role']}-{component['name']}']")).to_have_count(1)
     signed_in.shot("help-components-1440-light", full=False)
-    signed_in.go("/launch?case=unicycle_static")
+    signed_in.move("/launch?case=unicycle_static")
     scenario = page.get_by_role("region", name="Scenario")
     scenario.get_by_text("Equations and source").first.click()
     scenario.get_by_role("link", name="In the help").first.click()
@@ -386,7 +386,7 @@ def test_help_explains_methods_verdicts_and_components(signed_in: Visit) -> None
 
 def test_the_api_page_describes_and_tries_the_api(signed_in: Visit) -> None:
     page = signed_in.page
-    signed_in.go("/docs")
+    signed_in.move("/docs")
     expect(page.get_by_role("heading", name="API", exact=True)).to_be_visible()
     operation = page.locator("#get_run")
     operation.get_by_label("run of get_run").fill(BOX)

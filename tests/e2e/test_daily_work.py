@@ -46,7 +46,7 @@ def working(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 @pytest.fixture(scope="module")
 def visit(working: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, working.url) as visit:
-        visit.go(f"/login?code={working.login_code()}")
+        visit.sign_in(working.login_code())
         yield visit
 
 
@@ -83,7 +83,7 @@ def test_the_header_shows_whether_a_worker_is_alive(working: Service, visit: Vis
 
 def test_a_service_that_hangs_is_reported_until_it_answers(visit: Visit) -> None:
     page = visit.page
-    visit.go("/help")
+    visit.move("/help")
     expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
     held: list[Route] = []
 
@@ -129,7 +129,7 @@ def test_removal_never_takes_the_place_of_cancelling(working: Service, visit: Vi
 
 def test_the_name_in_a_file_is_used(visit: Visit, tmp_path: Path) -> None:
     page = visit.page
-    visit.go("/launch?tab=yaml")
+    visit.move("/launch?tab=yaml")
     expect(page.get_by_label("Name", exact=True)).to_have_value("Unicycle, static obstacle")
     document: dict[str, Any] = campaign(name="Quadrotor, wall", tags=["quadrotor"])
     file = tmp_path / "quadrotor.yaml"

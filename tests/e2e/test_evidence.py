@@ -24,7 +24,7 @@ from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
 from backend.signoffs.present import changed_campaign
 from campaigns.catalogue import UnusableEntry
-from tests.e2e.browser import Visit, nightly_but, visiting
+from tests.e2e.browser import Visit, nightly_but, space_of, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
 from tests.given.code_versions import edited
@@ -56,7 +56,7 @@ def submit(client: httpx.Client, mass: float) -> None:
 @pytest.fixture(scope="module")
 def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, finished.url) as visit:
-        visit.go(f"/login?code={finished.login_code()}")
+        visit.sign_in(finished.login_code())
         yield visit
 
 
@@ -153,7 +153,7 @@ def test_what_is_chosen_is_seen_in_every_card(page: Page) -> None:
 
 
 def test_every_criterion_is_shown(page: Page) -> None:
-    space = page.locator("#space")
+    space = space_of(page)
     row = page.get_by_role("row", name=re.compile("Goal miss"))
     expect(row).to_contain_text(re.compile("0.600.*0.700.*more is worse"))
     expect(page.locator("[data-finding=F1]")).to_contain_text("0.7000")
@@ -329,7 +329,7 @@ def test_runs_to_compare_are_chosen_on_the_page(visit: Visit) -> None:
 
 def test_a_run_is_removed_and_restored(visit: Visit) -> None:
     page = visit.page
-    visit.go("/runs/R-0001")
+    visit.move("/runs/R-0001")
     page.get_by_role("button", name="Remove").click()
     page.get_by_role("textbox", name="Reason").fill("The bounds were wrong.")
     page.get_by_role("dialog").get_by_role("button", name="Remove run").click()
@@ -337,7 +337,7 @@ def test_a_run_is_removed_and_restored(visit: Visit) -> None:
     expect(note).to_be_visible()
     for name in ("Remove", "Sign off", "Write", "Change name and tags"):
         expect(page.get_by_role("button", name=name, exact=True)).to_have_count(0)
-    visit.go("/runs")
+    visit.move("/runs")
     expect(page.locator("tr[data-run]")).to_have_count(1)
     page.get_by_role("checkbox", name="Select R-0002").check()
     page.get_by_role("button", name="Remove 1 run").click()

@@ -132,7 +132,7 @@ def submitted(visit: Visit, number: int) -> str:
     page, headers = visit.page, {"Origin": visit.address}
     given = page.request.post(f"{visit.address}/api/v1/runs", data={"campaign": campaign()}, headers=headers)
     assert given.status == 201, given.text()
-    visit.go(f"/runs/R-{number:04d}")
+    visit.move(f"/runs/R-{number:04d}")
     outcome = page.get_by_test_id("verdict")
     expect(outcome).to_have_text(re.compile("Cleared|Violated|Inconclusive"), timeout=90_000)
     return re.search("Cleared|Violated|Inconclusive", outcome.inner_text())[0]  # type: ignore[index]

@@ -337,12 +337,12 @@ def test_the_pages_name_the_file(home: Home, browser: Browser) -> None:
     with visiting(browser, home.service.link().partition("/login")[0]) as visit:
         page = visit.page
         made = home.said("login-link", "--data", str(home.service.data))
-        visit.go(f"/login?code={made.strip().rpartition('code=')[2]}")
+        visit.sign_in(made.strip().rpartition("code=")[2])
         visit.go(f"/trends?campaign={digest}")
         expect(page.get_by_text(f"The code changed before {second} ({name})")).to_be_visible()
         expect(page.get_by_text(f"changed: {name}")).to_be_visible()
         looks(visit, f"identity-trends-{kind}")
-        visit.go(f"/runs/{first}")
+        visit.move(f"/runs/{first}")
         visit.near("#provenance")
         expect(page.locator("#provenance")).to_contain_text(name)
         visit.near("#related")

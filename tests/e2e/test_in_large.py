@@ -142,19 +142,19 @@ def test_a_missing_sample_is_stated(home: Home, place: str, run: str, lacks: boo
 def test_the_pages(home: Home, browser: Browser) -> None:
     with visiting(browser, home.service.url) as visit:
         page = visit.page
-        visit.go(f"/login?code={home.service.login_code()}")
+        visit.sign_in(home.service.login_code())
         visit.go(f"/runs/{DIFFERING}")
         row = page.locator("tr[data-finding=F1]")
         expect(row).to_contain_text(str(GRANTED))
         expect(row).to_contain_text(f"evaluated {EVALUATED}")
         looks(visit, "granted-run")
-        visit.go(f"/runs/{LACKING}")
+        visit.move(f"/runs/{LACKING}")
         expect(page.get_by_test_id("verdict")).to_have_text("Inconclusive: not sampled")
         looks(visit, "not-sampled-run")
-        visit.go(f"/runs/{CALLED}")
+        visit.move(f"/runs/{CALLED}")
         expect(page.get_by_test_id("verdict")).to_have_text("Cleared: not sampled")
         for path in ("/reports", "/runs"):
-            visit.go(path)
+            visit.move(path)
             expect(page.get_by_text("Inconclusive: not sampled")).to_be_visible()
             expect(page.get_by_text("Cleared: not sampled")).to_be_visible()
             looks(visit, f"not-sampled{path.replace('/', '-')}")

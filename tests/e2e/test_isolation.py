@@ -86,7 +86,7 @@ def isolated(visit: Visit, place: Frame | Page, *, alone: bool = False) -> None:
 def test_a_script_in_the_view_has_nothing_of_its_visitor(flown: Service, browser: Browser) -> None:
     with visiting(browser, flown.url, views=False) as visit:
         page = visit.page
-        visit.go(f"/login?code={flown.login_code()}")
+        visit.sign_in(flown.login_code())
         visit.go("/runs/R-0001")
         page.locator("#flight").scroll_into_view_if_needed()
         expect(page.get_by_role("button", name="Open the panel")).to_be_enabled()

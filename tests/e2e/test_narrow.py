@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, ViewportSize, expect
 
-from tests.e2e.browser import PATIENCE, Visit, draws, nightly_but, visiting
+from tests.e2e.browser import PATIENCE, Visit, draws, nightly_but, rests, visiting
 from tests.e2e.flown import BASINS, BOX, CANCELLED, CLEARED, INTRUDER, SEVERAL
 from tests.e2e.stored import VIEW
 from tests.faults.processes import until
@@ -98,7 +98,7 @@ def visit(stored: Service, browser: Browser) -> Iterator[Visit]:
         visit.page.route("**/view/**", lambda route: route.fulfill(body="", content_type="text/html"))
         visit.page.route("**/views/**", lambda route: route.fulfill(json=VIEW))
         visit.page.set_viewport_size(WINDOW)
-        visit.go(f"/login?code={stored.login_code()}")
+        visit.sign_in(stored.login_code())
         yield visit
 
 
@@ -203,3 +203,6 @@ def test_the_panel_of_the_view_opens_on_request(visit: Visit) -> None:
     opened.click()
     expect(tab).to_be_visible()
     until(lambda: draws(frame), "something drawn")
+    until(lambda: rests(frame), "a view at rest draws nothing")
+    page.get_by_role("group", name="Time of the flight").get_by_role("slider", name="Time").press("ArrowRight")
+    until(lambda: not rests(frame), "a moved one is drawn")

@@ -28,7 +28,7 @@ def test_its_page_says_what_differs_and_offers_ways_on(
         with service.signed_in() as client:
             run = waiting(service, client)
         page = visit.page
-        visit.go(f"/login?code={service.login_code()}")
+        visit.sign_in(service.login_code())
         visit.go(f"/runs/{run}")
         expect(page.get_by_role("status").filter(has_text="This run is waiting.")).to_contain_text(DIFFERS)
         visit.shot("other-code")
@@ -44,7 +44,7 @@ def test_it_is_not_offered_to_continue_what_no_evaluation_can_be_used_of(tmp_pat
             run = waiting(service, client)
         with service.engine.begin() as writer:
             writer.execute(sa.update(CatalogueDocument).values(document=edited()))
-        visit.go(f"/login?code={service.login_code()}")
+        visit.sign_in(service.login_code())
         visit.go(f"/runs/{run}")
         expect(visit.page.get_by_role("button", name="Begin again, discard 100 evaluations")).to_be_visible()
         expect(visit.page.get_by_role("button", name="Continue as a new run")).to_have_count(0)

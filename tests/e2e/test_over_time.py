@@ -51,7 +51,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 @pytest.fixture(scope="module")
 def visit(filled: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, filled.url) as visit:
-        visit.go(f"/login?code={filled.login_code()}")
+        visit.sign_in(filled.login_code())
         yield visit
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Locator, expect
 
-from tests.e2e.browser import PATIENCE, Visit, visiting
+from tests.e2e.browser import PATIENCE, Visit, space_of, visiting
 from tests.e2e.looking import LOOKS, within
 from tests.e2e.stored import served
 from tests.given.finished_runs import Work
@@ -44,7 +44,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 @pytest.fixture(scope="module")
 def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, finished.url) as visit:
-        visit.go(f"/login?code={finished.login_code()}")
+        visit.sign_in(finished.login_code())
         visit.go("/runs/R-0001")
         yield visit
 
@@ -52,8 +52,7 @@ def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
 @pytest.fixture
 def card(visit: Visit) -> Locator:
     """The card without any range."""
-    card = visit.page.locator("#space")
-    expect(card.get_by_test_id("kept")).to_be_visible()
+    card = space_of(visit.page)
     card.get_by_role("slider").first.press("Escape")
     return card
 
@@ -136,6 +135,7 @@ def test_a_range_is_set_by_keys(visit: Visit, card: Locator) -> None:
     expect(card.get_by_role("button", name=re.compile(r"^Clear range of\s+d\s*min"))).to_be_visible()
     expect(visit.page).to_have_url(re.compile(r"brush=value:[\d.]+:[\d.]+"))
     visit.page.reload()
+    space_of(visit.page)
     expect(kept(card)).to_have_text(re.compile("^894 of"))
     card.get_by_role("slider").first.focus()
     visit.page.keyboard.press("Escape")
@@ -160,7 +160,7 @@ def lost(visit: Visit) -> Locator:
     """The card of the run of 21 simulated evaluations."""
     visit.page.set_viewport_size({"width": 1440, "height": 900})
     visit.move("/runs/R-0002")
-    card = visit.page.locator("#space")
+    card = space_of(visit.page)
     expect(kept(card)).to_have_text(re.compile("^21 of 21 evaluations selected"))
     return card
 

@@ -22,7 +22,7 @@ from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.verdict import Check
 from campaigns.stored.records import Trace
 from tests import results
-from tests.e2e.browser import Visit, visiting
+from tests.e2e.browser import Visit, space_of, visiting
 from tests.e2e.stored import served
 from tests.given.finished_runs import COLUMNS, flight
 from tests.given.reported_runs import PARAMETERS, finish_fully
@@ -119,7 +119,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 @pytest.fixture(scope="module")
 def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, finished.url) as visit:
-        visit.go(f"/login?code={finished.login_code()}")
+        visit.sign_in(finished.login_code())
         yield visit
 
 
@@ -168,7 +168,8 @@ def current(page: Page) -> str:
 def test_tabs_are_in_page_order_and_follow_the_scroll(visit: Visit) -> None:
     visit.go("/runs/R-0002")
     page = visit.page
-    expect(page.locator("#space section")).to_be_visible()
+    space_of(page)
+    page.evaluate("scrollTo({top: 0, behavior: 'instant'})")
     links = page.get_by_role("navigation", name="Sections").get_by_role("link")
     targets = [str(link.get_attribute("href")) for link in links.all()]
     places = [page.locator(target).bounding_box() for target in targets]

@@ -64,7 +64,7 @@ def test_the_file_opens_from_disk_without_requests(
 def test_a_link_from_the_run_page_plays_without_a_viewer(recorded: Service, browser: Browser) -> None:
     with visiting(browser, recorded.url, views=False) as visit:
         visit.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-        visit.go(f"/login?code={recorded.login_code()}")
+        visit.sign_in(recorded.login_code())
         visit.go("/runs/R-0001")
         visit.page.get_by_role("button", name="Export").click()
         download = visit.page.get_by_role("menuitem", name="Download as one file")
@@ -115,7 +115,7 @@ def test_page_and_view_agree_and_a_lost_view_is_restored(recorded: Service, brow
     with visiting(browser, recorded.url, views=False) as visit:
         page = visit.page
         page.set_viewport_size({"width": 1280, "height": 700})
-        visit.go(f"/login?code={recorded.login_code()}")
+        visit.sign_in(recorded.login_code())
         asked: list[str] = []
         page.on("request", lambda request: asked.append(request.url))
         visit.go("/runs/R-0001?t=4&time=all")

@@ -26,7 +26,7 @@ def test_from_a_file_of_requirements_to_suspect_evidence(tmp_path: Path, browser
     with served(tmp_path) as service, visiting(browser, service.url) as visit:
         page = visit.page
         page.add_init_script(path=AXE)
-        visit.go(f"/login?code={service.login_code()}")
+        visit.sign_in(service.login_code())
         visit.go("/requirements")
         expect(page.get_by_text("There are no requirements yet.")).to_be_visible()
         expect(page.get_by_role("button", name="Export")).to_be_disabled()

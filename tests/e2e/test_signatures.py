@@ -58,9 +58,9 @@ def places(visit: Visit, run: str) -> Iterator[tuple[str, Locator]]:
     visit.go(f"/runs/{run}")
     visit.near("#signoff")
     yield "run", page.locator("#signoff")
-    visit.go("/reports")
+    visit.move("/reports")
     yield "reports", page.locator("tr", has=page.locator(f"a[href='/runs/{run}']"))
-    visit.go("/requirements")
+    visit.move("/requirements")
     yield "matrix", page.locator("[data-requirement='SYS-1']")
     visit.go(f"/api/v1/runs/{run}/report.html")
     yield "report", page.locator("table", has=page.locator("[data-current]"))
@@ -87,7 +87,7 @@ def seen(visit: Visit, name: str, run: str, text: str) -> None:
 @contextmanager
 def opened(service: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, service.url, views=False) as visit:
-        visit.go(f"/login?code={service.login_code()}")
+        visit.sign_in(service.login_code())
         yield visit
 
 
@@ -112,6 +112,6 @@ def test_the_standing_of_a_sign_off_is_on_every_page(service: Service, browser: 
         visit.go(f"/runs/{OTHER}")
         expect(visit.page.locator("#signoff")).to_contain_text(found["not_carried"][1:])
         visit.shot("signature-not-carried-card", of=visit.page.locator("#signoff"))
-        visit.go("/requirements")
+        visit.move("/requirements")
         expect(visit.page.locator("[data-requirement='SYS-1']")).to_contain_text(found["not_carried"])
         looks(visit, "signature-not-carried-matrix")

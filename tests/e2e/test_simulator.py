@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.e2e.browser import Visit, draws, undrawn, visiting
+from tests.e2e.browser import Visit, draws, space_of, undrawn, visiting
 from tests.e2e.flown import BASINS, CLEARED, DRAWN, Flown, asked
 from tests.e2e.looking import api
 from tests.faults.processes import until
@@ -21,7 +21,7 @@ pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 @pytest.fixture(scope="module")
 def visit(stored: Service, browser: Browser) -> Iterator[Visit]:
     with visiting(browser, stored.url, views=False) as visit:
-        visit.go(f"/login?code={stored.login_code()}")
+        visit.sign_in(stored.login_code())
         yield visit
 
 
@@ -119,7 +119,7 @@ def test_a_declared_scene_is_drawn_and_another_case_evaluated(
     expect(page.get_by_text("The 3D view shows what its trace declares, z up")).to_be_visible()
     expect(page.get_by_role("button", name="Closest approach")).to_have_count(0)
     assert not re.search(r"\bflights?\b", page.locator("main").inner_text(), re.IGNORECASE)
-    space, card = page.locator("#space"), page.locator("#what-if")
+    space, card = space_of(page), page.locator("#what-if")
     space.get_by_role("button", name="Use its values").click()
     expect(space.get_by_role("status", name="Evaluated again")).to_contain_text("which evaluates them on request")
     card.get_by_label("Begin at the parameters of").select_option("F1")

@@ -56,7 +56,7 @@ def opened(stored: Service, browser: Browser) -> Iterator[Opened]:
     if dropped.compiler() is None:
         pytest.skip("no C compiler")
     with visiting(browser, stored.url) as visit:
-        visit.go(f"/login?code={stored.login_code()}")
+        visit.sign_in(stored.login_code())
         yield Opened(visit, stored)
 
 
@@ -76,13 +76,13 @@ def test_the_page_of_the_run_shows_its_traces_and_no_flights(opened: Opened) -> 
     expect(page.locator("iframe")).to_have_count(0)
     assert FLIES.findall(page.locator("main").inner_text()) == []
     visit.shot("simulator-trace")
-    visit.go(f"/runs/{DROP}/flight")
+    visit.move(f"/runs/{DROP}/flight")
     expect(page.get_by_role("heading", name="There is no 3D view")).to_be_visible()
 
 
 def test_it_is_launched_from_the_form_with_repeats_and_retries(opened: Opened) -> None:
     visit, page = opened.visit, opened.visit.page
-    visit.go(f"/launch?from={DROP}")
+    visit.move(f"/launch?from={DROP}")
     expect(page.get_by_role("combobox", name="Simulator", exact=True)).to_have_value("Parachute drop past a mast")
     mass = page.get_by_label("Parachute drop past a mast, Mass of the load", exact=True)
     expect(mass).to_be_visible()

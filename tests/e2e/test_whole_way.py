@@ -17,7 +17,7 @@ from playwright.sync_api import Browser, FrameLocator, Page, expect
 
 from backend.db.engine import connect, default_url
 from tests.audited import audited
-from tests.e2e.browser import PATIENCE, Visit, draws, near, pictured, pixels, undrawn, visiting
+from tests.e2e.browser import PATIENCE, Visit, draws, in_3d, near, pictured, pixels, undrawn, visiting
 from tests.e2e.looking import api, looks
 from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import until
@@ -111,7 +111,7 @@ def exported(page: Page) -> bytes:
 
 def test_a_wrong_bound_is_refused_next_to_its_field(signed_in: Visit) -> None:
     page = signed_in.page
-    signed_in.go("/launch")
+    signed_in.move("/launch")
     low, start = page.get_by_label("Mass, low"), page.get_by_role("button", name="Start run")
     low.fill("-3")
     statement = page.locator("[data-problem='uncertain.vehicle.m.low']")
@@ -302,6 +302,7 @@ def test_every_method_is_listed_and_drawn(signed_in: Visit) -> None:
 def flown(visit: Visit) -> FrameLocator:
     """The 3D view on the run's page, once something is drawn in it."""
     visit.page.locator("#flight").scroll_into_view_if_needed()
+    in_3d(visit.page)
     frame = visit.page.frame_locator("#flight iframe")
     canvas = frame.locator("canvas").first
     expect(canvas).to_be_visible(timeout=2 * PATIENCE)
@@ -321,6 +322,9 @@ def colours(picture: Any) -> set[tuple[int, ...]]:
 
 def test_the_flight_is_seen_in_3d(drawing: Visit) -> None:
     drawing.go(f"/runs/{WHOLE}")
+    drawing.page.locator("#flight").scroll_into_view_if_needed()
+    expect(drawing.page.get_by_role("img", name="Worst seen from above at its closest approach")).to_be_visible()
+    expect(drawing.page.locator("#flight iframe")).to_have_count(0)
     frame = flown(drawing)
     expect(frame.locator("body")).to_contain_text("Values")
     if pictured():

@@ -47,7 +47,7 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
         margin = None if criterion_values[0] is None or run.threshold is None else criterion_values[0] - run.threshold
         by = " ".join(finding.methods) if finding else ""
         ok = finding.validation.ok if finding and finding.validation else None
-        at = [head.closest.time, head.closest.speed] if head is not None and head.closest else [None, None]
+        at = [head.approach.time, head.approach.speed] if head is not None and head.approach else [None, None]
         yield lines([[name, *criterion_values, margin, *at, ok, by, *(of.get(p) for p in paths), evaluated, units]])
 
 

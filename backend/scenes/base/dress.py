@@ -35,13 +35,38 @@ QUIET = (
 """At its start viser prepares to sort Gaussian splats by compiling code from text, which the policy refuses; no scene
 has splats. The rejection is handled, so that the policy stays strict and the console empty."""
 
+BEATS = 3
+"""How many of viser's frames without a request, one a second, are drawn after something happened."""
+
+AT_REST = """<script>
+{let left=BEATS;const stir=()=>{left=BEATS},watched=new WeakSet(),{setInterval:every}=window;
+for(const kind of ['pointerdown','pointermove','wheel','keydown','resize','focus','visibilitychange'])
+addEventListener(kind,stir,{capture:true,passive:true});
+const post=Worker.prototype.postMessage;
+Worker.prototype.postMessage=function(...sent){
+if(!watched.has(this)){watched.add(this);this.addEventListener('message',stir)}
+return post.apply(this,sent)};
+window.setInterval=(work,wait,...more)=>every(
+wait===1000?()=>{if(left>0&&!document.hidden){left--;work(...more)}}:work,wait,...more);
+const contexts=new Set(),get=HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext=function(...wanted){
+const context=get.apply(this,wanted);
+if(context&&/^webgl/.test(wanted[0]))contexts.add(context);
+return context};
+addEventListener('pagehide',event=>{if(!event.persisted)
+for(const context of contexts)context.getExtension('WEBGL_lose_context')?.loseContext()})}
+</script>""".replace("BEATS", str(BEATS))
+"""viser draws on request, and once a second for changes that forget to request it: a seventh of a core where the
+processor draws. At rest nothing changes, so that these frames end soon after the last message or movement. A page that
+is left frees its graphics at once."""
+
 CHARSET = '<meta charset="utf-8" />'
 """It must be at the beginning of a file, which no header describes."""
 
 
 def dressed(page: str, font: str | None) -> str:
     """viser's page with our style. font: the address of the font file."""
-    return page.replace(CHARSET, f"{CHARSET}{QUIET}<style>{style(font)}</style>", 1)
+    return page.replace(CHARSET, f"{CHARSET}{QUIET}{AT_REST}<style>{style(font)}</style>", 1)
 
 
 @cache

@@ -17,6 +17,7 @@ from backend.scenes.base.declared import axes_in, motion
 from campaigns import thin
 from campaigns.identity.identity import Identity
 from campaigns.results import TraceHead
+from campaigns.results.base import Status
 from campaigns.results.scene import Scene
 from campaigns.results.trace import Closest as StoredClosest
 from campaigns.results.trace import TraceColumn
@@ -68,6 +69,11 @@ class Flight:
     """(m, 4): w, x, y, z in scene coordinates, in place of `rotation`."""
     identity: Identity | None = None
     """Of the code that simulated it now; None of a stored one, which is of the code of its run."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether its evaluation has a value."""
+        return self.status == Status.OK
 
     def at(self, time: float) -> tuple[Floats, Floats, float]:
         """Position, turn (w, x, y, z), separation at a time [s]: linear between rows, constant before and after."""
@@ -172,7 +178,7 @@ def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], hea
         rotation=pose[known, 3:],
         separation=separation[known],
         tracks={number: axes.drawn(track[known]) for number, track in tracks.items()},
-        closest=_closest(head.closest, axes),
+        closest=_closest(head.approach, axes),
         parameters=head.parameters,
         cost=head.cost,
         status=head.status,

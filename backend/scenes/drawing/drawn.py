@@ -28,6 +28,7 @@ MESHES = {
     "two_wheels": shapes.pioneer,
     "aircraft": shapes.aircraft,
     "ball": shapes.ball,
+    "body": shapes.body,
 }
 """Meshes of vehicles, by the name in their look."""
 DOTS = 9
@@ -75,6 +76,8 @@ class Drawn:
         count = len(self._setting.moving)
         self.bodies = bodies_of([self._setting.look(i) for i in range(count)], self._setting.values, flight)
         self._closest(flight.closest)
+        if not flight.ok:
+            self._failed(flight)
         self._root.visible = self.visible
         self.move(time)
 
@@ -159,6 +162,12 @@ class Drawn:
         label = Label(self._name("label"), text, place, anchor, 0.9)
         self._tag = Tag(label, self._solids.label(label), np.zeros(3))
 
+    def _failed(self, flight: Flight) -> None:
+        """Label the end of the flight with its status, in place of a value."""
+        text = f"{self.style.title}: {flight.status} at {flight.time[-1]:.2f} s"
+        label = Label(self._name("label"), text, flight.position[-1] + self._lift, "bottom-center", 0.9)
+        self._tag = Tag(label, self._solids.label(label), np.zeros(3))
+
     @property
     def _body(self) -> float | None:
         """Radius of the vehicle's body in this flight [m]; None if distances are measured to obstacles' centres."""
@@ -234,11 +243,11 @@ def anchor_of(flights: Sequence[Drawn], edge: Literal["top", "bottom"]) -> Any:
 
 def _shape(setting: Setting) -> tuple[shapes.Mesh, shapes.Mesh]:
     """The vehicle's two meshes: those of its look, or by default an aircraft in space, else a robot; of a simulator the
-    one declared, or by default a ball unless it has an attitude."""
+    one declared, or a neutral one."""
     if setting.scene is not None:
         vehicle = setting.scene.vehicle
         turns = vehicle.quaternion is not None or vehicle.angles is not None
-        return MESHES[vehicle.mesh or ("ball" if not turns else "robot" if setting.planar else "aircraft")]()
+        return MESHES[vehicle.mesh or ("body" if turns else "ball")]()
     look = setting.drawn.vehicle(setting.vehicle)
     mesh = look.mesh if look is not None else "robot" if setting.planar else "aircraft"
     return MESHES[mesh]()

@@ -85,6 +85,14 @@ def ball() -> tuple[Mesh, Mesh]:
     return revolved(0.25 * np.column_stack([np.sin(angles), np.cos(angles)])), revolved(disc)
 
 
+def body() -> tuple[Mesh, Mesh]:
+    """A ball that has a front along x and an upside along z, and looks like no vehicle."""
+    hull, _ = ball()
+    nose = prism(np.array([(0.2, -0.14), (0.5, 0.0), (0.2, 0.14)]), -0.02, 0.02)
+    upright = prism(np.array([(-0.1, 0.2), (0.1, 0.2), (0.0, 0.38)]), -0.02, 0.02)
+    return hull, join([nose, Mesh(upright.vertices[:, (0, 2, 1)], upright.faces[:, ::-1])])
+
+
 def revolved(profile: Floats, steps: int = 12) -> Mesh:
     """A profile (n, 2) of height and radius, turned about z."""
     angles = np.linspace(0, 2 * np.pi, steps, endpoint=False)

@@ -1,6 +1,6 @@
 // The query cache: keys and freshness of the service's responses. The event stream writes into the same cache.
 import { infiniteQueryOptions, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
-import type { RunSummary } from '../client'
+import type { RunSummary, TraceHead } from '../client'
 import { learnMethods, requestBy } from '../ui/methods'
 import * as sdk from '../client'
 import { answer, getRun, getSchema, listRuns, type RunFilter } from './calls'
@@ -111,10 +111,14 @@ export const findingsQuery = (id: string) =>
   queryOptions({ queryKey: ['findings', id], queryFn: () => answer(sdk.listFindings({ path: { run: id } })) })
 
 export const tracesQuery = (id: string) =>
-  queryOptions({ queryKey: ['traces', id], queryFn: () => answer(sdk.listTraces({ path: { run: id } })) })
+  queryOptions({ queryKey: ['traces', id], queryFn: () => answer(sdk.listTraces({ path: { run: id } })).then((all) => all.map(counted)) })
 
 const getTrace = (run: string, name: string, most: number) =>
-  answer(sdk.getTrace({ path: { run, name }, query: { max_points: most } }))
+  answer(sdk.getTrace({ path: { run, name }, query: { max_points: most } })).then(counted)
+
+/** A flight without a closest approach if it did not end ok: how near a failed one came is no value of it. */
+export const counted = <T extends { meta: TraceHead }>(trace: T): T =>
+  trace.meta.status === 'ok' ? trace : { ...trace, meta: { ...trace.meta, closest: null } }
 
 export const traceQuery = (id: string, name: string) =>
   queryOptions({ queryKey: ['trace', id, name], queryFn: () => getTrace(id, name, 1500), staleTime: 300_000 })

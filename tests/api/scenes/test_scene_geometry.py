@@ -143,7 +143,9 @@ def test_a_track_is_cut_into_dashes_of_one_length() -> None:
     assert len(shapes.dashed(np.zeros((5, 3)), 1.0)) == 0
 
 
-@pytest.mark.parametrize("mesh", [*shapes.aircraft(), *shapes.pioneer(), *shapes.unicycle(), shapes.arrow()])
+@pytest.mark.parametrize(
+    "mesh", [*shapes.aircraft(), *shapes.pioneer(), *shapes.unicycle(), *shapes.body(), shapes.arrow()]
+)
 def test_meshes_are_about_one_unit_large_and_whole(mesh: shapes.Mesh) -> None:
     assert np.abs(mesh.vertices).max() <= 1.0
     assert set(np.unique(mesh.faces)) <= set(range(len(mesh.vertices)))

@@ -1,6 +1,6 @@
 // The flight in 3D: the viewer runs in its own frame; all its numbers are also on this page.
 import { useSearch } from '@tanstack/react-router'
-import { useEffect, useLayoutEffect, useRef, useSyncExternalStore } from 'react'
+import { useEffect, useLayoutEffect, useRef, useState, useSyncExternalStore } from 'react'
 import { hasScenario } from '../../api/campaign'
 import { useTheme } from '../../theme/useTheme'
 import { Card } from '../../ui/Card'
@@ -8,11 +8,12 @@ import { useCalm } from '../../ui/useCalm'
 import { useNear } from '../../ui/useNear'
 import { calledOf } from '../data/chosen'
 import { leavesGround, type RunData } from '../data/data'
-import { drawable } from './drawable'
+import { graphics } from './drawable'
 import { FlightHead } from './FlightHead'
 import { noiseOf } from './flown'
 import { FlightNotice, NotDrawable } from './FlightNotice'
 import { PlayBar } from './PlayBar'
+import { Still } from './Still'
 import { useInstant } from './useInstant'
 import type { View } from './view'
 import type { WhatIfState } from './useWhatIf'
@@ -34,9 +35,12 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
   // A viewer uses resources of the service: it is opened when it comes near the window.
   const [holder, near] = useNear<HTMLDivElement>()
   const wanted = useCalm() && near
-  const draws = !wanted || drawable()
-  const ready = wanted && draws
   const { t, cam } = useSearch({ from: '/runs/$id' })
+  // A page of its own, and a link to an instant or a camera, ask for the view.
+  const [asked, setAsked] = useState(alone || t !== undefined || cam !== undefined)
+  const drawnBy = wanted ? graphics() : 'hardware'
+  const still = drawnBy === 'software' && !asked
+  const ready = wanted && drawnBy !== 'none' && !still
   const place = useRef({ time: t, camera: cam })
   const known = useSyncExternalStore(view.subscribe, () => view.known)
 
@@ -63,6 +67,10 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
           view={view}
           shown={known.shown}
           alone={alone}
+          onCamera={(camera) => {
+            setAsked(true) // who chooses a camera wants to see from there
+            view.steer({ camera })
+          }}
           onFull={() => void holder.current?.requestFullscreen().catch(() => undefined)}
         />
       }
@@ -79,7 +87,13 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
               inert={known.phase !== 'open'}
             />
           )}
-          {draws ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable what={hasScenario(data.campaign) ? 'flight' : 'case'} alone={alone} />}
+          {drawnBy === 'none' ? (
+            <NotDrawable what={hasScenario(data.campaign) ? 'flight' : 'case'} alone={alone} />
+          ) : still ? (
+            <Still data={data} onOpen={() => setAsked(true)} />
+          ) : (
+            <FlightNotice known={known} onRetry={() => view.retry()} />
+          )}
         </div>
         <PlayBar data={data} view={view} shown={known.shown} whatIf={whatIf} />
       </div>

@@ -33,13 +33,14 @@ interface Props {
   shown: ViewState | null
   /** In its own window. */
   alone: boolean
+  onCamera: (camera: Camera) => void
   onFull: () => void
 }
 
 /** It looks over an obstacle at the vehicle, whether the obstacle moves or not. */
 const NAMES: Partial<Record<Camera, string>> = { intruder: 'Obstacle' }
 
-export function FlightHead({ data, view, shown, alone, onFull }: Props) {
+export function FlightHead({ data, view, shown, alone, onCamera, onFull }: Props) {
   const flies = hasScenario(data.campaign)
   const recorded = data.traces.some(({ name, meta }) => name === data.chosen && (flies || meta.scene))
   const [address] = useAddress(data.run.id)
@@ -51,7 +52,7 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
         label="Camera"
         value={(shown?.camera ?? '') as Camera}
         options={camerasOf(data).map((camera) => ({ value: camera, label: NAMES[camera] ?? `${camera.charAt(0).toUpperCase()}${camera.slice(1)}` }))}
-        onChange={(camera) => view.steer({ camera })}
+        onChange={onCamera}
       />
       <span className={layout.row} style={{ gap: 4 }}>
         <CopyInstant view={view} address={address} alone={alone} />

@@ -5,6 +5,7 @@ import { type Key, Legend, useHidden } from '../../charts/Legend'
 import { Plot, type Standing } from '../../charts/Plot'
 import { linesOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
+import { counted } from '../../api/queries'
 import type { FlightAnswer, TraceData } from '../../client'
 import { decimalsFor, fixed, plain } from '../../format/numbers'
 import { type Shown, WindowSeg } from '../../ui/WindowSeg'
@@ -38,7 +39,7 @@ export function whatIfOf(answer: FlightAnswer | null): Flown[] {
   if (!answer || Object.keys(answer.data).length === 0) return []
   const { trace: meta, columns, data } = answer
   const rows = data[columns[0]?.name ?? '']?.length ?? 0
-  return [{ key: 'what-if', label: 'What-if', colour: '--c-what-if', trace: { name: 'what-if', rows, columns, meta, data } }]
+  return [{ key: 'what-if', label: 'What-if', colour: '--c-what-if', trace: counted({ name: 'what-if', rows, columns, meta, data }) }]
 }
 
 /** The time range of all charts over time. */

@@ -2,7 +2,8 @@
 // does not shift.
 import { useQueryClient } from '@tanstack/react-query'
 import { useNavigate } from '@tanstack/react-router'
-import { lazy, Suspense } from 'react'
+import { lazy, Suspense, useEffect, useState } from 'react'
+import { flushSync } from 'react-dom'
 import { hasScenario } from '../../api/campaign'
 import { evaluationsQuery } from '../../api/queries'
 import { useCalm } from '../../ui/useCalm'
@@ -13,7 +14,8 @@ import { written } from '../flight/whatif'
 import type { WhatIfState } from '../flight/useWhatIf'
 import layout from '../../ui/layout.module.css'
 
-const SpaceCard = lazy(() => import('./SpaceCard').then((module) => ({ default: module.SpaceCard })))
+const load = () => import('./SpaceCard')
+const SpaceCard = lazy(() => load().then((module) => ({ default: module.SpaceCard })))
 
 interface Props {
   data: RunData
@@ -23,15 +25,32 @@ interface Props {
 
 export function SpaceSection({ data, whatIf }: Props) {
   const calm = useCalm()
+  const [holder, near] = useNear<HTMLDivElement>()
+  const printed = usePrinted()
+  // Drawing all evaluations takes a fifth of the page's time: only where they are seen. To print them, the code must be there.
+  useEffect(() => {
+    if (calm) void load().catch(() => undefined)
+  }, [calm])
   return (
-    <div className={layout.c12} id="space" style={{ minHeight: 520 }}>
-      {calm && (
+    <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>
+      {calm && (near || printed) && (
         <Suspense>
           <SpaceCard data={data} className="" whatIf={whatIf} onPick={whatIf && whatIf.change} />
         </Suspense>
       )}
     </div>
   )
+}
+
+/** True once the page is printed, then at once. */
+function usePrinted(): boolean {
+  const [printed, setPrinted] = useState(false)
+  useEffect(() => {
+    const print = () => flushSync(() => setPrinted(true))
+    addEventListener('beforeprint', print)
+    return () => removeEventListener('beforeprint', print)
+  }, [])
+  return printed
 }
 
 /** How often the evaluations of an active run are read while their drawing has been near the window [ms]. */

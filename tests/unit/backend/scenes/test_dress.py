@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import viser
 
-from backend.scenes.base.dress import CHARSET, QUIET, SIZES, TOKENS, dressed, font_file, font_inside, style
+from backend.scenes.base.dress import AT_REST, CHARSET, QUIET, SIZES, TOKENS, dressed, font_file, font_inside, style
 
 TOKENS_CSS = Path(__file__).parents[4] / "frontend" / "src" / "theme" / "tokens.css"
 VISER = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
@@ -20,6 +20,15 @@ def tokens(theme: str) -> dict[str, str]:
     )
     assert block is not None
     return dict(re.findall(r"--([\w-]+): (.*?);", block[1]))
+
+
+def test_the_frames_without_a_request_are_those_of_the_script() -> None:
+    """AT_REST knows them by their interval, which nothing else on viser's page has while it is connected."""
+    source = (Path(viser.__file__).parent / "client" / "src" / "App.tsx").read_text(encoding="utf-8")
+    assert "const RENDER_HEARTBEAT_MS = 1000;" in source
+    assert "setInterval(() => invalidate(), RENDER_HEARTBEAT_MS)" in source
+    assert source.count("setInterval(") == 1
+    assert 'frameloop="demand"' in source
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
@@ -37,7 +46,7 @@ def test_the_sizes_are_those_of_the_pages() -> None:
 def test_a_page_begins_with_its_character_set_and_has_the_style_once() -> None:
     page = dressed(VISER, "data:font/woff2;base64,AAAA")
     assert page.index(CHARSET) < 200, "a file from disk has no other description of its characters"
-    assert page.count(QUIET) == page.count("@font-face{font-family:'Inter Variable'") == 1
+    assert page.count(QUIET) == page.count(AT_REST) == page.count("@font-face{font-family:'Inter Variable'") == 1
     assert page.index(CHARSET) < page.index(QUIET) < page.index("<script data-p=")
     assert "@font-face" not in style(None)
 

@@ -223,3 +223,20 @@ def test_a_text_that_refers_to_itself_has_lines() -> None:
 def test_the_summary_shows_the_picture_next_to_it() -> None:
     assert "](a%20b-R-0007.svg)" in markdown(ended(picture="a b-R-0007.svg"))
     assert "![" not in markdown(ended())
+
+
+@pytest.mark.parametrize(
+    ("word", "state", "first"),
+    [
+        ("cleared", "done", "## ✅ Case \\<1\\>: exit code 0: cleared"),
+        ("violated", "done", "## ❌ Case \\<1\\>: exit code 1: violated"),
+        ("inconclusive", "done", "## ❔ Case \\<1\\>: exit code 2: inconclusive, neither cleared nor violated"),
+        ("", "failed", "## ⚠️ Case \\<1\\>: exit code 4: the run failed, there is no verdict"),
+        ("", "cancelled", "## ⚠️ Case \\<1\\>: exit code 130: the run was cancelled, there is no verdict"),
+    ],
+)
+def test_the_summary_and_junit_open_with_the_meaning_of_the_exit_code(word: str, state: str, first: str) -> None:
+    given = ended(word, state=state)
+    assert markdown(given).splitlines()[0] == first
+    stated = {p.get("name"): p.get("value") for p in Xml.fromstring(junit(given)).iter("property")}
+    assert first.endswith(str(stated["outcome"]))

@@ -20,8 +20,8 @@ from campaigns.stages.plan import bound, most
 
 USUAL = (
     "How soon searches end by their own rule, how many worst cases there are and how long the descents to them take is "
-    "known only afterwards. No run takes more than {most} evaluations{called}, those made again to confirm results and to "
-    "replace excluded samples included; validation takes at most {validation}."
+    "known only afterwards. No run takes more than {most} evaluations{called}, those made again to confirm results and "
+    "to replace excluded samples included; validation takes at most {validation}."
 )
 FEW = ", which the nominal case and one finding need, whatever the budget"
 UNKNOWN = "The time is known after a first run of the same components."

@@ -324,7 +324,7 @@ def test_anything_is_found_and_gone_to(signed_in: Visit) -> None:
     page.keyboard.press("Control+k")
     dialog = page.get_by_role("dialog", name="Search or jump to")
     found = dialog.get_by_role("option")
-    expect(found.filter(has_text=BOX)).to_be_visible()
+    expect(found.filter(has_text="R-0").first).to_be_visible()
     page.keyboard.type("webhook")
     expect(found.filter(has_text="POST /webhooks").first).to_be_visible()
     found.filter(has_text="Operation: ").first.click()

@@ -18,7 +18,7 @@ from campaigns.claims import numbers
 from campaigns.claims.numbers import Format
 
 ROOT = Path(__file__).parents[4]
-CASES: dict[str, list[list[Any]]] = json.loads((ROOT / "campaigns/claims/numbers.json").read_text(encoding="utf-8"))
+CASES: dict[str, list[list[Any]]] = json.loads((ROOT / "frontend/tests/numbers.json").read_text(encoding="utf-8"))
 WRITTEN: dict[str, Callable[..., str | int]] = {
     "printed": lambda value, unit, form, digits: numbers.printed(value, unit, Format(form), digits),
     "fixed": numbers.fixed,
@@ -99,7 +99,7 @@ ONE = st.one_of(
 )  # fmt: skip
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(cases=st.lists(ONE, min_size=1, max_size=40))
 def test_random_numbers_are_written_as_on_the_pages(pages: Ask, cases: list[tuple[Any, ...]]) -> None:
     assert pages([list(case) for case in cases]) == [WRITTEN[name](*rest) for name, *rest in cases]

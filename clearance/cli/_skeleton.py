@@ -5,9 +5,12 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from clearance.cli import WrongInputError
+
+if TYPE_CHECKING:
+    from campaigns.documents import JsonObject
 
 _WORKER = Path(__file__).parents[2] / "worker"
 _COMPONENTS = _WORKER / "engine" / "components"
@@ -71,9 +74,9 @@ def _campaign(kind: Kind, name: str, vehicle: str, controller: str) -> str:
     """A ground robot passes a post; the component takes the place of a shipped one, with its default parameters."""
     import yaml
 
-    own: dict[str, Any] = {"component": name}
+    own: JsonObject = {"component": name}
     post = {"position": {"x": 4.0, "y": 4.0}, "radius": 0.5}
-    scenario: dict[str, Any] = {
+    scenario: JsonObject = {
         "vehicle": {"component": vehicle},
         "controller": {"component": controller},
         "avoider": {"component": "potential_field"},
@@ -83,7 +86,7 @@ def _campaign(kind: Kind, name: str, vehicle: str, controller: str) -> str:
         "horizon": 15.0,
         "step": 0.005,
     }
-    criterion: dict[str, Any] = {"component": "surface_separation", "threshold": 0.1}
+    criterion: JsonObject = {"component": "surface_separation", "threshold": 0.1}
     if kind is Kind.CRITERION:
         criterion["component"] = name
     elif kind is Kind.OBSTACLE:

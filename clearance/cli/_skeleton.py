@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from clearance.cli import WrongInputError
-
-if TYPE_CHECKING:
-    from campaigns.documents import JsonObject
 
 _WORKER = Path(__file__).parents[2] / "worker"
 _COMPONENTS = _WORKER / "engine" / "components"
@@ -30,14 +25,42 @@ class Kind(enum.StrEnum):
 
 _SHIPPED = {Kind.ENVIRONMENT: ("environment/ground_slope.py", "ground_slope", "GroundSlope", "Slope of the ground")}
 """Kinds that begin with a shipped component: its file, name, class and title."""
-_UNCERTAIN: Mapping[Kind, Mapping[str, Mapping[str, object]]] = {
-    Kind.CONTROLLER: {"controller.K_p": {"low": 6.0, "high": 10.0, "unit": "N s/m"}},
-    Kind.AVOIDER: {"avoider.reach": {"low": 2.0, "high": 4.0, "unit": "m"}},
-    Kind.OBSTACLE: {"obstacles.0.swing": {"low": 0.5, "high": 1.5, "unit": "m"}},
-    Kind.ENVIRONMENT: {"environment.0.x": {"low": -0.05, "high": 0.05}},
-    Kind.FAULT: {"faults.0.offset": {"low": -0.3, "high": 0.3, "unit": "m"}},
+_UNCERTAIN = {
+    Kind.CONTROLLER: "controller.K_p: {low: 6.0, high: 10.0, unit: N s/m}",
+    Kind.AVOIDER: "avoider.reach: {low: 2.0, high: 4.0, unit: m}",
+    Kind.OBSTACLE: "obstacles.0.swing: {low: 0.5, high: 1.5, unit: m}",
+    Kind.ENVIRONMENT: "environment.0.x: {low: -0.05, high: 0.05}",
+    Kind.FAULT: "faults.0.offset: {low: -0.3, high: 0.3, unit: m}",
 }
 """A parameter of the component that its campaign makes uncertain."""
+_CAMPAIGN = """\
+# clearance run {name}.yaml
+name: {title}, a first campaign
+summary: A ground robot passes a post, with the {kind} {name}.
+
+scenario:
+  vehicle: {{component: {vehicle}}}
+  controller: {{component: {controller}}}
+  avoider: {{component: {avoider}}}
+  start: {{x: 0.0, y: 0.0}}
+  goal: {{x: 6.0, y: 7.0}}
+  obstacles:
+    - component: {obstacle}
+      parameters: {{position: {{x: 4.0, y: 4.0}}, radius: 0.5}}{more}
+  horizon: 15.0
+  step: 0.005
+
+uncertain:
+  vehicle.m: {{low: 4.0, high: 6.0, unit: kg}}{uncertain}
+
+criterion: {{component: {criterion}, threshold: 0.1}}
+
+stages:
+  search:
+    - {{method: direct, evaluations: 2000}}
+    - {{method: cma_es, evaluations: 2000}}
+  certify: {{samples: 300}}
+"""
 
 
 def files(kind: Kind, name: str, vehicle: str, folder: Path) -> dict[Path, str]:
@@ -72,41 +95,22 @@ def _written(kind: Kind, name: str, fits: tuple[str, ...]) -> str:
 
 def _campaign(kind: Kind, name: str, vehicle: str, controller: str) -> str:
     """A ground robot passes a post; the component takes the place of a shipped one, with its default parameters."""
-    import yaml
-
-    own: JsonObject = {"component": name}
-    post = {"position": {"x": 4.0, "y": 4.0}, "radius": 0.5}
-    scenario: JsonObject = {
-        "vehicle": {"component": vehicle},
-        "controller": {"component": controller},
-        "avoider": {"component": "potential_field"},
-        "start": {"x": 0.0, "y": 0.0},
-        "goal": {"x": 6.0, "y": 7.0},
-        "obstacles": [{"component": "circle", "parameters": post}],
-        "horizon": 15.0,
-        "step": 0.005,
+    usual = {
+        Kind.VEHICLE: vehicle,
+        Kind.CONTROLLER: controller,
+        Kind.AVOIDER: "potential_field",
+        Kind.OBSTACLE: "circle",
+        Kind.CRITERION: "surface_separation",
     }
-    criterion: JsonObject = {"component": "surface_separation", "threshold": 0.1}
-    if kind is Kind.CRITERION:
-        criterion["component"] = name
-    elif kind is Kind.OBSTACLE:
-        scenario["obstacles"] = [own | {"parameters": post}]
-    elif kind in (Kind.ENVIRONMENT, Kind.FAULT):
-        scenario["environment" if kind is Kind.ENVIRONMENT else "faults"] = [own]
-    else:
-        scenario[kind] = own
-    document = {
-        "name": f"{name.replace('_', ' ').capitalize()}, a first campaign",
-        "summary": f"A ground robot passes a post, with the {kind} {name}.",
-        "scenario": scenario,
-        "uncertain": {"vehicle.m": {"low": 4.0, "high": 6.0, "unit": "kg"}, **_UNCERTAIN.get(kind, {})},
-        "criterion": criterion,
-        "stages": {
-            "search": [{"method": "direct", "evaluations": 2000}, {"method": "cma_es", "evaluations": 2000}],
-            "certify": {"samples": 300},
-        },
-    }
-    return f"# clearance run {name}.yaml\n" + yaml.safe_dump(document, sort_keys=False, default_flow_style=None)
+    parts = {str(role): shipped for role, shipped in (usual | {kind: name}).items()}
+    more = {Kind.ENVIRONMENT: "environment", Kind.FAULT: "faults"}.get(kind)
+    return _CAMPAIGN.format(
+        **parts | {"more": f"\n  {more}: [{{component: {name}}}]" if more else ""},
+        name=name,
+        title=name.replace("_", " ").capitalize(),
+        kind=kind,
+        uncertain=f"\n  {_UNCERTAIN[kind]}" if kind in _UNCERTAIN else "",
+    )
 
 
 def _fitting(vehicle: str) -> tuple[str, ...]:

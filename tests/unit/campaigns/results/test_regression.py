@@ -21,7 +21,7 @@ from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.stage import Reevaluated
 from campaigns.results.verdict import VerdictWord
 from campaigns.stages.baseline import BaselineResult
-from clearance.cli._ended import EndedRun, code, exit_sentence
+from clearance.cli._ended import EndedRun, by_policy, code, exit_sentence
 from clearance.cli._junit import junit
 from clearance.cli._markdown import markdown
 from clearance.testing.problems import Problem
@@ -429,7 +429,7 @@ def test_the_summary_is_markdown_in_which_no_text_is_markup() -> None:
     found = compared((0.84,), (0.80,), (0.80,), ("F1",), regression={"fail_on": ["worse"]})
     text = markdown(ended(found, notes=("<img src=x> [a](b) | `c`",)))
     first, _, second = text.splitlines()[:3]
-    assert first == "## ❌ Case \\<1\\> &amp; more: exit code 1: the policy of the campaign fails"
+    assert first == f"## ❌ Case \\<1\\> &amp; more: exit code 1: {by_policy(concluded(found, 'cleared'))}"
     assert second.startswith("**Cleared**, ")
     assert "\\<img src=x\\> \\[a\\](b) \\| \\`c\\`" in text
     assert "branch = feature\\|x" in text

@@ -231,7 +231,8 @@ def test_a_service_that_does_not_answer_is_noticed_while_its_answer_is_awaited()
     made.session.notice = 0.01
     made.session.notify = lambda text: (texts.append(text), noticed.set())
     assert made.run("R-0001").state == "done"
-    assert texts == ["no answer from http://127.0.0.1:9 for 0.01 s, waiting up to 120 s"]
+    (text,) = texts
+    assert all(part in text for part in (made.address, "0.01 s", "120 s"))
 
 
 def test_a_service_that_answers_is_not_noticed() -> None:

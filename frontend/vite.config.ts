@@ -9,7 +9,7 @@ import { defineConfig } from 'vitest/config'
 const service = process.env.CLEARANCE_URL ?? 'http://127.0.0.1:8000'
 
 /** What pages share comes to all of them, but not what starts them, nor what only a campaign's text needs. */
-const SHARED = /^(?!.*(src.api.ahead|src.format.root|preload-helper|src.launch.text|node_modules.(yaml|@codemirror|@lezer)))/
+const SHARED = /^(?!.*(src.api.ahead|src.format.root|preload-helper|src.launch.text|src.help.texts|docs.[\w-]+\.md|node_modules.(yaml|@codemirror|@lezer)))/
 
 /** What both the start and the pages need, in one file: each costs the browser and the service some milliseconds. */
 const START = /src.format.root|preload-helper/

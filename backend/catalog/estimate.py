@@ -11,8 +11,8 @@ from backend.catalog.schemas import Estimate, EstimatedStage
 from backend.db import costs
 from backend.db.tables import Run, Stage
 from campaigns import Campaign, Catalogue
-from campaigns.asked.allowance import validation
-from campaigns.checked.expected import Total, expected, total
+from campaigns.asked.allowance import least, validation
+from campaigns.checked.expected import Total, called, expected, total
 from campaigns.checked.expected import again as made_again
 from campaigns.runs import RunState, run_name
 from campaigns.stages.found import declared
@@ -20,9 +20,10 @@ from campaigns.stages.plan import bound, most
 
 USUAL = (
     "How soon searches end by their own rule, how many worst cases there are and how long the descents to them take is "
-    "known only afterwards. No run takes more than {most} evaluations, those made again to confirm results and to "
-    "replace excluded samples included; validation takes {validation} of them at most."
+    "known only afterwards. No run takes more than {most} evaluations{called}, those made again to confirm results and "
+    "to replace excluded samples included; validation takes at most {validation}."
 )
+FEW = ", which the nominal case and one finding need, whatever the budget"
 UNKNOWN = "The time is known after a first run of the same components."
 SPEED = "The time is that of earlier runs with the same components."
 
@@ -61,8 +62,14 @@ def estimate(
         time = _scaled(seconds, evaluations)
     else:
         time = _simulated(reader, campaign, catalogue, evaluations)
-    statement = USUAL.format(most=f"{evaluations.most:,}", validation=f"{validation(campaign).total:,}")
-    return _estimate(stages, evaluations, statement, time, None)
+    return _estimate(stages, evaluations, bounded(campaign, evaluations.most), time, None)
+
+
+def bounded(campaign: Campaign, most: int) -> str:
+    """What no run exceeds, and why validation takes more than the searches where they are few."""
+    total, needed = validation(campaign).total, least(campaign, noisy=True)
+    validated = f"{total:,}" + (FEW if total == needed else "")
+    return USUAL.format(most=f"{most:,}", called=called(campaign, most), validation=validated)
 
 
 def _estimate(

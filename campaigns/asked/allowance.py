@@ -37,7 +37,8 @@ class Allowance(NamedTuple):
 
 
 def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
-    """At most so many evaluations. Small budgets are exceeded by what confirms the nominal case and one finding.
+    """At most so many evaluations, and never fewer than confirming the nominal case and one finding takes (`least`):
+    where the searches or the stated number are smaller, that is the bound, and the estimate says so.
 
     noisy: whether a simulator does not repeat, which is measured only by the first stage; it needs at most as many
     evaluations if it repeats.

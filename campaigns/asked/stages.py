@@ -81,7 +81,7 @@ class Validate(Strict):
     """Fraction of each range that contains the neighbours."""
     evaluations: Annotated[int | None, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE, UNLESS_STATED] = None
     """Of validation in all, those made again to confirm results included; omitted: as many as the searches, or as
-    `findings.evaluations` states."""
+    `findings.evaluations` states. Never less than confirming the nominal case and one finding takes."""
     repeats: Annotated[
         int, Field(ge=limits.REPEATS, le=10_000, exclude_if=_usual, json_schema_extra=no_default), AS_WHOLE
     ] = limits.REPEATS
@@ -95,7 +95,8 @@ class Findings(Strict):
     at_most: Annotated[int, Field(ge=1, le=50), AS_WHOLE] = 8
     evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = limits.FINDINGS
     """To distinguish them; neighbours, slices and boundaries come in addition. Validation as a whole takes at most as
-    many evaluations as the searches, or as this states if it is more and not the usual number."""
+    many evaluations as the searches, or as this states if it is more; the usual number counts as not stated (canonical
+    campaigns have it written out): `validate.evaluations` states any number."""
     distance: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = limits.DISTANCE
     """Two minima closer than this fraction of every range count as one."""
     barrier: Annotated[float, Field(ge=0, le=1), AS_NUMBER] = limits.BARRIER

@@ -51,8 +51,8 @@ class Total(NamedTuple):
 
     @property
     def text(self) -> str:
-        """About 12,600, at most 22,314."""
-        return f"About {self.usual:,}, at most {self.most:,}"
+        """At most 22,314: the one number that bounds the run."""
+        return f"At most {self.most:,}"
 
 
 Range = tuple[int, int]
@@ -96,6 +96,12 @@ def again(campaign: Campaign, catalogue: Catalogue, noisy: bool, halved: bool) -
         return min(most, random + cases * (1 + halved))
     called = (cases + len(campaign.stages.search)) * campaign.stages.validate_.repeats
     return min(most, random + math.ceil(called / campaign.simulator.calls))
+
+
+def called(campaign: Campaign, evaluations: int) -> str:
+    """How many calls so many evaluations are, as a clause; empty if each is one."""
+    calls = 1 if campaign.simulator is None else campaign.simulator.calls
+    return "" if calls == 1 else f", {calls * evaluations:,} calls"
 
 
 def confirmation(cost: Cost, calls: int = 1) -> str:

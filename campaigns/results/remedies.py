@@ -175,7 +175,7 @@ def _distinguished(check: Check, ran: Ran) -> Iterator[Remedy]:
         return
     stages = ran.campaign.stages
     stated, stage = stages.findings.evaluations, "findings"
-    if stated == FINDINGS or stages.validate_.evaluations is not None:
+    if stated in (FINDINGS, FINDINGS // MORE) or stages.validate_.evaluations is not None:  # the usual number asks none
         stated, stage = validation(ran.campaign).total, "validate"
     wanted = min(MORE * max(stated, 1000), MAX_EVALUATIONS)
     statement = ("with ", count(wanted), " evaluations to distinguish the worst cases")

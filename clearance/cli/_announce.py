@@ -23,7 +23,7 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
     Nothing is printed of a scenario, or if the database has no measurement of the simulator as it is now.
     """
     from campaigns.asked.proposal import lasting
-    from campaigns.checked.expected import again, expected, total
+    from campaigns.checked.expected import again, called, expected, total
 
     found = _measured(campaign, data, database)
     if found is None or campaign.simulator is None:
@@ -33,8 +33,9 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
     more = again(campaign, installed, cost.noisy, halved)
     seconds, known = cost.lasts(evaluations.usual, calls, more)
     longest = lasting(cost.lasts(0, calls, evaluations.most)[0])
-    taken = f"{lasting(seconds)}, at most {longest}"
-    typer.echo(f"{evaluations.text} evaluations; {taken} at this speed. {known}", err=True)
+    taken = f"about {lasting(seconds)}, at most {longest}"
+    again_called = called(campaign, evaluations.most)
+    typer.echo(f"{evaluations.text} evaluations{again_called}; {taken} at this speed. {known}", err=True)
 
 
 def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool, Catalogue] | None:

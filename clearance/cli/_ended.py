@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from campaigns.runs import RunState
-from clearance.cli import CODES, INTERNAL, INTERRUPTED, VIOLATED
+from clearance.cli import CODES, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED
 
 if TYPE_CHECKING:
     from campaigns.identity.identity import Identity
@@ -15,6 +15,16 @@ if TYPE_CHECKING:
     from campaigns.results.regression import FindingChange, Regression
     from campaigns.results.verdicts import DescribedCheck
     from clearance.cli._launch import Launch
+
+
+OUTCOMES = {
+    0: "cleared",
+    VIOLATED: "violated",
+    INCONCLUSIVE: "inconclusive, neither cleared nor violated",
+    INTERNAL: "the run failed, there is no verdict",
+    INTERRUPTED: "the run was cancelled, there is no verdict",
+}
+"""The meaning of each exit code of a run, unless a policy decides it."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +122,12 @@ class EndedRun:
             return INTERRUPTED if self.state == RunState.CANCELLED else INTERNAL
         return code(self.verdict)
 
+    @property
+    def outcome(self) -> str:
+        """The exit code and its meaning, without a full stop: the first words of a summary."""
+        policy = "" if self.verdict is None else by_policy(self.verdict)
+        return f"exit code {self.code}: {policy or OUTCOMES[self.code]}"
+
     def command(self, case: FindingChange) -> str:
         """The command that evaluates a case again; empty if there is none."""
         if not self.replay or self.regression is None:
@@ -144,14 +160,20 @@ def code(verdict: Verdict) -> int:
     return CODES[verdict.verdict]
 
 
-def exit_sentence(verdict: Verdict) -> str:
-    """Why the exit code is not that of the verdict; empty if it is."""
+def by_policy(verdict: Verdict) -> str:
+    """Why the exit code is not that of the verdict, as a clause; empty if it is."""
     regression = verdict.regression
     if regression is None or code(verdict) == CODES[verdict.verdict]:
         return ""
     if not regression.ok:
-        return f"The exit code is {VIOLATED}: the policy of the campaign fails."
-    return f"The exit code is 0: every violating finding was known in {regression.run}, and the policy accepts those."
+        return "the policy of the campaign fails"
+    return f"every violating finding was known in {regression.run}, and the policy accepts those"
+
+
+def exit_sentence(verdict: Verdict) -> str:
+    """`by_policy` as a sentence."""
+    clause = by_policy(verdict)
+    return f"The exit code is {code(verdict)}: {clause}." if clause else ""
 
 
 def changes(verdict: Verdict) -> list[str]:

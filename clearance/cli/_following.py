@@ -202,7 +202,8 @@ def _line(found: Run, figures: bool) -> str:
     if not figures:
         return f"{found.id} {name}"
     best = "" if stage.best is None else f", best {stage.best:.6g} {found.unit}"
-    return f"{found.id} {name}, {stage.evaluations:,} of at most {stage.planned:,} evaluations{best}"
+    of = f" of {stage.planned:,}" if stage.evaluations <= stage.planned else ""  # excluded samples are drawn again
+    return f"{found.id} {name}, {stage.evaluations:,}{of} evaluations{best}"
 
 
 def counts(found: Run) -> str:

@@ -32,7 +32,7 @@ def junit(ended: EndedRun) -> str:
     """The document."""
     suite = Xml.Element("testsuite", name=_clean(ended.campaign), time=f"{ended.seconds:.3f}")
     properties = Xml.SubElement(suite, "properties")
-    values = {"run": ended.run, "link": ended.link, "state": ended.state}
+    values = {"run": ended.run, "link": ended.link, "state": ended.state, "outcome": ended.outcome}
     values |= {f"label.{key}": value for key, value in ended.labels.items()}
     if ended.identity is not None:
         values["code"] = ended.identity.digest or f"not identified: {', '.join(ended.identity.unidentified)}"

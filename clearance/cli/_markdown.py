@@ -8,9 +8,11 @@ from urllib.parse import quote
 
 from campaigns.claims.numbers import NONE, signed
 from campaigns.results.regression import FindingChange, Regression
-from clearance.cli._ended import EndedRun, exit_sentence
+from clearance.cli import INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED
+from clearance.cli._ended import EndedRun
 
-SIGNS = {"cleared": "✅", "violated": "❌", "inconclusive": "❔"}
+SIGNS = {0: "✅", VIOLATED: "❌", INCONCLUSIVE: "❔", INTERNAL: "⚠️", INTERRUPTED: "⚠️"}
+"""Of the exit codes: a job that fails never opens with a tick."""
 _CODE = str.maketrans({"`": "'", "|": "\\|", "\n": " "})
 """What would end a piece of code in a table."""
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>|#~])")
@@ -23,14 +25,15 @@ def write(file: Path, ended: EndedRun) -> None:
 
 
 def markdown(ended: EndedRun) -> str:
-    """The summary: the verdict, its sentence, the changes since the baseline."""
+    """The summary: what the exit code means, the verdict and its sentence, the changes since the baseline."""
     verdict = ended.verdict
     run = f"[{_text(ended.run)}]({ended.link})" if ended.link else _text(ended.run)
+    lines = [f"## {SIGNS[ended.code]} {_text(ended.campaign)}: {_text(ended.outcome)}"]
     if verdict is None:
-        lines = [f"## ⚠️ {_text(ended.campaign)}: no verdict", f"{run} {_text(ended.state)}. {_text(ended.error)}"]
+        lines.append(f"{run} {_text(ended.state)}. {_text(ended.error)}")
     else:
-        word = str(verdict.verdict)
-        lines = [f"## {SIGNS[word]} {_text(ended.campaign)}: {verdict.headline}", f"{run}. {_text(verdict.reason)}"]
+        stated = ", ".join(filter(None, [f"**{verdict.headline.capitalize()}**", run]))
+        lines.append(f"{stated}. {_text(verdict.reason)}")
     lines += [_text(note) for note in ended.notes]
     if ended.labels:
         lines.append("Labels: " + ", ".join(f"{_text(key)} = {_text(value)}" for key, value in ended.labels.items()))
@@ -41,7 +44,6 @@ def markdown(ended: EndedRun) -> str:
     if verdict is not None and verdict.regression is not None:
         lines += [f"### Since {_text(verdict.regression.run)}", _text(verdict.regression.text)]
         lines.append("\n".join(_table(ended, verdict.regression)))
-        lines += filter(None, [_text(exit_sentence(verdict))])
     return "\n\n".join(filter(None, lines)) + "\n\n"
 
 
@@ -53,7 +55,7 @@ def _table(ended: EndedRun, regression: Regression) -> list[str]:
         f"Margin in {_text(regression.run)}{unit}",
         "Same case here",
         "Lowest here",
-        "FindingChange",
+        "Change",
         "",
     ]
     rows = [_row(ended, regression, case) for case in regression.cases]

@@ -19,9 +19,10 @@ from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.regression import Regression, Standing
-from campaigns.results.verdict import Counts, NominalCost, headline
+from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
-from clearance.cli._ended import changes
+from clearance.cli import INCONCLUSIVE, VIOLATED
+from clearance.cli._ended import changes, code
 from clearance.local.failures import lines as failures
 from clearance.local.progress import named
 from worker.running.runs.store import MemoryStore
@@ -29,11 +30,8 @@ from worker.running.runs.store import MemoryStore
 if TYPE_CHECKING:
     from clearance.cli._continue import Cited
 
-VERDICTS = {
-    "cleared": ("✓", "Cleared", "green"),
-    "violated": ("✗", "Violated", "red"),
-    "inconclusive": ("?", "Inconclusive", "yellow"),
-}
+SIGNS = {0: ("✓", "green"), VIOLATED: ("✗", "red"), INCONCLUSIVE: ("?", "yellow")}
+"""Of the exit codes: what fails a job has no tick, whatever the verdict."""
 COLOURS = {
     Standing.NEW: "yellow",
     Standing.WORSE: "red",
@@ -74,12 +72,12 @@ def print_report(
         console.print(Text(note), soft_wrap=not console.is_terminal)
     if verdict.regression is not None:
         console.print(_changes(verdict.regression))
-    sign, word, colour = VERDICTS[verdict.verdict]
-    console.print(Text(f"{sign} {headline(word, verdict.not_sampled)}", style=f"bold {colour}"))
+    sign, colour = SIGNS[code(verdict)]
+    console.print(Text(f"{sign} {verdict.headline.capitalize()}", style=f"bold {colour}"))
     for line in [verdict.reason, *changes(verdict)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)
-    code = identity_of(verdict.provenance, simulator_of(campaign)).text
-    console.print(Text(f"Code: {code}"), soft_wrap=not console.is_terminal)
+    identity = identity_of(verdict.provenance, simulator_of(campaign)).text
+    console.print(Text(f"Code: {identity}"), soft_wrap=not console.is_terminal)
     if out is not None:
         console.print(Text(f"Results in {out}"))
 
@@ -209,7 +207,7 @@ def _changes(regression: Regression) -> Table:
     """The changes since a baseline, a row for each finding of either run."""
     found = Table(f"Since {regression.run}", "")
     unit = f" [{regression.unit}]" if regression.unit else ""
-    for heading in (f"Margin there{unit}", f"Same case here{unit}", f"Lowest here{unit}", f"FindingChange{unit}"):
+    for heading in (f"Margin there{unit}", f"Same case here{unit}", f"Lowest here{unit}", f"Change{unit}"):
         found.add_column(escape(heading), justify="right")
     found.add_column("Here")
     for case in regression.cases:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -46,6 +47,11 @@ def token_of(file: str) -> str:
     return token
 
 
+def _noticed(text: str) -> None:
+    """In place of the line of a stage, where that is a terminal."""
+    typer.echo(f"\r\033[K{text}" if sys.stderr.isatty() else text, err=True)
+
+
 @contextmanager
 def opened(service: str, token_file: str, patience: float, source: str = "") -> Iterator[Client]:
     """The client; source: the campaign file, in whose problems a refusal is reported."""
@@ -54,6 +60,7 @@ def opened(service: str, token_file: str, patience: float, source: str = "") -> 
 
     try:
         with client.Client(service, token_of(token_file), patience=patience) as made:
+            made.session.notify = _noticed
             yield made
     except client.UnreachableError as error:
         raise UnreachableError(f"{error}") from None

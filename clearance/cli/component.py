@@ -2,37 +2,27 @@
 
 from __future__ import annotations
 
-import enum
 import os
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from campaigns.refusals import RefusalCode
-from clearance.cli import WrongInputError
+from clearance.cli import WrongInputError, _skeleton
+from clearance.cli._skeleton import Kind
 
 if TYPE_CHECKING:
     from worker.running.catalogue.own import OwnFile
 
 app = typer.Typer(
-    help="Your own vehicles, controllers, avoiders, obstacles, faults and criteria.", no_args_is_help=True
+    help="Your own vehicles, controllers, avoiders, obstacles, environments, faults and criteria.", no_args_is_help=True
 )
 
 UNUSABLE = 1
 """Exit code of a file that cannot be used."""
-
-
-class Kind(enum.StrEnum):
-    """The kinds of component that `new` writes."""
-
-    VEHICLE = "vehicle"
-    CONTROLLER = "controller"
-    AVOIDER = "avoider"
-    OBSTACLE = "obstacle"
-    FAULT = "fault"
-    CRITERION = "criterion"
 
 
 @app.command()
@@ -43,30 +33,40 @@ def new(
         str, typer.Option("--for", help="For a controller: the vehicle that it controls.", show_default=False)
     ] = "",
 ) -> None:
-    """Write a whole component to start from, into the first folder of CLEARANCE_COMPONENTS or the current one."""
+    """Write a whole component to start from, with a campaign that runs with it, into the first folder of
+    CLEARANCE_COMPONENTS or the current one."""
     from worker.engine.components.own import folders
 
     if vehicle and kind is not Kind.CONTROLLER:
         raise WrongInputError(f"--for {vehicle}: only a controller is written for a vehicle; leave --for out")
     listed = folders()
     folder = listed[0] if listed else Path.cwd()
-    file = folder / f"{name}.py"
-    _check_name(kind, name, file)
-    text = _written(kind, name, _fitting(vehicle) if kind is Kind.CONTROLLER else ())
-    try:
-        with file.open("x", encoding="utf-8") as output:
-            output.write(text)
-    except FileExistsError:
-        raise WrongInputError(
-            f"{file} exists and is not overwritten: choose another name, or remove it", RefusalCode.EXISTS
-        ) from None
-    except OSError as error:
-        raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
-    typer.echo(f"{file} is written: the {kind} {name!r}, which can be simulated as it is. Edit it, then check it:")
-    typer.echo(f"  clearance component check {_shown(file)}")
+    _check_name(kind, name, folder / f"{name}.py")
+    texts = _skeleton.files(kind, name, vehicle, folder)
+    _write(texts)
+    first, *others = map(_shown, texts)
+    typer.echo(f"{first} is written: the {kind} {name!r}, with {' and '.join(others)}, which run as they are.")
+    typer.echo("Edit it, check it, and run the campaign:")
+    typer.echo(f"  clearance component check {first}")
+    typer.echo(f"  clearance run {others[-1]}")
     if folder not in listed:
-        typer.echo("So that campaigns, the service and its workers find it, start them in a shell with:")
+        typer.echo("So that `clearance run`, the service and its workers find it, start them in a shell with:")
         typer.echo(f"  export CLEARANCE_COMPONENTS={shlex.quote(str(folder))}")
+
+
+def _write(texts: Mapping[Path, str]) -> None:
+    """Write new files, all or none."""
+    for file in texts:
+        if file.exists():
+            raise WrongInputError(
+                f"{file} exists and is not overwritten: choose another name, or remove it", RefusalCode.EXISTS
+            )
+    for file, text in texts.items():
+        try:
+            with file.open("x", encoding="utf-8") as output:
+                output.write(text)
+        except OSError as error:
+            raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
 
 
 @app.command()
@@ -122,52 +122,6 @@ def _check_name(kind: Kind, name: str, file: Path) -> None:
         raise WrongInputError(
             f"{taken} already declares the {kind} {name!r}: choose another name", RefusalCode.NAME_TAKEN
         )
-
-
-def _fitting(vehicle: str) -> tuple[str, ...]:
-    """The vehicles that the skeleton of a controller fits: the one asked for, or all whose states it assumes.
-
-    Read from the files as they are written: nothing is executed.
-    """
-    from worker.running.catalogue import own
-
-    shipped = Path(__file__).parents[2] / "worker" / "engine" / "components" / "vehicles"
-    files = [*sorted(shipped.glob("*.py")), *own.files(), *sorted(Path.cwd().glob("*.py"))]
-    known: dict[str, own.Signals | None] = {}
-    for file in files:
-        declared = own.declared_as(file)
-        if declared is not None and declared[0] == "Vehicle":
-            known.setdefault(declared[1], own.signals(file))
-    pattern = known["unicycle"]
-    assert pattern is not None
-    fits = [name for name, signals in known.items() if signals == pattern]
-    if not vehicle:
-        return tuple(fits)
-    if vehicle in fits:
-        return (vehicle,)
-    if vehicle not in known:
-        from campaigns.checked import texts
-
-        raise WrongInputError(f"--for {vehicle}: no such vehicle; {texts.known(vehicle, known)}")
-    raise WrongInputError(
-        f"--for {vehicle}: the controller that is written is for the states {', '.join(pattern.states)} and the inputs "
-        f"{' and '.join(pattern.inputs)}; begin with a copy of a controller for a vehicle like yours, from "
-        "worker/engine/components/controllers"
-    )
-
-
-def _written(kind: Kind, name: str, fits: tuple[str, ...]) -> str:
-    """The skeleton of this kind under this name."""
-    skeleton = Path(__file__).parents[2] / "worker" / "running" / "skeletons" / f"{kind}.py"
-    text = skeleton.read_text(encoding="utf-8")
-    title = name.replace("_", " ").capitalize()
-    type_name = "".join(part.capitalize() for part in name.split("_"))
-    text = text.replace(f"my_{kind}", name).replace(f"My{kind.capitalize()}", type_name).replace(f"My {kind}", title)
-    if fits:
-        text = text.replace(
-            'fits=("unicycle",)', f"fits=({', '.join(f'{each!r}' for each in fits)},)".replace("'", '"')
-        )
-    return text
 
 
 def _shown(file: Path) -> str:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import logging
 import random
+import threading
 import time
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
@@ -16,16 +19,36 @@ from clearance.client.calls import Call
 
 T = TypeVar("T")
 BUSY = (429, 502, 503, 504)
+NOTICE = 2.0
+"""Without an answer for so long, a notice states it [s]."""
 
 
 @dataclass
 class Session:
-    """The service: its address; patience: how long to repeat a request that it does not answer [s]."""
+    """The service: its address; patience: how long to repeat a request that it does not answer [s].
+
+    notify: called with a sentence, in another thread, if a request has no answer after `notice` seconds.
+    """
 
     address: str
     patience: float
+    notify: Callable[[str], object] = field(default=logging.getLogger("clearance.client").warning)
+    notice: float = NOTICE
     clock: Callable[[], float] = field(default=time.monotonic)
     jitter: Callable[[], float] = field(default=random.random)
+
+    @contextmanager
+    def noticed(self) -> Iterator[None]:
+        """State that there is no answer, once, if this is not left in time."""
+        repeated = f", waiting up to {self.patience:g} s" if self.patience > self.notice else ""
+        text = f"no answer from {self.address} for {self.notice:g} s{repeated}"
+        timer = threading.Timer(self.notice, self.notify, (text,))
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
 
 
 @dataclass(frozen=True)

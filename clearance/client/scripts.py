@@ -39,7 +39,7 @@ def ask(session: Session, call: Call[T]) -> Script[T]:
 
     Every request of `calls` may be repeated: it changes nothing, or has a key, or is the same when done twice.
     """
-    reply = yield from _answered(session, Send(call), call)
+    reply = yield from _answered(session, Send(call))
     try:
         return call.read(reply.content)
     except ValueError as error:
@@ -48,24 +48,30 @@ def ask(session: Session, call: Call[T]) -> Script[T]:
         ) from None
 
 
-def _answered(session: Session, effect: Send | Save, call: Call[Any]) -> Script[Reply]:
+def _answered(session: Session, effect: Send | Save) -> Script[Reply]:
+    with session.noticed():
+        reply = yield from _repeated(session, effect)
+    if reply.status >= 300:
+        raise refused(reply.status, reply.phrase, reply.problem, session.address)
+    return reply
+
+
+def _repeated(session: Session, effect: Send | Save) -> Script[Reply]:
+    """The last answer, after as many as are not final."""
     until, tries, broken = session.clock() + session.patience, 0, 0
     while True:
         reply: Reply = yield effect
         broken += reply.status == 500
         if not reply.again and not (reply.status == 500 and broken <= REPEATED_500):
-            break
+            return reply
         usual = min(LONGEST_PAUSE, FIRST_PAUSE * 2**tries) * (0.5 + 0.5 * session.jitter())
         pause = max(usual, reply.retry_after or 0.0)
         if session.clock() + pause > until:
             if reply.status == 500:
-                break
+                return reply
             raise UnreachableError(f"{session.address} did not respond for {session.patience:g} s: {reply.message}")
         yield Pause(pause)
         tries += 1
-    if reply.status >= 300:
-        raise refused(reply.status, reply.phrase, reply.problem, session.address)
-    return reply
 
 
 def asking(call: Callable[P, Call[T]]) -> Callable[Concatenate[Session, P], Script[T]]:
@@ -246,7 +252,7 @@ def trace(session: Session, run: Named, name: str = "F1") -> Script[Trace]:
 
 def download(session: Session, call: Call[bytes], file: Path) -> Script[Path]:
     """Write an answer to a file; an incomplete download leaves no file. Raises OSError if it cannot be written."""
-    yield from _answered(session, Save(call, file), call)
+    yield from _answered(session, Save(call, file))
     return file
 
 

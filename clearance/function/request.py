@@ -95,7 +95,8 @@ def search(
         decorated function declares.
     resume: an earlier result, an `Interrupted`, or the folder of `Result.save`; its searches are not evaluated again,
         and with a larger budget they continue.
-    seed: of everything random but the independent sample. progress: show bars in a terminal. name: of the campaign.
+    seed: of everything random but the independent sample. progress: bars in a terminal, an updated table in a notebook.
+    name: of the campaign.
     sample_seed: of the independent sample, to repeat an earlier result; nothing is cleared with one that was stated.
     quantity, unit: of the returned number, for sentences, tables and axes. worse: only "low".
     result: which result of a decorated function decides, if it has several.

@@ -1,51 +1,163 @@
-"""Progress of a run in this process: a bar per stage on standard error."""
+"""Progress of a run in this process: a bar per stage in a terminal, an updated display in a notebook, else a line per
+stage that has ended. All but the display are on standard error."""
 
 from __future__ import annotations
 
-from typing import Any, Self
+import sys
+import time
+from collections.abc import Callable
+from html import escape
+from typing import Any, Protocol, Self
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 
 from campaigns import Campaign
-from campaigns.claims.numbers import number
+from campaigns.claims.numbers import count, number
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 from worker.engine.stages.parts.base import Tally
 from worker.running.catalogue.installed import methods
 
+PAUSE = 0.3
+"""Between two updates of a display in a notebook [s]."""
+Names = list[tuple[str, int | None]]
+"""The stages of a run by name, with the evaluations that they are planned to have; None: they depend on findings."""
+
+
+class Shown(Protocol):
+    """What shows the tallies of the stages."""
+
+    def show(self, position: int, tally: Tally) -> None:
+        """Update a stage."""
+
+    def end(self) -> None:
+        """No stage is updated any more."""
+
 
 class Progress:
-    """A bar per stage on standard error, where that is a terminal."""
+    """Shows a run as the place where it runs can."""
 
     def __init__(self, campaign: Campaign) -> None:
-        self._planned = plan(campaign)
+        kinds = declared()
+        names = [(named(s.kind, s.method), None if kinds[s.kind].of_findings else s.planned) for s in plan(campaign)]
         console = Console(stderr=True)
-        self._bars = Bars(
-            TextColumn("{task.description:<24}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[best]}"),
-            TimeElapsedColumn(), console=console, transient=True, disable=not console.is_terminal,
-        )  # fmt: skip
-        self._tasks: dict[int, Any] = {}
+        display = None if console.is_terminal else _display()
+        self._shown: Shown = (
+            _Bars(names, console) if console.is_terminal else _Display(names, display) if display else _Lines(names)
+        )
+        self.show = self._shown.show
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._bars.stop()
+        self._shown.end()
+
+
+class _Bars:
+    def __init__(self, names: Names, console: Console) -> None:
+        self._names = names
+        self._bars = Bars(
+            TextColumn("{task.description:<24}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[best]}"),
+            TimeElapsedColumn(), console=console, transient=True,
+        )  # fmt: skip
+        self._tasks: dict[int, Any] = {}
 
     def show(self, position: int, tally: Tally) -> None:
-        """Update a stage's bar."""
-        stage = self._planned[position]
         self._bars.start()  # not before the first evaluation: a campaign may turn out to be unusable
         if position not in self._tasks:
-            name = named(stage.kind, stage.method)
-            total = (
-                None if declared()[stage.kind].of_findings else stage.planned
-            )  # how much it repeats depends on what was found
-            self._tasks[position] = self._bars.add_task(name, total=total, best="")
-        best = "" if tally.best is None else f"best {number(tally.best)}"
-        self._bars.update(self._tasks[position], completed=tally.evaluations, best=best)
+            name, planned = self._names[position]
+            self._tasks[position] = self._bars.add_task(name, total=planned, best="")
+        self._bars.update(self._tasks[position], completed=tally.evaluations, best=_best(tally))
+
+    def end(self) -> None:
+        self._bars.stop()
+
+
+class _Lines:
+    """A line for each stage once the next one has begun, or the run has ended; its time is that between the lines."""
+
+    def __init__(self, names: Names) -> None:
+        self._names, self._now = names, -1
+        self._began, self._tally = time.monotonic(), Tally()
+
+    def show(self, position: int, tally: Tally) -> None:
+        if position != self._now:
+            self.end()
+        self._now, self._tally = position, tally
+
+    def end(self) -> None:
+        if self._now >= 0:
+            parts = [_evaluations(self._tally), _best(self._tally), f"{time.monotonic() - self._began:.1f} s"]
+            print(f"{self._names[self._now][0]}: {', '.join(filter(None, parts))}", file=sys.stderr, flush=True)
+        self._now, self._began = -1, time.monotonic()
+
+
+class _Display:
+    """A table that is updated in place, by the display that the notebook has."""
+
+    def __init__(self, names: Names, display: Callable[..., Any]) -> None:
+        self._names, self._display = names, display
+        self._tallies: dict[int, Tally] = {}
+        self._handle: Any = None
+        self._updated, self._ended = 0.0, False
+
+    def show(self, position: int, tally: Tally) -> None:
+        new = position not in self._tallies
+        self._tallies[position] = tally
+        if new or time.monotonic() - self._updated >= PAUSE:
+            self._update()
+
+    def end(self) -> None:
+        self._ended = True
+        if self._tallies:
+            self._update()
+
+    def _update(self) -> None:
+        self._updated = time.monotonic()
+        if self._handle is None:
+            self._handle = self._display(self, display_id=True)
+        else:
+            self._handle.update(self)
+
+    def __repr__(self) -> str:
+        rows = [f"{self._names[at][0]}: {_evaluations(tally)} {_best(tally)}" for at, tally in self._tallies.items()]
+        return "\n".join(map(str.rstrip, rows))
+
+    def _repr_html_(self) -> str:
+        cell = '<td style="text-align:left;padding:2px 10px">'
+        rows = []
+        for position, (name, planned) in enumerate(self._names):
+            tally = self._tallies.get(position)
+            done = position < max(self._tallies) or (self._ended and planned is None)
+            most = max(1, planned or 0, 0 if tally is None else tally.evaluations)
+            value = most if done else None if planned is None and tally else 0 if tally is None else tally.evaluations
+            filled = "" if value is None else f' value="{value}"'
+            bar = f'<progress max="{most}"{filled}></progress>'
+            texts = [escape(name), bar, *(("", "") if tally is None else (_evaluations(tally), _best(tally)))]
+            rows.append(f"<tr>{''.join(f'{cell}{text}</td>' for text in texts)}</tr>")
+        return f'<table style="font-variant-numeric:tabular-nums">{"".join(rows)}</table>'
+
+
+def _display() -> Callable[..., Any] | None:
+    """The display of the notebook in which this runs."""
+    python = sys.modules.get("IPython")
+    if python is None or python.get_ipython() is None:
+        return None
+    from IPython.display import display  # type: ignore[import-not-found,unused-ignore]
+
+    shown: Callable[..., Any] = display
+    return shown
+
+
+def _evaluations(tally: Tally) -> str:
+    return f"{count(tally.evaluations)} evaluation{'' if tally.evaluations == 1 else 's'}"
+
+
+def _best(tally: Tally) -> str:
+    return "" if tally.best is None else f"best {number(tally.best)}"
 
 
 def named(kind: str, method: str | None) -> str:

@@ -5,9 +5,9 @@ import { NotFound } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { fragmentOf, GUIDES, parts, sectionsOf, shown } from './guides'
 import { HelpFrame } from './HelpFrame'
+import { TEXTS } from './texts'
 import cards from '../ui/cards.module.css'
 
-const TEXTS = import.meta.glob<string>('../../../docs/*.md', { query: '?raw', import: 'default', eager: true })
 const PICTURES = import.meta.glob<string>('../../../docs/images/*.svg', { query: '?url', import: 'default', eager: true })
 
 // The Markdown parser is loaded on demand, as for the notes of a run.

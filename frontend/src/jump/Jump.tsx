@@ -9,7 +9,9 @@ import { type ReactNode, useEffect, useMemo, useState } from 'react'
 import * as calls from '../api/calls'
 import { catalogueQuery, libraryQuery } from '../api/queries'
 import type { RunSummary } from '../client'
+import type { OpenApi } from '../docs/openapi'
 import { OutcomeIcon, lookOf, outcomeOf, wordOf } from '../ui/VerdictBadge'
+import { operationsIn, passagesWith, sectionsIn } from './passages'
 import { matching, type Place, placesOf } from './places'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
@@ -45,11 +47,12 @@ function Search({ onDone }: { onDone: () => void }) {
   const { data: catalogue } = useQuery(catalogueQuery)
   const places = useMemo(() => placesOf(library, catalogue), [library, catalogue])
   const runs = found.data?.items ?? []
-  const offered = matching(places, text)
+  const passages = usePassages()
+  const offered = [...matching(places, text), ...passages.flatMap((some) => passagesWith(some, text))]
   useEffect(() => {
     store.selectFirstOption()
     // Enter selects the first result, whatever was selected before.
-  }, [text, found.data]) // oxlint-disable-line react-hooks/exhaustive-deps
+  }, [text, found.data, passages]) // oxlint-disable-line react-hooks/exhaustive-deps
   const go = (to: string) => {
     onDone()
     void router.navigate({ href: to })
@@ -63,7 +66,7 @@ function Search({ onDone }: { onDone: () => void }) {
             data-autofocus
             type="search"
             value={text}
-            placeholder="Run, campaign, method, component, page"
+            placeholder="Run, campaign, method, component, page, help"
             aria-label="Search or jump to"
             autoComplete="off"
             onChange={(event) => setText(event.target.value)}
@@ -74,7 +77,7 @@ function Search({ onDone }: { onDone: () => void }) {
       {/* It scrolls, so the keyboard must reach it. */}
       <Combobox.Options className={styles.jumplist} aria-label="Found" tabIndex={0}>
         <Group name={text.trim() ? 'Runs' : 'Latest runs'}>{runs.map((run) => runOption(run))}</Group>
-        {(['Pages', 'Launch', 'Help'] as const).map((group) => (
+        {(['Pages', 'Launch', 'Help', 'Guides', 'API'] as const).map((group) => (
           <Group key={group} name={group}>
             {offered.filter((place) => place.group === group).map((place) => placeOption(place))}
           </Group>
@@ -88,6 +91,14 @@ function Search({ onDone }: { onDone: () => void }) {
       </Combobox.Options>
     </Combobox>
   )
+}
+
+/** The guides and the API, which are loaded with the first search. */
+function usePassages() {
+  const lasting = { staleTime: Number.POSITIVE_INFINITY }
+  const guides = useQuery({ queryKey: ['guides'], queryFn: async () => sectionsIn((await import('../help/texts')).TEXTS), ...lasting })
+  const { data: document } = useQuery({ queryKey: ['openapi'], queryFn: calls.getOpenApi, ...lasting })
+  return useMemo(() => [guides.data ?? [], operationsIn(document as OpenApi | undefined)], [guides.data, document])
 }
 
 function Group({ name, children }: { name: string; children: readonly ReactNode[] }) {

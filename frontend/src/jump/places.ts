@@ -6,7 +6,7 @@ import { idOfComponent } from '../help/links'
 export interface Place {
   /** An address of these pages. */
   to: string
-  group: 'Pages' | 'Launch' | 'Help'
+  group: 'Pages' | 'Launch' | 'Help' | 'Guides' | 'API'
   name: string
   note: string
 }

@@ -11,7 +11,7 @@ import { Labelled, NumberField } from './fields/Field'
 import { numberOf } from './campaign/parameters'
 import { FieldErrors, idOf } from './fields/problems'
 import type { Regression } from './regression/regression'
-import { amountOf, stageOf, timeOf } from './estimate'
+import { amountOf, timeOf } from './estimate'
 import { RegressionFields } from './regression/RegressionFields'
 import fields from '../ui/fields.module.css'
 import lists from '../ui/lists.module.css'
@@ -93,7 +93,7 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
         {estimate?.stages.map((stage) => (
           <Fragment key={stage.title}>
             <dt className="mut">· {stage.title}</dt>
-            <dd className="mut">{stageOf(stage)}</dd>
+            <dd className="mut">{amountOf(stage)}</dd>
           </Fragment>
         ))}
         <dt>Time</dt>

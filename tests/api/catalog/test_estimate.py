@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
-from backend.catalog.estimate import UNKNOWN, USUAL
+from backend.catalog.estimate import FEW, UNKNOWN, USUAL, bounded
 from campaigns.asked.allowance import validation
 from campaigns.asked.load import load_document
 from campaigns.asked.proposal import Cost
@@ -19,7 +19,7 @@ from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE, campaign
 from tests.given.submissions import submit
 from tests.given.timed_simulators import measured, publish, run
-from tests.simulators import package
+from tests.simulators import noisy, package
 
 
 def estimate(client: httpx.Client, document: dict[str, Any]) -> dict[str, Any]:
@@ -37,9 +37,21 @@ def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: ht
     assert told["least"] < told["evaluations"] < told["most"]
     assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
     assert told["statement"] == USUAL.format(
-        most=f"{told['most']:,}", validation=f"{validation(load_document(campaign())).total:,}"
+        most=f"{told['most']:,}", called="", validation=f"{validation(load_document(campaign())).total:,}"
     )
     assert told["time_statement"] == UNKNOWN
+
+
+def test_a_small_budget_and_several_calls_are_stated() -> None:
+    stages = {"search": [{"method": "direct", "evaluations": 1}]}
+    few = load_document(campaign(stages=stages))
+    assert validation(few).total > 1
+    assert f"at most {validation(few).total}{FEW}." in bounded(few, most(few))
+    several = noisy.campaign(1.0, 20, **noisy.REPEATS)
+    assert several.simulator is not None
+    assert f"{most(several):,} evaluations, {several.simulator.calls * most(several):,} calls, those" in bounded(
+        several, most(several)
+    )
 
 
 def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, client: httpx.Client) -> None:

@@ -111,6 +111,10 @@ def test_files_are_exported(
     assert len(statement(capsys).splitlines()) == len(list((tmp_path / violated).iterdir())) == 5
     assert command("export", violated, "--out", "p", "--file", "worst-case.svg", "--file", "traces.csv") == 0
     assert sorted(path.name for path in Path("p").iterdir()) == ["traces.csv", "worst-case.svg"]
+    begins = {"capsule-F1.zip": b"PK\x03\x04", "traces.mcap": b"\x89MCAP0\r\n", "evaluations.parquet": b"PAR1"}
+    files = [word for name in begins for word in ("--file", name)]
+    assert command("export", violated, "--out", "e", *files) == 0
+    assert {path.name: path.read_bytes()[: len(begins[path.name])] for path in Path("e").iterdir()} == begins
     picture = Xml.parse("p/worst-case.svg").getroot()
     assert picture.tag == "{http://www.w3.org/2000/svg}svg"
     told = "".join(picture.itertext())

@@ -90,7 +90,7 @@ def test_ranges_measured_on_half_of_the_library_hold_in_the_other(monkeypatch: p
 
 
 def test_the_usual_number_and_the_bound_are_announced() -> None:
-    assert Total(9_000, 10_000, 12_034).text == "About 10,000, at most 12,034"
+    assert Total(9_000, 10_000, 12_034).text == "At most 12,034"
     stages = [Expected("search", "", 15_000, 12_691, 22_234), Expected("nominal", "", 1, 1, 2)]
     assert total(stages) == (12_692, 15_001, 22_236)
 

@@ -14,7 +14,7 @@ import pytest
 from campaigns.results import Verdict
 from campaigns.results.verdict import Check
 from campaigns.rules import RULES
-from clearance.cli._ended import Case, EndedRun, Source
+from clearance.cli._ended import OUTCOMES, Case, EndedRun, Source
 from clearance.cli._junit import junit
 from clearance.cli._lines import lines
 from clearance.cli._markdown import markdown
@@ -223,3 +223,23 @@ def test_a_text_that_refers_to_itself_has_lines() -> None:
 def test_the_summary_shows_the_picture_next_to_it() -> None:
     assert "](a%20b-R-0007.svg)" in markdown(ended(picture="a b-R-0007.svg"))
     assert "![" not in markdown(ended())
+
+
+@pytest.mark.parametrize(
+    ("word", "state", "code", "sign"),
+    [
+        ("cleared", "done", 0, "✅"),
+        ("violated", "done", 1, "❌"),
+        ("inconclusive", "done", 2, "❔"),
+        ("", "failed", 4, "⚠️"),
+        ("", "cancelled", 130, "⚠️"),
+    ],
+)
+def test_the_summary_and_junit_open_with_the_meaning_of_the_exit_code(
+    word: str, state: str, code: int, sign: str
+) -> None:
+    given = ended(word, state=state)
+    outcome = f"exit code {code}: {OUTCOMES[code]}"
+    assert markdown(given).splitlines()[0] == f"## {sign} Case \\<1\\>: {outcome}"
+    stated = {p.get("name"): p.get("value") for p in Xml.fromstring(junit(given)).iter("property")}
+    assert stated["outcome"] == outcome

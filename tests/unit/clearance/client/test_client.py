@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime, timedelta
 from email.utils import format_datetime
@@ -217,6 +218,27 @@ def test_a_service_that_stays_away_is_reported_after_the_patience(clock: Clock) 
         client(in_turn(*[LOST] * 99)[0], clock).run("R-0001")
     assert sum(clock.slept) <= 5.0
     assert clock.slept == [0.5, 1.0, 2.0]
+
+
+def test_a_service_that_does_not_answer_is_noticed_while_its_answer_is_awaited() -> None:
+    noticed, texts = threading.Event(), list[str]()
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        assert noticed.wait(30), "the notice does not come while the service is silent"
+        return httpx.Response(200, json=document("done"))
+
+    made = client(answer, patience=120.0)
+    made.session.notice = 0.01
+    made.session.notify = lambda text: (texts.append(text), noticed.set())
+    assert made.run("R-0001").state == "done"
+    (text,) = texts
+    assert all(part in text for part in (made.address, "0.01 s", "120 s"))
+
+
+def test_a_service_that_answers_is_not_noticed() -> None:
+    made = client(service(["done"], []))
+    assert made.run("R-0001").state == "done"
+    assert all(t.finished.is_set() for t in threading.enumerate() if isinstance(t, threading.Timer))
 
 
 def test_what_cannot_succeed_is_not_repeated(clock: Clock) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import shutil
 from collections import Counter
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -21,10 +22,10 @@ from campaigns.results.validate import ValidateResult
 from campaigns.stages.plan import bound, most
 from tests.faults.processes import REPOSITORY
 from tests.given.case_campaigns import document
+from tests.given.made_evaluations import flights, requests
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.engine.problem.problem import Problem
-from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.simulator import Program
 from worker.running.catalogue.installed import catalogue
@@ -52,23 +53,9 @@ def within(campaign: Campaign, store: MemoryStore, made: int) -> ValidateResult:
 
 
 @pytest.fixture
-def flown(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
-    """The flights of closed loops, by what asked for them: a confirmed case is three."""
-    made: Counter[str] = Counter()
-    of = {"evaluate": (0, 1), "confirm": (0, allowance.CASE), "compare": (0, 1), "beyond": (1, 1)}
-
-    def counted(name: str) -> Any:
-        plain, (place, each) = getattr(ClosedLoop, name), of.get(name, (None, 1))
-
-        def call(self: ClosedLoop, *given: Any) -> Any:
-            made[name] += each * (1 if place is None else len(given[place]))
-            return plain(self, *given)
-
-        return call
-
-    for name in (*of, "trace", "encounter"):
-        monkeypatch.setattr(ClosedLoop, name, counted(name))
-    return made
+def flown() -> Iterator[Counter[str]]:
+    with flights() as made:
+        yield made
 
 
 def small(name: str, evaluations: int) -> Campaign:
@@ -165,25 +152,8 @@ def test_a_program_in_slots_is_called_no_more_often_than_stated(example: str, tm
     asked = load_file(EXAMPLES / "campaigns" / f"{example}.yaml")
     known = catalogue().model_copy(update={"simulators": [simulator.entry]})
     system: Any = opened.simulated(asked, simulator, known)
-    made, kind = [0], type(system)
-    plain = kind._opened
-
-    class Counting:
-        """The slots, and how many requests they got."""
-
-        def __init__(self, pool: Any) -> None:
-            self.pool = pool
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self.pool, name)
-
-        def submit(self, request: Any) -> Any:
-            made[0] += 1
-            return self.pool.submit(request)
-
     store = MemoryStore()
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(kind, "_opened", lambda self: Counting(plain(self)))
+    with requests(system) as made:
         execute(asked, store, problem=Problem(asked, system))
     within(asked, store, made[0])
 

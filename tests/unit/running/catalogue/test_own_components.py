@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import json
+import os
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -15,11 +17,14 @@ from campaigns.asked.load import load_document
 from campaigns.catalogue import Catalogue, UnusableEntry
 from campaigns.refusals import RefusalCode
 from clearance.cli import WRONG_INPUT, invoke
+from clearance.cli._skeleton import Kind
+from tests.faults.processes import REPOSITORY
 from tests.given.case_campaigns import document
 from tests.given.guest_packages import package
 from tests.given.refused_commands import refused
 from worker.running.catalogue import installed, own
 from worker.running.catalogue.installed import catalogue
+from worker.running.examination import naming
 
 SKELETONS = Path(__file__).parents[4] / "worker" / "running" / "skeletons"
 
@@ -66,6 +71,35 @@ def test_new_writes_a_file_and_overwrites_nothing(folder: Path, capsys: pytest.C
     assert "clearance component check components/swinging_post.py" in capsys.readouterr().out
     assert refused(capsys, "component", "new", "obstacle", "swinging_post") == RefusalCode.EXISTS
     assert (folder / "swinging_post.py").read_text(encoding="utf-8") == text
+
+
+def test_new_writes_all_files_or_none(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "rover_controller.py").write_text("mine", encoding="utf-8")
+    assert refused(capsys, "component", "new", "vehicle", "rover") == RefusalCode.EXISTS
+    assert [file.name for file in folder.iterdir()] == ["rover_controller.py"]
+
+
+def test_new_has_every_kind_of_the_catalogue() -> None:
+    assert {str(kind) for kind in Kind} == set(naming.FOLDERS)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        kind if kind in (Kind.VEHICLE, Kind.ENVIRONMENT) else pytest.param(kind, marks=pytest.mark.nightly)
+        for kind in Kind
+    ],
+)
+def test_the_campaign_of_a_new_component_ends_with_a_verdict(kind: Kind, folder: Path) -> None:
+    assert invoke(["component", "new", kind, "my_own"]) == 0
+    command = [sys.executable, "-m", "clearance", "run", str(folder / "my_own.yaml")]
+    environment = {
+        name: value for name, value in os.environ.items() if name != "CLEARANCE_KERNEL_CACHE"
+    }  # compiled once
+    done = subprocess.run(command, cwd=REPOSITORY, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.count("search: ")) == (0, 2), done.stderr
+    assert "\n✓ Cleared\n" in done.stdout
+    assert "certify: 300 evaluations" in done.stderr
 
 
 @pytest.mark.parametrize(

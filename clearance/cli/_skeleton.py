@@ -1,0 +1,144 @@
+"""What `clearance component new` writes: a whole component of each kind, and a small campaign that runs with it."""
+
+from __future__ import annotations
+
+import enum
+from pathlib import Path
+
+from clearance.cli import WrongInputError
+
+_WORKER = Path(__file__).parents[2] / "worker"
+_COMPONENTS = _WORKER / "engine" / "components"
+
+
+class Kind(enum.StrEnum):
+    """The kinds of component that `new` writes: those of the catalogue."""
+
+    VEHICLE = "vehicle"
+    CONTROLLER = "controller"
+    AVOIDER = "avoider"
+    OBSTACLE = "obstacle"
+    ENVIRONMENT = "environment"
+    FAULT = "fault"
+    CRITERION = "criterion"
+
+
+_SHIPPED = {Kind.ENVIRONMENT: ("environment/ground_slope.py", "ground_slope", "GroundSlope", "Slope of the ground")}
+"""Kinds that begin with a shipped component: its file, name, class and title."""
+_UNCERTAIN = {
+    Kind.CONTROLLER: "controller.K_p: {low: 6.0, high: 10.0, unit: N s/m}",
+    Kind.AVOIDER: "avoider.reach: {low: 2.0, high: 4.0, unit: m}",
+    Kind.OBSTACLE: "obstacles.0.swing: {low: 0.5, high: 1.5, unit: m}",
+    Kind.ENVIRONMENT: "environment.0.x: {low: -0.05, high: 0.05}",
+    Kind.FAULT: "faults.0.offset: {low: -0.3, high: 0.3, unit: m}",
+}
+"""A parameter of the component that its campaign makes uncertain."""
+_CAMPAIGN = """\
+# clearance run {name}.yaml
+name: {title}, a first campaign
+summary: A ground robot passes a post, with the {kind} {name}.
+
+scenario:
+  vehicle: {{component: {vehicle}}}
+  controller: {{component: {controller}}}
+  avoider: {{component: {avoider}}}
+  start: {{x: 0.0, y: 0.0}}
+  goal: {{x: 6.0, y: 7.0}}
+  obstacles:
+    - component: {obstacle}
+      parameters: {{position: {{x: 4.0, y: 4.0}}, radius: 0.5}}{more}
+  horizon: 15.0
+  step: 0.005
+
+uncertain:
+  vehicle.m: {{low: 4.0, high: 6.0, unit: kg}}{uncertain}
+
+criterion: {{component: {criterion}, threshold: 0.1}}
+
+stages:
+  search:
+    - {{method: direct, evaluations: 2000}}
+    - {{method: cma_es, evaluations: 2000}}
+  certify: {{samples: 300}}
+"""
+
+
+def files(kind: Kind, name: str, vehicle: str, folder: Path) -> dict[Path, str]:
+    """The files of a new component by path: its own, that of a new vehicle's controller, and the campaign.
+
+    vehicle: the one that a controller is for; empty for all that it fits.
+    """
+    fits = _fitting(vehicle) if kind is Kind.CONTROLLER else ()
+    found = {folder / f"{name}.py": _written(kind, name, fits)}
+    controller = ""
+    if kind is Kind.VEHICLE:  # no other controller has it in its `fits`
+        controller, vehicle = f"{name}_controller", name
+        found[folder / f"{controller}.py"] = _written(Kind.CONTROLLER, controller, (name,))
+    return found | {folder / f"{name}.yaml": _campaign(kind, name, vehicle or "unicycle", controller or "pid_speed")}
+
+
+def _written(kind: Kind, name: str, fits: tuple[str, ...]) -> str:
+    """The component of this kind under this name."""
+    usual = (f"running/skeletons/{kind}.py", f"my_{kind}", f"My{kind.capitalize()}", f"My {kind}")
+    path, old_name, old_type, old_title = usual
+    file = _WORKER / path
+    if kind in _SHIPPED:
+        path, old_name, old_type, old_title = _SHIPPED[kind]
+        file = _COMPONENTS / path
+    type_name = "".join(part.capitalize() for part in name.split("_"))
+    text = file.read_text(encoding="utf-8")
+    for old, new in ((old_name, name), (old_type, type_name), (old_title, name.replace("_", " ").capitalize())):
+        text = text.replace(old, new)
+    listed = ", ".join(f'"{each}"' for each in fits)
+    return text.replace('fits=("unicycle",)', f"fits=({listed},)") if fits else text
+
+
+def _campaign(kind: Kind, name: str, vehicle: str, controller: str) -> str:
+    """A ground robot passes a post; the component takes the place of a shipped one, with its default parameters."""
+    usual = {
+        Kind.VEHICLE: vehicle,
+        Kind.CONTROLLER: controller,
+        Kind.AVOIDER: "potential_field",
+        Kind.OBSTACLE: "circle",
+        Kind.CRITERION: "surface_separation",
+    }
+    parts = {str(role): shipped for role, shipped in (usual | {kind: name}).items()}
+    more = {Kind.ENVIRONMENT: "environment", Kind.FAULT: "faults"}.get(kind)
+    return _CAMPAIGN.format(
+        **parts | {"more": f"\n  {more}: [{{component: {name}}}]" if more else ""},
+        name=name,
+        title=name.replace("_", " ").capitalize(),
+        kind=kind,
+        uncertain=f"\n  {_UNCERTAIN[kind]}" if kind in _UNCERTAIN else "",
+    )
+
+
+def _fitting(vehicle: str) -> tuple[str, ...]:
+    """The vehicles that the skeleton of a controller fits: the one asked for, or all whose states it assumes.
+
+    Read from the files as they are written: nothing is executed.
+    """
+    from worker.running.catalogue import own
+
+    files = [*sorted((_COMPONENTS / "vehicles").glob("*.py")), *own.files(), *sorted(Path.cwd().glob("*.py"))]
+    known: dict[str, own.Signals | None] = {}
+    for file in files:
+        declared = own.declared_as(file)
+        if declared is not None and declared[0] == "Vehicle":
+            known.setdefault(declared[1], own.signals(file))
+    pattern = known["unicycle"]
+    assert pattern is not None
+    fits = [name for name, signals in known.items() if signals == pattern]
+    if not vehicle:
+        return tuple(fits)
+    if vehicle in fits:
+        return (vehicle,)
+    if vehicle not in known:
+        from campaigns.checked import texts
+
+        raise WrongInputError(f"--for {vehicle}: no such vehicle; {texts.known(vehicle, known)}")
+    raise WrongInputError(
+        f"--for {vehicle}: the controller that is written is for the states {', '.join(pattern.states)} and the inputs "
+        f"{' and '.join(pattern.inputs)}; begin with a copy of a controller for a vehicle like yours, from "
+        "worker/engine/components/controllers"
+    )

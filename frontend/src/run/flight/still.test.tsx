@@ -1,7 +1,7 @@
 // What stands in place of the 3D view where the processor would draw it.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
-import { flight, head } from '../../api/fixtures'
+import { flight, head } from '../../../tests/fixtures'
 import { counted } from '../../api/queries'
 import type { RunData } from '../data/data'
 import { Still } from './Still'

@@ -21,12 +21,14 @@ if TYPE_CHECKING:
     from clearance.function.result import Evaluations, Finding, Interrupted, Nominal, Result, Verdict
     from worker.engine.systems.simulators.declared.columns import Column
     from worker.engine.systems.simulators.declared.function import Output, Parameter, simulator
+    from worker.engine.systems.simulators.slots.excluded import Excluded
 
 __all__ = [
     "AsyncClient",
     "Client",
     "Column",
     "Evaluations",
+    "Excluded",
     "Finding",
     "Interrupted",
     "Nominal",
@@ -41,6 +43,7 @@ _HOMES = {
     "AsyncClient": "clearance.client",
     "Client": "clearance.client",
     "Column": "worker.engine.systems.simulators.declared.columns",
+    "Excluded": "worker.engine.systems.simulators.slots.excluded",
     "Output": "worker.engine.systems.simulators.declared.function",
     "Parameter": "worker.engine.systems.simulators.declared.function",
     "search": "clearance.function.request",

@@ -89,8 +89,12 @@ def _excluded(record: Record) -> str:
     drawn = 0 if stated is None else stated.excluded
     draws = f", {numbers.count(drawn)} of them draws of the sample" if drawn else ""
     verb = "evaluation was" if run.excluded_evaluations == 1 else "evaluations were"
+    lost = f"{numbers.count(run.excluded_evaluations)} {verb} excluded"
+    if record.campaign.simulator is not None:
+        rest = "No claim is made about such cases; a probability holds for the others only."
+        return f"{lost} by the simulator{draws}. {rest} The verdict states its reasons."
     return (
-        f"{numbers.count(run.excluded_evaluations)} {verb} excluded{draws}: they start at or below the criterion. "
+        f"{lost}{draws}: they start at or below the criterion. "
         "No claim is made about such starts; a probability holds for the other starts only."
     )
 

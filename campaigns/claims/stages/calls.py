@@ -45,6 +45,14 @@ def without_value(evaluations: int, points: int, reasons: Sequence[str]) -> str:
     )
 
 
+def nominal_excluded(reason: str) -> str:
+    """Why a run ends whose simulator excludes the nominal case."""
+    return (
+        f"it excludes the nominal case ({reason}), to which all others are compared: choose nominal values that it "
+        "evaluates"
+    )
+
+
 def other_trace(shown: float | None, stored: float) -> str:
     """Why the trace of a case is not stored."""
     return (

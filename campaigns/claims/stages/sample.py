@@ -47,6 +47,8 @@ class Counts:
     outside: float
     confidence: float
     terms: Terms
+    simulator: bool = False
+    """Whether a simulator excluded draws, for reasons of its own."""
 
     def bound(self, upper: float) -> Spans:
         """How many violate, and the bound on P(violation)."""
@@ -90,10 +92,13 @@ class Counts:
         if not self.excluded:
             return say(self.terms.holds)
         draws = self.samples + self.excluded
+        only, why = "for starts above the threshold", " start at or below it and were excluded"
+        if self.simulator:
+            only, why = "where the simulator excludes nothing", " were excluded"
         return say(
-            f"{self.terms.holds}; it holds only for starts above the threshold: ",
+            f"{self.terms.holds}; it holds only {only}: ",
             *(count(self.excluded, "draws_excluded"), " of ", count(draws, "draws"), " draws ("),
-            *(percent(self.excluded / draws), ") start at or below it and were excluded"),
+            *(percent(self.excluded / draws), f"){why}"),
         )
 
     def _beyond(self) -> Spans:

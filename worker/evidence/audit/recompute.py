@@ -64,7 +64,7 @@ class Run:
     """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
 
     def __init__(self, record: Record) -> None:
-        self.campaign, self.claims, twice, self.stage, self.points, costs, self.status, self.flaky = record
+        self.campaign, self.claims, twice, self.stage, self.points, costs, self.status, self.flaky, _ = record
         self.sealed = SEAL not in twice or not isinstance(twice[SEAL][0], Missing)
         """Whether a version wrote it that states the evidence digest: then nothing of it may be absent."""
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold

@@ -55,7 +55,8 @@ def of_sample(run: Run, k: int, sample: Tree) -> Tree:
     terms = _terms(run, certify=k not in run.searches)
     # One that is short of samples has the number that was requested, so that another one disagrees.
     size = run.draws(k) - excluded
-    counts = templates.Counts(sample["violations"], size, failed, excluded, outside, run.campaign.confidence, terms)
+    numbers = sample["violations"], size, failed, excluded, outside, run.campaign.confidence
+    counts = templates.Counts(*numbers, terms, run.campaign.simulator is not None)
     statement = counts.bound(sample["upper_bound"])
     if "looks" in sample:
         level = 1.0 - (1.0 - run.campaign.confidence) / (sample["looks"] * (sample["looks"] + 1))

@@ -96,6 +96,7 @@ def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sen
         excluded=int(np.count_nonzero(status == EXCLUDED)),
         lowest=float(ok.min()) if len(ok) else None,
         violating=int(np.count_nonzero(ok <= record.campaign.criterion.threshold)),
+        exclusions=record.exclusions,
         flaky=0 if isinstance(record.flaky, Missing) else record.flaky,
     )
     verdict = conclude(problem, evidence, versions)

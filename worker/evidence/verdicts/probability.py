@@ -14,6 +14,7 @@ from campaigns.results.sample import Sample
 from campaigns.results.verdict import Check, Statistics
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence, check
+from worker.evidence.verdicts.exclusions import exclusions
 
 
 def statistics(evidence: Evidence) -> Statistics | None:
@@ -40,7 +41,7 @@ def probability(problem: Problem, evidence: Evidence) -> list[Check]:
     """The checks of the noise, the exclusions, the draws outside the bounds, and the bound."""
     return [
         *_noise(problem, evidence),
-        *_excluded(evidence),
+        *exclusions(problem, evidence),
         _sampled(evidence),
         *_outside(problem),
         *_bound(problem, evidence),
@@ -79,21 +80,6 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
         return [check(code, False, *only, "add a certify stage, which draws a realisation for every sample")]
     drew = "; the independent sample drew one for every evaluation"
     return [check(code, True, "the searches simulated the noise realisations with seeds ", seeds, drew)]
-
-
-def _excluded(evidence: Evidence) -> list[Check]:
-    drawn = 0.0 if evidence.sample is None else evidence.sample.excluded_fraction
-    evaluated = evidence.excluded / max(evidence.evaluations, 1)
-    if not evidence.excluded:
-        return []
-    much = max(drawn, evaluated)
-    of = "draws of the sample" if drawn >= evaluated else "evaluations"
-    excluded = f" of the {of} start at or below the threshold and were excluded: nothing is known about them"
-    statement = say(percent(much, name="excluded"), excluded)
-    most = rules.EXCLUDED.value
-    if much > most:
-        statement = say(statement, "; narrow the bounds until at most ", percent(most, 6, "most"), " are excluded")
-    return [check(CheckCode.EXCLUSIONS, much <= most, statement)]
 
 
 def _sampled(evidence: Evidence) -> Check:

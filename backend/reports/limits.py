@@ -53,8 +53,8 @@ def _measured(record: Record) -> str:
     entry = record.catalogue.component("criterion", criterion.component) if record.catalogue else None
     if entry is None:
         return (
-            f"Criterion {criterion.component}: its description is unknown, and so is whether a distance is measured to "
-            "the obstacles’ centres or to their surfaces."
+            f"Criterion {criterion.component} has no stored description. Whether distances are measured to the "
+            "obstacles’ centres or to their surfaces is unknown."
         )
     first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
     text = f"What the criterion measures ({entry.title}): {first or 'it has no description'}."

@@ -178,7 +178,9 @@ def _store(data: Path, database: str, entry: SimulatorEntry, digest: str, measur
     from backend.db import measurements
 
     if measured is None or measured.call_seconds is None:
-        typer.echo("nothing is stored for estimates: " + ("no value" if measured is None else "no time was measured"))
+        typer.echo(
+            "no measurement is stored: " + ("no evaluation has a value" if measured is None else "no time was measured")
+        )
         return
     with opened(data, database, create=True) as writer:
         measurements.store(writer, entry, digest, measured)

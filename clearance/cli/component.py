@@ -103,7 +103,7 @@ def _checked(file: Path) -> OwnFile:
 def _sentence(file: Path, found: OwnFile) -> str:
     if found.text:
         return f"{file}{f', line {found.line}' if found.line else ''}: {found.text}"
-    end = "" if found.simulated else "; it was not simulated, because no vehicle that it fits can be used"
+    end = "" if found.simulated else "; it was not simulated: no vehicle that it fits can be used"
     return f"{file}: the {found.role} {found.name!r} can be used{end}"
 
 
@@ -149,7 +149,7 @@ def _fitting(vehicle: str) -> tuple[str, ...]:
 
         raise WrongInputError(f"--for {vehicle}: no such vehicle; {texts.known(vehicle, known)}")
     raise WrongInputError(
-        f"--for {vehicle}: the controller that is written is for the states {', '.join(pattern.states)} and the inputs "
+        f"--for {vehicle}: the template is for the states {', '.join(pattern.states)} and the inputs "
         f"{' and '.join(pattern.inputs)}; begin with a copy of a controller for a vehicle like yours, from "
         "worker/engine/components/controllers"
     )

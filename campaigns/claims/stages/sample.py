@@ -83,8 +83,7 @@ class Counts:
         counted = ", counted over all draws," if self.outside and self.excluded else ""
         return say(
             *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
-            *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence")),
-            *(f" confidence: this is the {_ordinal(order)} lowest of ", size),
+            *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence"), " confidence"),
         )
 
     def _conditions(self) -> Spans:
@@ -110,10 +109,10 @@ class Counts:
 
 
 def violate(failed: int) -> Spans:
-    """The verb of violations, which says how many of them failed, if any."""
+    """The verb of violations, which states how many of them are failed evaluations, if any."""
     if not failed:
         return say(" violate the criterion")
-    return say(" violate the criterion or failed (", count(failed, "draws_failed"), " failed)")
+    return say(" violate the criterion, ", count(failed, "draws_failed"), " of these because they failed")
 
 
 def interim(statement: Spans, looks: int, level: float) -> Spans:

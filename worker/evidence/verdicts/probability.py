@@ -76,7 +76,7 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
         return [check(code, False, hides, "set combine to worst")]
     sample = evidence.sample
     if sample is None or sample.noise != "drawn":
-        only = ("the scenario has noise and only the realisations with seeds ", seeds, " were simulated; ")
+        only = ("only the noise realisations with seeds ", seeds, " were simulated; ")
         return [check(code, False, *only, "add a certify stage, which draws a realisation for every sample")]
     drew = "; the independent sample drew one for every evaluation"
     return [check(code, True, "the searches simulated the noise realisations with seeds ", seeds, drew)]
@@ -94,9 +94,15 @@ def _sampled(evidence: Evidence) -> Check:
             CheckCode.SAMPLE, False, "the independent sample has ", drawn, ", fewer than ", count(least, "least")
         )
     if not certificate.drawn_at_launch:
-        stated = " was stated before the run, so that a sample without a violation could be chosen; "
-        return check(CheckCode.SAMPLE, False, "the seed of the independent sample", stated, "run it with a drawn one")
-    return check(CheckCode.SAMPLE, True, "an independent sample of ", drawn, " was drawn with a seed of the launch")
+        stated = " was stated before the run, so a sample without a violation could have been chosen; "
+        return check(
+            CheckCode.SAMPLE,
+            False,
+            "the seed of the independent sample",
+            stated,
+            "run the campaign without a stated seed",
+        )
+    return check(CheckCode.SAMPLE, True, "an independent sample of ", drawn, " was drawn, with a seed drawn at launch")
 
 
 def _advice(sample: Sample) -> Spans:
@@ -124,5 +130,9 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
         return [check(CheckCode.TARGET, False, bound, f" holds only for {of}; add a certify stage")]
     ok = sample.upper_bound <= required
     meets = (bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
-    loose = ("; the campaign states ", percent(target, 4), ", which does not loosen it") if target > required else ()
+    loose = (
+        ("; the target of the campaign, ", percent(target, 4), ", is looser and does not apply")
+        if target > required
+        else ()
+    )
     return [check(CheckCode.TARGET, ok, *meets, *loose)]

@@ -69,10 +69,10 @@ def scope(problem: Problem) -> Spans:
     """The scope of the sentence: the system with its conditions, bounds and settings."""
     described, paths = terms(problem.system).scope, problem.symbols
     units = {p.path: p.unit for p in problem.system.parameters}
-    bounds = [say(paths[r.path], " ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
+    bounds = [say(paths[r.path], ": ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
     settings = say("; ", described.settings) if described.settings else ()
     ends = f". This result holds for this model within these bounds; {described.version}."
-    return say(described.what, "; ", joined(", ", bounds), settings, ends)
+    return say(described.what, "; ", joined("; ", bounds), settings, ends)
 
 
 def _reason(check: Check) -> Spans:
@@ -83,7 +83,7 @@ def _reason(check: Check) -> Spans:
 def _worst(problem: Problem, found: Finding, which: str) -> Spans:
     margin = signed(found.granted - problem.threshold, problem.unit, "margin")
     cost = number(found.granted, problem.unit, "worst")
-    by = "" if found.granted == found.cost else " by every evaluation of it"
+    by = "" if found.granted == found.cost else " in every evaluation of it"
     has = say(f"The worst case {which} has ", symbol(problem.quantity), " = ", cost, by)
     return say(has, ", a margin of ", margin, _noise(found.realisation), ".")
 
@@ -96,7 +96,7 @@ def _shown(problem: Problem, found: Finding, violation: Finding) -> Spans:
     if violation is found:
         return say("It was confirmed by validation and found")
     lower = say(finding(found.label), ", evaluated as ", number(found.cost, problem.unit, "lowest"))
-    why = "grants less by its other evaluations" if found.violates else "was not confirmed"
+    why = "violates by less in its other evaluations" if found.violates else "was not confirmed"
     return say("It is ", finding(violation.label), "; ", lower, _noise(found.realisation), f", {why}; both were found")
 
 

@@ -6,7 +6,6 @@ The runs were evaluated by a worker, so that every section of their pages has co
 from __future__ import annotations
 
 import contextlib
-import re
 from collections.abc import Iterator
 
 import pytest

@@ -300,7 +300,8 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
     ),
     "a target that seems to permit more": (
         CheckCode.TARGET, {"target": 0.9, "certificate": certificate(2, 100)}, [0.0616, 0.05, 0.9],
-        "the bound of 6.16 % does not meet the target of 5 %; the target of the campaign, 90 %, is looser and does not apply",
+        "the bound of 6.16 % does not meet the target of 5 %; the target of the campaign, 90 %, is "
+        "looser and does not apply",
     ),
     "an evaluation lower than every finding": (
         CheckCode.MINIMUM, {"lowest": WORST - 1e-9}, [0.84],

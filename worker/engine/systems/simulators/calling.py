@@ -59,7 +59,7 @@ evaluate = Evaluate()
 def _counting(answer: Answer) -> Answer:
     """The answer, unless the case does not count: the process of the slot reports that in place of an answer."""
     if "excluded" in answer:
-        from worker.engine.systems.simulators.slots.excluded import Excluded
+        from worker.engine.systems.simulators.declared.excluded import Excluded
 
         raise Excluded(answer["excluded"])
     return answer
@@ -90,7 +90,7 @@ def called(
 
 def excluded(error: BaseException) -> str:
     """Why the case does not count, if that is what the function raised; empty otherwise."""
-    from worker.engine.systems.simulators.slots.excluded import Excluded  # the path of a slot is set by now
+    from worker.engine.systems.simulators.declared.excluded import Excluded  # the path of a slot is set by now
 
     return error.excluded if isinstance(error, Excluded) else ""
 

@@ -56,7 +56,7 @@ def _run(parameters: dict[str, float], trace: str) -> Any:
     if isinstance(results, dict) and "excluded" in results and isinstance(results["excluded"], str):
         if len(results) > 1:
             raise RuntimeError(f"{RESULTS} has both results and `excluded`; write one of them")
-        from worker.engine.systems.simulators.slots.excluded import Excluded  # rarely needed, and not to start
+        from worker.engine.systems.simulators.declared.excluded import Excluded  # rarely needed, and not to start
 
         raise Excluded(results["excluded"])
     return results

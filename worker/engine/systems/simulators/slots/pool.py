@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 
-from worker.engine.systems.simulators.slots.excluded import misstated, stated
+from worker.engine.systems.simulators.declared.excluded import misstated, stated
 from worker.engine.systems.simulators.slots.outcome import Kind, Limits, Outcome, Request, Slots
 from worker.engine.systems.simulators.slots.program import Program, TooLong, misidentified
 from worker.engine.systems.simulators.slots.slot import Slot

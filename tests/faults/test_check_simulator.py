@@ -77,9 +77,8 @@ def test_one_that_excludes_some_points_and_one_that_excludes_the_nominal_case(
     with adversary("none", lambda call: EXCLUDED if call.a > most else OK):
         assert invoke(["check-simulator", "adversary", "--points", "9"]) == code
     shown = capsys.readouterr().out
-    assert ("the nominal case is excluded" in shown) == bool(code)
-    assert "  excluded: " in shown
-    assert "  failed: " not in shown
+    assert "excluded:" in shown
+    assert "failed:" not in shown
 
 
 def test_one_that_always_fails(capsys: pytest.CaptureFixture[str]) -> None:

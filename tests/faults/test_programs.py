@@ -65,8 +65,8 @@ def test_a_process_for_each_evaluation(folder: Path) -> None:
     ("written", "status", "reason"),
     [
         ({"excluded": "starts inside"}, EXCLUDED, "starts inside"),
-        ({"excluded": "starts inside", "d": -1.0}, FAILED, "has both results and `excluded`"),
-        ({"excluded": " "}, FAILED, "Excluded needs the reason in words"),
+        ({"excluded": "starts inside", "d": -1.0}, FAILED, "`excluded`"),
+        ({"excluded": " "}, FAILED, "Excluded needs"),
     ],
 )
 def test_a_file_of_results_may_exclude_the_case(tmp_path: Path, written: object, status: int, reason: str) -> None:

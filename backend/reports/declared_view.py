@@ -16,6 +16,7 @@ from campaigns.results.trace import TraceObstacle
 
 Point = tuple[float, float]
 Data = Mapping[str, Sequence[float | None]]
+Values = list[float | None]
 
 
 @dataclass(frozen=True)
@@ -41,10 +42,10 @@ class _Plane:
         return whole[self.across], whole[self.up]
 
 
-def drawn(scene: Scene, head: TraceHead, data: Data) -> tuple[TraceHead, dict[str, list[float | None]], View]:
+def drawn(scene: Scene, head: TraceHead, data: Data) -> tuple[TraceHead, dict[str, Values], View]:
     """The header with the declared obstacles, the tracks by the names that are drawn, and the view."""
     plane = _plane(scene)
-    found: dict[str, list[float | None]] = {}
+    found: dict[str, Values] = {}
     found["x"], found["y"] = _track(scene.vehicle.position, plane, data)
     obstacles, outlines = [], []
     for body in scene.bodies:
@@ -80,12 +81,18 @@ def _named(coordinate: Coordinate, axis: int) -> str:
     return coordinate if isinstance(coordinate, str) else "xyz"[axis]
 
 
-def _track(position: Sequence[Coordinate], plane: _Plane, data: Data) -> tuple[list[float | None], list[float | None]]:
+def _track(position: Sequence[Coordinate], plane: _Plane, data: Data) -> tuple[Values, Values]:
     rows = len(next(iter(data.values()), []))
-    across, up = (
-        list(data.get(c, [None] * rows)) if isinstance(c, str) else [float(c)] * rows for c in plane.of(position)
-    )
-    return across, [None if value is None else plane.sign * value for value in up]
+    across, up = plane.of(position)
+    heights = [None if value is None else plane.sign * value for value in _values(up, data, rows)]
+    return _values(across, data, rows), heights
+
+
+def _values(coordinate: Coordinate, data: Data, rows: int) -> Values:
+    """A column, or a number in every row."""
+    if isinstance(coordinate, str):
+        return list(data.get(coordinate, [None] * rows))
+    return [float(coordinate)] * rows
 
 
 def _centre(obstacle: SceneObstacle, plane: _Plane) -> Point:

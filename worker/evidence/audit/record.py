@@ -93,7 +93,7 @@ def of_folder(folder: Path) -> Record:
                 np.concatenate([arrays[f"{name}_{k}"] for k in positions]) for name in ("points", "costs", "status")
             ]
             again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions)
-            left_out = sum((exclusions(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions), Counter())
+            left_out = sum((exclusions(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions), Counter[str]())
             columns = [
                 Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions
             ]
@@ -166,7 +166,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     points, costs = (np.frombuffer(whole[k], "<f8").reshape(max(len(stage), 1), -1) for k in ("points", "costs"))
     status = np.frombuffer(whole["status"], np.uint8)
     reasons = [(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks]
-    again, left_out = sum(flaky(*of) for of in reasons), sum((exclusions(*of) for of in reasons), Counter())
+    again, left_out = sum(flaky(*of) for of in reasons), sum((exclusions(*of) for of in reasons), Counter[str]())
     return Record(campaign, throughout(claims), twice, stage, points, costs, status, again, left_out)
 
 

@@ -86,7 +86,7 @@ def _evidence(context: Context) -> Evidence:
     status = np.concatenate([c.status for c in columns])
     costs = np.concatenate([c.costs[:, 0] for c in columns])[status == OK]
     return Evidence(
-        exclusions=sum(map(exclusions, columns), Counter()),
+        exclusions=sum(map(exclusions, columns), Counter[str]()),
         results=[context.results[at] for at in range(len(context.plan))],
         finding=findings[0] if findings else None,
         others=findings[1:],

@@ -47,7 +47,8 @@ def drawn(scene: Scene, head: TraceHead, data: Data) -> tuple[TraceHead, dict[st
     plane = _plane(scene)
     found: dict[str, Values] = {}
     found["x"], found["y"] = _track(scene.vehicle.position, plane, data)
-    obstacles, outlines = [], []
+    obstacles: list[TraceObstacle] = []
+    outlines: list[tuple[str, list[Point]]] = []
     for body in scene.bodies:
         k, track = len(obstacles), _track(body.position, plane, data)
         found[f"obstacle.{k}.x"], found[f"obstacle.{k}.y"] = track

@@ -1,6 +1,9 @@
 # One image for the backend and the workers. Every step is in tools/image.sh, which also runs without an engine.
 
-FROM python:3.11-slim AS app
+# A release names both with their digests, so that what was examined is what is built; see docs/operation.md, Releases.
+ARG NODE_IMAGE=node:22-slim
+ARG PYTHON_IMAGE=python:3.11-slim
+FROM ${PYTHON_IMAGE} AS app
 WORKDIR /app
 COPY tools tools
 COPY requirements.lock ./
@@ -12,7 +15,7 @@ COPY backend backend
 COPY worker worker
 RUN tools/image.sh app
 
-FROM node:22-slim AS pages
+FROM ${NODE_IMAGE} AS pages
 WORKDIR /app
 COPY tools tools
 COPY docs docs

@@ -26,8 +26,10 @@ from backend.db.engine import migrate
 from backend.db.private import keep_private, write_private
 from backend.db.registered import registered
 from backend.http.pages import unbuilt
-from backend.middleware.connections import bounded, bounded_socket
+from backend.middleware.connections import bounded
+from backend.middleware.doors import Doors
 from backend.middleware.frame import headers
+from backend.middleware.sockets import bounded_socket
 from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
 
@@ -47,9 +49,19 @@ Proxies and clients close theirs within 60 s (nginx, load balancers). uvicorn ha
 GRACE = 1
 """Time limit of pending responses when the service stops [s]."""
 
+ACCEPTED, WAITING = 16, 1024
+"""Connections that are accepted at a time, so that those accepted before are read in between, and those that the system
+holds until then.
+"""
+
 
 class Server(uvicorn.Server):
     """Ends event streams, 3D views and previews first when it stops; otherwise they would delay the shutdown."""
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        for listening in sockets or ():
+            listening.listen(WAITING)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         app = self.config.app
@@ -65,8 +77,8 @@ def main() -> int:
     """Serve; returns 2 if the settings or the database cannot be used."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
-    for chatty in ("websockets", "uvicorn"):
-        logging.getLogger(chatty).setLevel(logging.WARNING)
+    logging.getLogger("websockets").setLevel(logging.WARNING)
+    logging.getLogger("uvicorn").setLevel(logging.ERROR)  # it warns of each unreadable request, which anybody can send
     try:
         settings = Settings.load()
         for sentence in filter(None, [*Settings.unknown(os.environ), unbuilt(settings.pages)]):
@@ -93,16 +105,18 @@ def main() -> int:
 def server_config(app: FastAPI) -> uvicorn.Config:
     """Sockets without per-message deflate, which makes the 3D view thirteen times slower; our logging is retained."""
     settings: Settings = app.state.settings
+    doors = Doors(settings.max_connections, settings.max_connections_each, settings.trusted, settings.root)
     return uvicorn.Config(
         app,
         log_config=None,
         access_log=False,
-        ws=bounded_socket(settings.request_patience),
+        ws=bounded_socket(doors, settings.request_patience),
         ws_per_message_deflate=False,
         ws_max_size=LARGEST,
-        http=bounded(settings.max_connections, settings.request_patience, headers(settings.encrypted)),
+        http=bounded(doors, settings.request_patience, headers(settings.encrypted)),
         server_header=False,
         proxy_headers=False,  # uvicorn would believe every process of this machine; see `backend.middleware.proxied`
+        backlog=ACCEPTED,
         timeout_keep_alive=IDLE,
         timeout_graceful_shutdown=GRACE,
     )

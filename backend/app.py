@@ -16,6 +16,7 @@ from backend.access.auth import Guard
 from backend.access.door import Door
 from backend.access.frames import Frames
 from backend.access.rates import Bucket, Rates
+from backend.access.shares import Shares
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
@@ -29,12 +30,14 @@ from backend.flights.turns import Turns
 from backend.health import endpoints as health
 from backend.http import errors, pages
 from backend.http.capacity import Capacities
+from backend.middleware.accesses import Accesses
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
 from backend.middleware.heads import Heads
 from backend.middleware.hosts import Hosts
 from backend.middleware.preferred import Preferred
 from backend.middleware.proxied import Proxied
+from backend.middleware.visits import Visits
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.proposals import endpoints as proposals
@@ -100,7 +103,9 @@ def create(settings: Settings) -> FastAPI:
         lifespan=lifespan,
         middleware=[
             Middleware(Proxied, root=settings.root, trusted=settings.trusted),
+            *([Middleware(Accesses)] if settings.access_log else []),
             Middleware(Frame, encrypted=settings.encrypted),
+            Middleware(Visits, each=settings.max_connections_each),
             Middleware(Edge, hosts=hosts),
             Middleware(Heads),
             Middleware(GZipMiddleware, compresslevel=PACKED, exclude_content_types=UNPACKED),
@@ -124,7 +129,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     most = (settings.max_active_runs_each, settings.max_evaluations_each, settings.max_bytes_each)
     app.state.quota = Quota(*most)
-    app.state.turns = Turns()
+    app.state.turns, app.state.streams = Turns(), Shares("streams", settings.max_streams_each)
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)
     errors.install(app)
     api = APIRouter(responses=errors.PROBLEMS)

@@ -70,11 +70,14 @@ class Settings(BaseModel):
     max_viewers: Annotated[int, Field(ge=0, le=1000)] = 32
     """Maximum number of open 3D views."""
     max_viewers_each: Annotated[int, Field(ge=1, le=1000)] = 6
-    """Maximum number of open 3D views of one session or token."""
+    """Maximum number of open 3D views of one user, sessions and tokens together."""
+    max_streams_each: Annotated[int, Field(ge=1, le=1000)] = 32
+    """Maximum number of open event streams of one user; of one session or token four fifths of it."""
     max_requests_each: Annotated[int, Field(ge=1, le=100_000)] = 100
-    """Maximum number of concurrent requests, streams and 3D views of one session or token."""
+    """Maximum number of concurrent requests, streams and 3D views of one user; of one session or token four fifths."""
     max_requests_per_minute: Annotated[int, Field(ge=60, le=10_000_000)] = 6000
-    """Maximum number of requests of one session or token in a minute; above it the rate is limited to that."""
+    """Maximum number of requests of one user in a minute, above which the rate is limited to that; of one session or
+    token four fifths of it."""
     max_active_runs_each: Annotated[int, Field(ge=1, le=10_000_000)] = 2000
     """Maximum number of queued and running runs of one user, tokens included."""
     max_evaluations_each: Annotated[int, Field(ge=1)] = 500_000_000
@@ -82,9 +85,13 @@ class Settings(BaseModel):
     max_bytes_each: Annotated[int, Field(ge=1)] = 100_000_000_000
     """Maximum size of what all runs of one user store, tokens included [bytes]."""
     max_connections: Annotated[int, Field(ge=1, le=100_000)] = 300
-    """Maximum number of open connections; further ones are refused."""
+    """Maximum number of open connections; on further ones only the health check is answered."""
+    max_connections_each: Annotated[int, Field(ge=1, le=100_000)] = 128
+    """Maximum number of open connections of one address, and of concurrent requests of one behind a trusted proxy."""
     request_patience: Annotated[float, Field(gt=0, le=3600)] = 20.0
     """How long a client may take to send a request, and to read on while an answer is sent [s]."""
+    access_log: bool = False
+    """Whether the log has a line for every request."""
     webhooks: SecretStr = SecretStr("")
     """Addresses that receive a message when a run ends, separated by spaces; secret: some contain a password."""
     webhook_secret: SecretStr = SecretStr("")

@@ -1,8 +1,8 @@
 """Writes the files that follow from the code: `python -m tools.generated`; those in git are tested to be up to date.
 
-In git are the API's description, the types of the client's answers, and the tables of the guides between
-`<!-- generated: NAME -->` and `<!-- end -->`. The looks of the shipped methods and the rules of a claim are not:
-`python -m tools.generated pages` writes these alone, before the pages are built. Start reading at `FILES`.
+In git are the API's description, the types of the client's answers, the packages of the image, and the tables of the
+guides between `<!-- generated: NAME -->` and `<!-- end -->`. The looks of the shipped methods and the rules of a claim
+are not: `python -m tools.generated pages` writes these alone, before the pages are built. Start reading at `FILES`.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 from backend import openapi
 from campaigns.rules import LIMITS, RULES
+from tools import image_packages
 from worker.engine.search.base import Method
 from worker.evidence.audit.trusted import TRUSTED
 from worker.running.catalogue.installed import methods
@@ -245,6 +246,7 @@ def _type(schema: Schema, known: Schema) -> str | None:
 FILES: Mapping[str, Callable[[], str]] = {
     "frontend/openapi.json": openapi.text,
     "clearance/client/answers.py": lambda: answers(json.loads(openapi.text())),
+    "tools/image-packages.txt": image_packages.text,
     "docs/methods.md": lambda: _guide("docs/methods.md"),
     "docs/evidence.md": lambda: _guide("docs/evidence.md"),
 }

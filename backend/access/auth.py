@@ -8,7 +8,6 @@ must come from the service's own pages (RFC 6454, Origin), or from a frame of th
 from __future__ import annotations
 
 import urllib.parse
-from collections import Counter
 from functools import partial
 from typing import Annotated
 
@@ -22,6 +21,7 @@ from backend.access.frames import OPAQUE, Frames, Voucher
 from backend.access.rates import Rates
 from backend.access.routes import Rules
 from backend.access.rules import Rule
+from backend.access.shares import Shares, of_one
 from backend.db import users
 from backend.db.access import Visitor
 from backend.db.roles import has_role, has_scope
@@ -35,9 +35,9 @@ class Guard:
     """Accepts authenticated clients, as `request.state.visitor`; refuses all others."""
 
     def __init__(self, app: ASGIApp, door: Door, most: int, rates: Rates, frames: Frames) -> None:
-        """most: maximum number of concurrent requests and sockets of one session or token."""
-        self.app, self.door, self.most, self.rates, self.frames = app, door, most, rates, frames
-        self._open: Counter[str] = Counter()
+        """most: maximum number of concurrent requests and sockets of one user; rates: of one user."""
+        self.app, self.door, self.rates, self.frames = app, door, rates, frames
+        self._open, self._rates_of_one = Shares("requests", most), Rates(of_one(rates.per_minute))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
@@ -46,16 +46,17 @@ class Guard:
         rules: Rules = scope["app"].state.rules
         connection, rule = HTTPConnection(scope), rules.of(scope)
         if rule.role is None:
-            foreign = _foreign(scope, connection.headers, required=False)
+            foreign = _foreign(scope, required=False)
             await (self.app if foreign is None else respond(foreign, scope["path"]))(scope, receive, send)
             return
         voucher = await self._voucher(scope, connection, rule)
         visitor = await self.door.visitor(connection) if voucher is None else voucher.visitor
-        refused = _refusal(scope, connection.headers, visitor, rule, voucher is None) or self._too_many(visitor)
+        refused = _refusal(scope, visitor, rule, voucher is None) or self._too_many(visitor)
         if refused is None and visitor is not None:
             still = partial(self.door.still, connection) if voucher is None else voucher.still
             scope.setdefault("state", {}).update(visitor=visitor, still=still)
-            await self._let_in(visitor, scope, receive, send)
+            with self._open.entered(visitor):
+                await self.app(scope, receive, send)
         elif refused is None:
             raise AssertionError("a request without a visitor is refused")
         elif scope["type"] == "websocket":
@@ -75,34 +76,25 @@ class Guard:
             return None
         return await self.frames.voucher(scope["path"])
 
-    async def _let_in(self, visitor: Visitor, scope: Scope, receive: Receive, send: Send) -> None:
-        self._open[visitor.key] += 1
-        try:
-            await self.app(scope, receive, send)
-        finally:
-            self._open[visitor.key] -= 1
-            if not self._open[visitor.key]:
-                del self._open[visitor.key]
-
     def _too_many(self, visitor: Visitor | None) -> RefusedError | None:
         if visitor is None:
             return None
-        wait = self.rates.wait(visitor.key)
-        if wait:
-            detail = (
-                f"this session or token has sent {self.rates.per_minute:,} requests in a minute, which is the limit: "
-                f"try again in {wait} s"
-            )
-            return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": str(wait)})
-        if self._open[visitor.key] < self.most:
-            return None
-        detail = f"{self.most} requests of this session or token are open, which is the limit: wait for one to end"
-        return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": "1"})
+        limits = (("this session or token has", self._rates_of_one, visitor.key),
+                  ("your sessions and tokens have", self.rates, visitor.account))  # fmt: skip
+        for sender, rates, key in limits:
+            if wait := rates.wait(key):
+                detail = f"{sender} sent {rates.per_minute:,} requests in a minute, the limit: try again in {wait} s"
+                return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": str(wait)})
+        full = self._open.full(visitor)
+        return too_many(full) if full else None
 
 
-def _refusal(
-    scope: Scope, headers: Headers, visitor: Visitor | None, rule: Rule, foreign: bool = True
-) -> RefusedError | None:
+def too_many(full: str) -> RefusedError:
+    """429 for a limit of what is open."""
+    return RefusedError(429, "too-many-requests", f"{full}: wait for one to end", headers={"Retry-After": "1"})
+
+
+def _refusal(scope: Scope, visitor: Visitor | None, rule: Rule, foreign: bool = True) -> RefusedError | None:
     """foreign: whether the header Origin counts."""
     if visitor is None:
         detail = (
@@ -112,7 +104,7 @@ def _refusal(
         )
         return RefusedError(401, "not-signed-in", detail, headers={"WWW-Authenticate": 'Bearer realm="clearance"'})
     required = scope["type"] == "websocket" and visitor.via != "token"
-    return (_foreign(scope, headers, required) if foreign else None) or forbidden(visitor, rule)
+    return (_foreign(scope, required) if foreign else None) or forbidden(visitor, rule)
 
 
 def forbidden(visitor: Visitor, rule: Rule) -> RefusedError | None:
@@ -136,8 +128,9 @@ def forbidden(visitor: Visitor, rule: Rule) -> RefusedError | None:
     return None
 
 
-def _foreign(scope: Scope, headers: Headers, required: bool) -> RefusedError | None:
-    if (scope["type"] != "websocket" and scope["method"] in SAFE) or _from_our_pages(headers, required):
+def _foreign(scope: Scope, required: bool) -> RefusedError | None:
+    headers = Headers(scope=scope)
+    if (scope["type"] != "websocket" and scope["method"] in SAFE) or _from_our_pages(scope, headers, required):
         return None
     detail = (
         f"the request comes from {headers.get('origin', 'no Origin')!r}, not from a page of "
@@ -146,15 +139,27 @@ def _foreign(scope: Scope, headers: Headers, required: bool) -> RefusedError | N
     return RefusedError(403, "foreign-origin", detail)
 
 
-def _from_our_pages(headers: Headers, required: bool) -> bool:
-    """Browsers send Origin with every write and socket; a client that does not send it is not a browser."""
+def _from_our_pages(scope: Scope, headers: Headers, required: bool) -> bool:
+    """Browsers send Origin with every write and socket; a client that does not send it is not a browser.
+
+    A page of the same host is ours if it came encrypted, or if this host is not called encrypted: without a trusted
+    proxy the service does not see how the browser called it.
+    """
     origin = headers.get("origin")
     if origin is None:
         return not required
-    try:
-        return bool(origin) and urllib.parse.urlsplit(origin).netloc == headers.get("host", "")
-    except ValueError:  # no address at all, such as http://[
+    scheme, _, host = origin.partition("://")
+    if host != headers.get("host", "") or not host:
         return False
+    return scheme == "https" or (scheme == "http" and not _is_encrypted(scope, host))
+
+
+def _is_encrypted(scope: Scope, host: str) -> bool:
+    """Whether browsers call the service by HTTPS under this name."""
+    public = urllib.parse.urlsplit(scope["app"].state.settings.public_url)
+    return scope.get("scheme") in ("https", "wss") or (
+        public.scheme == "https" and public.netloc.removesuffix(":443") == host.removesuffix(":443")
+    )
 
 
 async def visitor(request: Request) -> Visitor:

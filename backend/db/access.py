@@ -41,6 +41,9 @@ USE_NOTED = 60.0
 SESSION_ID = 16
 """Leading digits of a session's hash by which its owner names it: they reveal nothing of the cookie."""
 
+MOST_TOKENS = 20
+"""Tokens of a user that are neither revoked nor expired."""
+
 _NAME = re.compile(r"[\w.+-]{1,64}")
 _OF_USER = (User.role, User.disabled, User.password.is_not(None).label("has_password"))
 
@@ -116,7 +119,8 @@ def create_token(
 ) -> str:
     """Create an API token under a new name and return it; it cannot be read again later. lifetime: [s], None: no end.
 
-    Raises `AccessError` if the name is taken, also by a user, and if the scope is wider than the owner's role.
+    Raises `AccessError` if the name is taken, also by a user, if the scope is wider than the owner's role, and if the
+    owner has as many as one may have.
     """
     if not _NAME.fullmatch(name):
         raise AccessError(f"the name {name!r} is invalid: use 1 to 64 letters, digits and . _ + -, no spaces")
@@ -127,12 +131,20 @@ def create_token(
         raise AccessError(
             f"{name!r} is the name of a user; choose another name, such as {name[:60]}-ci", RefusalCode.NAME_TAKEN
         )
-    role = connection.scalar(sa.select(User.role).where(User.name == owner, User.disabled.is_(None)))
+    of = sa.select(User.role).where(User.name == owner, User.disabled.is_(None))
+    role = connection.scalar(
+        of.with_for_update()
+    )  # another of the same owner waits, so that none is missed in the count
     if role not in ROLES:
         raise AccessError(f"there is no active user {owner!r} to own the token")
     if not has_scope(widest(role), scope):
         raise AccessError(f"the scope {scope} is wider than the role {role} of {owner!r}: give {widest(role)} or less")
     secret, created = TOKEN_PREFIX + secrets.token_urlsafe(32), engine.now(connection)
+    valid = (Token.owner == owner, Token.revoked.is_(None), sa.or_(Token.expires.is_(None), Token.expires > created))
+    if (connection.scalar(sa.select(sa.func.count()).where(*valid)) or 0) >= MOST_TOKENS:
+        raise AccessError(
+            f"{owner!r} has {MOST_TOKENS} valid tokens, which is the limit: revoke one that is not needed"
+        )
     values = {"name": name, "hash": hashed(secret), "created": created, "owner": owner, "scope": scope}
     values["expires"] = None if lifetime is None else created + lifetime
     connection.execute(sa.insert(Token).values(**values))

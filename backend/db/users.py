@@ -129,8 +129,9 @@ def accept(writer: sa.Connection, code: str, password: str) -> str | None:
 
 
 def set_password(writer: sa.Connection, name: str, password: str, but: str) -> None:
-    """Store a new (hashed) password and end all sessions of the user but the one of the hash `but`."""
+    """Store a new (hashed) password; ends the user's open links, and all sessions but the one of the hash `but`."""
     writer.execute(sa.update(User).where(User.name == name).values(password=password))
+    void_invitations(writer, name)
     close_sessions(writer, name, but)
 
 

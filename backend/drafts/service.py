@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import sqlalchemy as sa
 
 from backend.access.own import require_own
-from backend.db import audit
+from backend.db import audit, users
 from backend.db.access import Visitor
 from backend.db.engine import now
 from backend.db.tables import Draft as Row
@@ -19,8 +19,9 @@ from backend.http.matches import require_match
 from backend.runs import service
 from campaigns.runs import run_name
 
-MOST = 1000
-"""Maximum number of drafts: prevents a program that creates one per save from filling the disk."""
+MOST, MOST_EACH = 1000, 200
+"""Maximum number of drafts, in total and of a user: a program that creates one per save neither fills the disk nor
+takes the drafts of others."""
 
 _ID = re.compile(r"D-([0-9]{1,9})")
 _LISTED = [getattr(Row, name) for name in ("id", "version", "name", "tags", "owner", "created", "saved", "saved_by")]
@@ -56,10 +57,14 @@ def one(reader: sa.Connection, draft_id: int) -> Draft:
 
 def create(writer: sa.Connection, content: DraftContent, visitor: Visitor) -> Draft:
     """Store a new draft; 409 if there are too many."""
-    if (writer.scalar(sa.select(sa.func.count()).select_from(Row)) or 0) >= MOST:
-        raise RefusedError(
-            409, "too-many-drafts", f"there are already {MOST} drafts, which is the limit: delete some first"
-        )
+    users.hold(writer, visitor.account)
+    count = sa.select(sa.func.count()).select_from(Row)
+    if (writer.scalar(count.where(Row.owner == visitor.account)) or 0) >= MOST_EACH:
+        detail = f"you have {MOST_EACH} drafts already, which is the limit: delete some first"
+        raise RefusedError(409, "too-many-drafts", detail)
+    if (writer.scalar(count) or 0) >= MOST:
+        detail = f"there are already {MOST} drafts of all users, which is the limit: delete some first"
+        raise RefusedError(409, "too-many-drafts", detail)
     at = now(writer)
     who = {"owner": visitor.account, "saved_by": visitor.user, "created": at, "saved": at}
     values = content.model_dump() | who | {"version": 1}

@@ -11,7 +11,11 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
+from starlette.types import Receive, Scope, Send
 
+from backend.access.auth import CurrentVisitor, too_many
+from backend.access.shares import Shares
+from backend.db.access import Visitor
 from backend.db.engine import read
 from backend.http.deps import Engine
 from backend.http.errors import answers, problems
@@ -32,6 +36,20 @@ class EventStream(StreamingResponse):
     media_type = "text/event-stream"
 
 
+class CountedStream(EventStream):
+    """A stream that counts as one of its visitor's while it lasts; 429 if those are too many."""
+
+    def __init__(self, texts: AsyncGenerator[str], shares: Shares, visitor: Visitor) -> None:
+        super().__init__(texts, headers=HEADERS)
+        self._shares, self._visitor = shares, visitor
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if full := self._shares.full(self._visitor):
+            raise too_many(full)
+        with self._shares.entered(self._visitor):
+            await super().__call__(scope, receive, send)
+
+
 @router.get(
     "/events",
     response_class=EventStream,
@@ -40,6 +58,7 @@ class EventStream(StreamingResponse):
 async def stream_events(
     request: Request,
     engine: Engine,
+    visitor: CurrentVisitor,
     run: Annotated[str | None, Query(max_length=40, description="Only this run, such as R-0001.")] = None,
     last: Annotated[
         str | None, Header(alias="Last-Event-ID", description="The last `id` before; sent by browsers.")
@@ -57,8 +76,9 @@ async def stream_events(
     run_id = None if run is None else service.number(run)
     if run_id is not None:
         await run_in_threadpool(_require, engine, run_id)
-    events = request.app.state.hub.listen(run_id, _since(last))
-    return EventStream(_while_admitted(events, request.state.still), headers=HEADERS)
+    state = request.app.state
+    events = state.hub.listen(run_id, _since(last))
+    return CountedStream(_while_admitted(events, request.state.still), state.streams, visitor)
 
 
 def _since(mark: str | None) -> float | None:

@@ -17,6 +17,7 @@ from fastapi.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
 from backend.http.errors import RefusedError
+from backend.http.readers import Readers
 
 Result = TypeVar("Result")
 Gone = Callable[[], Awaitable[bool]]
@@ -107,6 +108,7 @@ class BoundedStream(StreamingResponse):
 
 class Capacities:
     def __init__(self) -> None:
+        self.readers = Readers()
         self.pdf = Capacity("reports are being printed", 2, 4, 60.0, 30)
         self.recordings = Capacity("recordings are being made", 2, 6, 20.0, 5)
         self.files = Capacity("files are being written", 4, 12, 20.0, 5)
@@ -117,6 +119,8 @@ class Capacities:
         # The largest campaign takes seconds to parse, and threads share one interpreter.
         reading = "other campaigns are being read and the queue is full: try again in a few seconds"
         self.bodies = Capacity("", 2, 32, None, 2, reading)
+        # A file is read by a process, for up to half a minute.
+        self.imports = Capacity("file of requirements is being read", 1, 4, 60.0, 10)
         # A password takes 19 MiB and tenths of a second of a core.
         signing_in = "many users are signing in at the same time: try again in a few seconds"
         self.passwords = Capacity("", 2, 16, None, 2, signing_in)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import AsyncIterator
 from typing import Annotated
 
 import sqlalchemy as sa
 from fastapi import Depends, Request
 
-from backend.db.engine import read
 from backend.http.capacity import Capacities
 
 
@@ -22,9 +21,10 @@ async def engine(request: Request) -> sa.Engine:
 Engine = Annotated[sa.Engine, Depends(engine)]
 
 
-def reader(engine: Engine) -> Iterator[sa.Connection]:
+async def reader(request: Request, engine: Engine) -> AsyncIterator[sa.Connection]:
     """One snapshot of the database for the whole request."""
-    with read(engine) as connection:
+    visitor = getattr(request.state, "visitor", None)
+    async with capacities(request).readers.connection(engine, "" if visitor is None else visitor.account) as connection:
         yield connection
 
 

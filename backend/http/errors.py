@@ -120,7 +120,7 @@ KINDS = {
     "too-long": Kind(414, "Path and query are too long."),
     "unsupported-media-type": Kind(415, "The body is neither JSON nor YAML."),
     "unknown-host": Kind(421, "The service does not answer to this name; see CLEARANCE_ALLOWED_HOSTS."),
-    "too-many-requests": Kind(429, "Too many requests of this session or token, at a time or in a minute."),
+    "too-many-requests": Kind(429, "Too many requests of this user, session or token, at a time or in a minute."),
     "bad-cursor": Kind(422, "The cursor does not belong to this list and order."),
     "idempotency-key-reused": Kind(422, "The Idempotency-Key was used for another request."),
     "invalid": Kind(422, "The request contains no change."),

@@ -7,6 +7,7 @@ Sources: RFC 9110, 7.2 and 15.5.20 (421).
 from __future__ import annotations
 
 import ipaddress
+import re
 import urllib.parse
 
 from starlette.datastructures import Headers
@@ -16,6 +17,8 @@ from backend.http.errors import RefusedError
 
 HEALTH = "/api/v1/health"
 """Open to every name: health checks call a machine by its address."""
+
+_HOST = re.compile(r"([A-Za-z0-9._~-]{1,253}|\[[0-9A-Fa-f:.]{2,45}\])(:[0-9]{1,5})?")
 
 
 class Hosts:
@@ -29,8 +32,12 @@ class Hosts:
         self._bound = bound.lower()
 
     def allows(self, host: str) -> bool:
+        """Whether the whole header is a name, with or without a port, and the name is one of these; of names that were
+        given with a port, with that port."""
+        if not _HOST.fullmatch(host):
+            return self.every and not host  # HTTP/1.0
         name = _name(host)
-        return self.every or name in self.names or name == self._bound or _is_this_machine(name)
+        return self.every or bool({name, host.lower()} & self.names) or name == self._bound or _is_this_machine(name)
 
     def refusal(self, scope: Scope) -> RefusedError | None:
         """421 for a request or socket under another name."""

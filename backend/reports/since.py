@@ -43,5 +43,7 @@ def changes(record: Record) -> dict[str, object] | None:
         }
         for case in regression.cases
     ]
-    lost = [case.statement for case in regression.cases if case.standing is Standing.NOT_COMPARED]
+    lost = [
+        case.statement for case in regression.cases if case.standing in (Standing.NOT_COMPARED, Standing.UNRESOLVED)
+    ]
     return {"run": regression.run, "cases": rows, "statement": regression.statement, "lost": lost}

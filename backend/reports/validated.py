@@ -15,7 +15,7 @@ from campaigns.claims.say import count, joined, number, say, symbol
 from campaigns.claims.spans import Spans
 from campaigns.results import ValidateResult, verdicts
 from campaigns.results.finding import ClosestApproach, Validation
-from campaigns.results.validate import Beyond, Encounter, Unseen
+from campaigns.results.validate import Beyond, Encounter, Later, Unseen
 
 Row = dict[str, object]
 _AT = {
@@ -128,10 +128,15 @@ def _closest(name: str, approach: ClosestApproach) -> str:
 def _beyond(record: Record, beyond: Beyond) -> str:
     """What flights that are simulated on meet after the horizon."""
     many = f"{numbers.count(beyond.closer)} of {numbers.count(beyond.flights)} flights come closer"
-    later, plain = beyond.lowest, numbers.plain
-    if later is None:
-        return f"{many}; no obstacle is approaching"
+    shown = [many] if beyond.lowest or beyond.unknown else [many, "no obstacle is approaching"]
+    shown += [f"lowest: {_later(record, beyond.lowest)}"] if beyond.lowest else []
+    shown += [f"not known how it moves on: {_later(record, beyond.unknown)}"] if beyond.unknown else []
+    return "; ".join(shown)
+
+
+def _later(record: Record, later: Later) -> str:
+    plain = numbers.plain
     how = "simulated" if later.simulated else "extrapolated"
     away = f"obstacle {later.obstacle + 1}, {plain(later.distance)} m away at the last sample"
     value = f"{record.of.symbol} {plain(later.value)} {record.of.unit} after another {plain(later.time)} s ({how})"
-    return f"{many}; lowest: {later.name}, {away}, closing at {plain(later.closing)} m/s; {value}"
+    return f"{later.name}, {away}, closing at {plain(later.closing)} m/s; {value}"

@@ -17,7 +17,7 @@ from backend.db.tables import Run
 from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import answers, problems
 from backend.http.matches import TAGGED, IfMatch
-from backend.requirements import gsn, matrix, reqif, service, sheet
+from backend.requirements import gsn, matrix, reqif, service, sheet, uploads
 from backend.requirements.schemas import (
     FileKind,
     Imported,
@@ -105,8 +105,8 @@ async def import_requirements(
 ) -> Imported:
     """Import a CSV or ReqIF file, the body; all of it or nothing."""
     body = await request.body()
-    found, skipped = await capacities(request).bodies.run(
-        lambda: service.read(kind, body, id_attribute, text_attribute)
+    found, skipped = await capacities(request).imports.run(
+        lambda: uploads.read(kind, body, id_attribute, text_attribute), request.is_disconnected
     )
 
     def work(writer: sa.Connection) -> Imported:

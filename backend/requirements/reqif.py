@@ -16,6 +16,8 @@ NAMESPACE = "http://www.omg.org/spec/ReqIF/20110401/reqif.xsd"
 DEEPEST = 100
 """Levels of elements; the hierarchy of a specification nests two for each of its own."""
 MOST_ELEMENTS = 400_000
+MOST_ATTRIBUTES, LONGEST_NAME = 64, 200
+"""XML attributes of an element, and characters of a name; the standard's elements have at most 10, of at most 40."""
 
 IDS = ("ReqIF.ForeignID", "ID", "UID", "Object Identifier", "Identifier", "Requirement ID")
 """Attributes that hold the id, the first that an object has, in any case; without one, the object's IDENTIFIER."""
@@ -70,7 +72,14 @@ class _Builder(Xml.TreeBuilder):
             raise CannotRead(f"the file nests elements deeper than {DEEPEST} levels")
         if self.elements > MOST_ELEMENTS:
             raise CannotRead(f"the file has more than {MOST_ELEMENTS:,} elements: export fewer objects at a time")
-        return super().start(tag.rpartition("}")[2], attrs)
+        if len(attrs) > MOST_ATTRIBUTES:
+            raise CannotRead(f"an element of the file has more than {MOST_ATTRIBUTES} XML attributes")
+        name = tag.rpartition("}")[2]
+        if max(map(len, (name, *attrs))) > LONGEST_NAME:
+            raise CannotRead(
+                f"the file has the name of an element or attribute with more than {LONGEST_NAME} characters"
+            )
+        return super().start(name, attrs)
 
     def end(self, tag: str) -> Xml.Element:
         self.depth -= 1

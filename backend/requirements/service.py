@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import sqlalchemy as sa
-from pydantic import TypeAdapter, ValidationError
 
 from backend.db import audit
 from backend.db.access import Visitor
@@ -17,53 +15,17 @@ from backend.db.engine import now
 from backend.db.tables import Requirement, RequirementFile
 from backend.http.errors import RefusedError, not_found
 from backend.http.matches import require_match, tag
-from backend.requirements import matrix, reqif, sheet
-from backend.requirements.reqif import CannotRead, Read
+from backend.requirements import matrix
+from backend.requirements.differences import changed_text, stated_text
+from backend.requirements.reqif import Read
 from backend.requirements.schemas import FileKind, Imported, RequirementFileOut, RequirementGiven, RequirementRow
 from backend.signoffs.present import chunks
-from campaigns import Problem
-from campaigns.asked.requirements import RequirementId
-from campaigns.asked.values import Notes
 
 MOST = 20_000
 """Requirements that are registered."""
 MOST_FILES = 50
-MOST_ATTRIBUTES, LONGEST_ATTRIBUTE = 60, 2000
-"""Of a requirement; the rest is in its file only."""
 NAMED = 20
 """Ids that a row of the audit trail names."""
-
-_ID: TypeAdapter[str] = TypeAdapter(RequirementId)
-_TEXT: TypeAdapter[str] = TypeAdapter(Notes)
-_READERS = {"csv": sheet.read, "reqif": reqif.read}
-
-
-def read(kind: FileKind, content: bytes, id_name: str, text_name: str) -> tuple[list[Read], int]:
-    """The requirements of a file; 422 with a sentence for a file that is not acceptable."""
-    try:
-        found, skipped = _READERS[kind](content, id_name, text_name)
-        _check(found)
-    except CannotRead as error:
-        raise RefusedError(422, "unreadable", f"{error}", [Problem("file", "", f"{error}")]) from None
-    return found, skipped
-
-
-def _check(found: Sequence[Read]) -> None:
-    twice = next((key for key, count in Counter(one.id for one in found).items() if count > 1), None)
-    if twice is not None:
-        raise CannotRead(
-            f"the id {twice[:80]!r} occurs more than once: name the attribute that holds unique ids; in a ReqIF file "
-            "IDENTIFIER is the object's own"
-        )
-    if len(found) > MOST:
-        raise CannotRead(f"{len(found):,} requirements are too many: at most {MOST:,}")
-    for one in found:
-        for adapter, value, what in ((_ID, one.id, "id"), (_TEXT, one.text, "text")):
-            try:
-                adapter.validate_python(value)
-            except ValidationError as error:
-                reason = error.errors()[0]["msg"].removeprefix("Value error, ")
-                raise CannotRead(f"the {what} of {one.id[:80]!r} is not acceptable: {reason}") from None
 
 
 @dataclass(frozen=True)
@@ -105,7 +67,7 @@ def _imported(writer: sa.Connection, upload: Upload, visitor: Visitor) -> Import
         if old is None:
             added.append(_row(one, file_id, at, visitor))
             continue
-        values: dict[str, object] = {"attributes": _cut(one.attributes), "file_id": file_id}
+        values: dict[str, object] = {"attributes": one.attributes, "file_id": file_id}
         if old.text != one.text:
             changed.append(one.id)
             values |= {"text": one.text, "changed": at, "changed_by": visitor.user}
@@ -184,7 +146,7 @@ def write(engine: sa.Engine, new: RequirementGiven, visitor: Visitor, match: str
             if (writer.scalar(sa.select(sa.func.count()).select_from(Requirement)) or 0) >= MOST:
                 raise _conflict(f"there are already {MOST:,} requirements, which is the limit: delete some first")
             writer.execute(sa.insert(Requirement).values(**_row(Read(new.id, new.text, {}), None, at, visitor)))
-            audit.note(writer, visitor, "requirement.added", new.id[:80], {"id": new.id, "text": new.text})
+            audit.note(writer, visitor, "requirement.added", new.id[:80], {"id": new.id, **stated_text(new.text)})
         elif old.kind == "reqif":
             raise _conflict(
                 f"{new.id} is from {old.file}: change it in the tool that wrote the file, and import it again"
@@ -192,7 +154,7 @@ def write(engine: sa.Engine, new: RequirementGiven, visitor: Visitor, match: str
         elif old.text != new.text:
             values = {"text": new.text, "changed": at, "changed_by": visitor.user}
             writer.execute(sa.update(Requirement).where(Requirement.id == new.id).values(**values))
-            detail = {"id": new.id, "before": old.text, "text": new.text}
+            detail = {"id": new.id, **changed_text(old.text, new.text)}
             audit.note(writer, visitor, "requirement.changed", new.id[:80], detail)
         return matrix.rows(writer, [new.id], 5)[0]
 
@@ -207,7 +169,7 @@ def delete(engine: sa.Engine, key: str, visitor: Visitor, match: str | None = No
         if old.kind == "reqif":
             raise _conflict(f"{key} is from {old.file}: delete it there and import the file again, or delete the file")
         _forget(writer, [key])
-        audit.note(writer, visitor, "requirement.deleted", key[:80], {"id": key, "text": old.text})
+        audit.note(writer, visitor, "requirement.deleted", key[:80], {"id": key, **stated_text(old.text)})
 
 
 def _one(reader: sa.Connection, key: str, hold: bool = False) -> Any:
@@ -220,14 +182,8 @@ def _one(reader: sa.Connection, key: str, hold: bool = False) -> Any:
 
 
 def _row(one: Read, file_id: int | None, at: float, visitor: Visitor) -> dict[str, object]:
-    values: dict[str, object] = {"id": one.id, "text": one.text, "attributes": _cut(one.attributes), "file_id": file_id}
+    values: dict[str, object] = {"id": one.id, "text": one.text, "attributes": one.attributes, "file_id": file_id}
     return values | {"created": at, "changed": at, "changed_by": visitor.user}
-
-
-def _cut(attributes: dict[str, str]) -> dict[str, str]:
-    """The attributes as far as the page shows them; null characters cannot be stored."""
-    some = list(attributes.items())[:MOST_ATTRIBUTES]
-    return {key[:200].replace("\0", ""): value[:LONGEST_ATTRIBUTE].replace("\0", "") for key, value in some}
 
 
 def _forget(writer: sa.Connection, ids: Sequence[str]) -> None:

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from backend.http.schema import Given
 from campaigns.asked.load import LARGEST_FILE
-from campaigns.asked.values import Notes
+from campaigns.asked.values import Name, Notes
 from campaigns.labels import Group, Labels
 from campaigns.sample_seed import LARGEST
 
@@ -22,7 +22,7 @@ class RunSubmit(Given):
 
     checked_elsewhere: ClassVar = frozenset({"campaign"})  # errors in it are located by `campaigns.asked.reading`
     campaign: dict[str, object]
-    name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
+    name: Name | None = None
     tags: Tags | None = None
     labels: Labels = Field(default_factory=dict)
     """By key, such as branch: main, commit: 4f2a91c."""
@@ -53,7 +53,7 @@ class RunSubmit(Given):
 class RunEdit(Given):
     """The user's annotations of a run; omitted fields stay unchanged."""
 
-    name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
+    name: Name | None = None
     tags: Tags | None = None
     notes: Annotated[str, Field(max_length=20_000, description="Markdown.")] | None = None
     pinned: bool | None = None

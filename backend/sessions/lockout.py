@@ -7,11 +7,12 @@ Source: OWASP Authentication Cheat Sheet, "Account Lockout".
 
 from __future__ import annotations
 
-import ipaddress
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+
+from backend.http.networks import network
 
 FORGOTTEN = 3600.0
 """Failures are forgotten so long after the last one [s]."""
@@ -92,13 +93,4 @@ def seconds(wait: float) -> int:
 
 
 def _keys(name: str, address: str) -> tuple[tuple[tuple[str, str], Limit], tuple[tuple[str, str], Limit]]:
-    return (("account", name), ACCOUNT), (("address", _network(address)), ADDRESS)
-
-
-def _network(address: str) -> str:
-    """An IPv6 address is one of a network of 2**64 of the same client."""
-    try:
-        parsed = ipaddress.ip_address(address.partition("%")[0])
-    except ValueError:
-        return address
-    return str(ipaddress.ip_network(f"{parsed}/64", strict=False)) if parsed.version == 6 else str(parsed)
+    return (("account", name), ACCOUNT), (("address", network(address)), ADDRESS)

@@ -1,7 +1,7 @@
 """How fast obstacles turn, from what their components declare: what moves within a step is not seen by sampling.
 
-`fastest` is the rate over intervals of an obstacle's parameters; `turning` gives that of every obstacle of a campaign
-over its bounds.
+`fastest` is the rate over intervals of an obstacle's parameters, `lasting` the time until a motion is over or repeats;
+`turning` gives the rate of every obstacle of a campaign over its bounds.
 """
 
 from __future__ import annotations
@@ -28,26 +28,37 @@ class Turning(NamedTuple):
 
 def fastest(rate: RateEntry, values: Intervals) -> float:
     """The highest rate for any values within these intervals [rad/s]; infinite if there is no highest."""
-    top = rate.times * math.prod(max(abs(low), abs(high)) for low, high in (values[name] for name in rate.of))
+    top = _top(rate, values)
     if top == 0.0:
         return 0.0
-    if rate.legs:
-        return math.pi * top / _shortest(rate, values)
+    if rate.legs:  # at least the smallest number
+        return math.pi * top / max(min(_lengths(rate, values), default=math.inf), 5e-324)
     least = (0.0 if low <= 0.0 <= high else min(abs(low), abs(high)) for low, high in (values[n] for n in rate.per))
     bottom = math.prod(least)
     return top / bottom if bottom else math.inf
 
 
-def _shortest(rate: RateEntry, values: Intervals) -> float:
-    """The shortest leg of any path within these intervals [m], at least the smallest number; legs that never have a
-    length do not count."""
+def lasting(rate: RateEntry, values: Intervals) -> float:
+    """How long a motion with exactly these values takes to its last corner, or for a whole turn [s]; 0 without either:
+    it is straight, or there is none."""
+    if rate.legs:
+        top = _top(rate, values)
+        return sum(_lengths(rate, values)) / top if top else 0.0
+    highest = fastest(rate, values)
+    return 2.0 * math.pi / highest if highest else 0.0
+
+
+def _top(rate: RateEntry, values: Intervals) -> float:
+    return rate.times * math.prod(max(abs(low), abs(high)) for low, high in (values[name] for name in rate.of))
+
+
+def _lengths(rate: RateEntry, values: Intervals) -> Iterator[float]:
+    """The shortest length within these intervals of each leg that may have a length [m]."""
     count = int(values[rate.used][1] + 0.5) if rate.used else len(rate.legs)
-    legs = []
     for begin, end in list(pairwise(rate.legs))[:count]:
         ends = [(values[f"{begin}.{a}"], values[f"{end}.{a}"]) for a in "xyz" if f"{begin}.{a}" in values]
         if any(a != b or a[0] != a[1] for a, b in ends):
-            legs.append(math.hypot(*(max(0.0, b[0] - a[1], a[0] - b[1]) for a, b in ends)))
-    return max(min(legs, default=math.inf), 5e-324)
+            yield math.hypot(*(max(0.0, b[0] - a[1], a[0] - b[1]) for a, b in ends))
 
 
 def turning(

@@ -25,6 +25,17 @@ COMPONENTS, SIMULATORS = "components", "simulators"
 UNREAD = "unidentified-"
 """How the digest of a function begins that uses something that cannot be read exactly."""
 
+
+def unread(digest: str) -> str:
+    """The digest of a function of which this is what could be read."""
+    return f"{UNREAD}{digest}"
+
+
+def is_read(digest: str | None) -> bool:
+    """Whether the digest of a simulator identifies it."""
+    return bool(digest) and not str(digest).startswith(UNREAD)
+
+
 MOST = 3
 """Modules named in a clause."""
 
@@ -105,9 +116,8 @@ def identity_of(versions: Versions, simulator: str) -> Identity:
     files = {f"{COMPONENTS}/{name}": digest for name, digest in versions.components.items()}
     missing = [] if versions.code else [ENGINE]
     if simulator:
-        digest = versions.simulator or ""
-        if digest and not digest.startswith(UNREAD):
-            files[f"{SIMULATORS}/{simulator}"] = digest
+        if is_read(versions.simulator):
+            files[f"{SIMULATORS}/{simulator}"] = versions.simulator or ""
         else:
             missing.append(f"{SIMULATORS}/{simulator}")
     cpu = None if versions.cpu is None else versions.cpu.target or versions.cpu.model

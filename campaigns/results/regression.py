@@ -24,6 +24,9 @@ class Standing(StrEnum):
     BETTER = "better"
     FIXED = "fixed"
     """It violated in the baseline, and nothing known in its basin violates now."""
+    UNRESOLVED = "unresolved"
+    """It violated in the baseline and does not now, but the allowance of validation did not suffice to examine its
+    basin."""
     NOT_COMPARED = "not compared"
     """It could not be evaluated on this model, or has no value there."""
 

@@ -143,7 +143,7 @@ class Later(Result):
     closing: float
     """The speed at which that distance falls at the last sample [m/s]; negative while it grows."""
     simulated: bool
-    """Simulated on beyond the horizon; else extrapolated along straight lines."""
+    """Simulated on beyond the horizon; else extrapolated."""
 
 
 class Beyond(Result):
@@ -157,6 +157,9 @@ class Beyond(Result):
     """How many of them come closer there than any evaluation of the run."""
     lowest: Later | None
     """The one that comes closest; null if none meets an obstacle there."""
+    unknown: Annotated[Later | None, UNLESS_NONE] = None
+    """The closest one to an obstacle that may come closer: it has states, or neither repeats its path nor ends it, and
+    is neither at rest nor moves away at a constant velocity. Its value is that on straight lines."""
 
 
 class Encounter(Result):
@@ -188,6 +191,29 @@ class Incumbent(Result):
     validation: Validation
 
 
+class Downhill(Result):
+    """A stored violation with no barrier on the line to it."""
+
+    position: int
+    """Of its stage."""
+    index: int
+    cost: float
+
+
+class CaseBasin(Result):
+    """What is known of the basin of a case of the baseline."""
+
+    lowest: float | None
+    """The lowest cost in the basin in which a descent from it ended, a finding or not; null if none has ended."""
+    parameters: Annotated[Values | None, UNLESS_NONE] = None
+    """At that cost; omitted if a finding has them."""
+    violation: Annotated[Downhill | None, UNLESS_NONE] = None
+    """Of a case that violates no more; omitted if there is none."""
+    not_compared: int = 0
+    """Stored violations that the line was not evaluated to, because the allowance was used up; those close to each
+    other count once."""
+
+
 class ValidateResult(StageResult, Described):
     """The validation of the run. The findings contain their own evidence."""
 
@@ -209,3 +235,6 @@ class ValidateResult(StageResult, Described):
     since: Annotated[list[str | None], UNLESS_EMPTY] = []
     """The finding whose basin contains each case of the baseline, in their order; null if there is none; omitted
     without a baseline."""
+    basins: Annotated[list[CaseBasin], UNLESS_EMPTY] = []
+    """What is known of the basin of each case of the baseline, in their order; omitted without one, and in results of
+    earlier versions."""

@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 from clearance.function.result import Interrupted, Result
 from clearance.function.searches import searches, stages
+from worker.engine.systems.simulators.declared.external import READS
 from worker.engine.systems.simulators.declared.function import (
     NAME,
     Declaration,
@@ -25,6 +26,7 @@ from worker.engine.systems.simulators.declared.function import (
     Settings,
     accepts,
     check,
+    data_paths,
     finite,
     only_loaded,
 )
@@ -70,6 +72,7 @@ def search(
     unit: str = "",
     worse: Literal["low", "high"] = "low",
     result: str = "",
+    reads: Sequence[str | Path] = (),
 ) -> Result:
     """Search for the worst case of a function, and state what may be claimed.
 
@@ -96,6 +99,8 @@ def search(
     sample_seed: of the independent sample, to repeat an earlier result; nothing is cleared with one that was stated.
     quantity, unit: of the returned number, for sentences, tables and axes. worse: only "low".
     result: which result of a decorated function decides, if it has several.
+    reads: the data files that the function reads, or folders of them, relative to its file, or to the working folder if
+        it has none; their content is part of what identifies it. A decorated function declares them itself.
 
     An evaluation that raises, or returns anything but a finite number, fails with its reason, and the search goes on.
     Ctrl-C raises `Interrupted`, a KeyboardInterrupt that has what was evaluated until then.
@@ -111,7 +116,7 @@ def search(
     _counts(budget=budget, validation=validation, workers=workers, certify=certify, seed=seed, sample_seed=sample_seed)
     if agreement is not None and not (finite(agreement) and 0.0 < agreement <= 1.0):
         raise ValueError(f"agreement must be a fraction above 0 and at most 1, given {agreement!r:.60}")
-    request = _request_of(fly, parameters, nominal, vectorized, quantity, unit, result)
+    request = _request_of(fly, parameters, nominal, vectorized, quantity, unit, result, data_paths(reads))
     if workers is not None:
         request = _side_by_side(request, fly, workers)
     found = searches(methods, budget, options, starts, request.ranges)
@@ -145,10 +150,11 @@ def _counts(**counts: object) -> None:
 
 
 def _request_of(
-    fly: object, parameters: object, nominal: object, vectorized: bool | None, quantity: str, unit: str, result: str
-) -> Request:
+    fly: object, parameters: object, nominal: object, vectorized: bool | None, quantity: str, unit: str, result: str,
+    reads: tuple[str, ...],
+) -> Request:  # fmt: skip
     if isinstance(fly, Function):
-        for label, own in (("vectorized", vectorized), ("quantity", quantity), ("unit", unit)):
+        for label, own in (("vectorized", vectorized), ("quantity", quantity), ("unit", unit), ("reads", reads)):
             if own:
                 raise ValueError(f"{label}: a decorated function declares this itself; leave it out")
         return _of_decorated(fly, parameters, nominal, result)
@@ -163,8 +169,9 @@ def _request_of(
     settings = Settings(vectorized=bool(vectorized), isolated=False)
     output = Output(unit=_line("unit", unit, 30), quantity=_line("quantity", quantity, 60) or "value")
     declaration = Declaration(
-        _named(label), _title(label), inspect.getdoc(fly) or "", declared, {"value": output}, settings
-    )
+        _named(label), _title(label), inspect.getdoc(fly) or "", declared, {"value": output}, settings,
+        reads=reads,
+    )  # fmt: skip
     check(declaration)
     accepts(fly, declared)
     return Request(declaration, fly, {}, ranges, middle, "value")
@@ -199,6 +206,8 @@ def _side_by_side(request: Request, fly: object, workers: int) -> Request:
     """The request with so many processes that call the function."""
     settings = replace(request.declaration.settings, isolated=True, slots=workers)
     place = dict(request.place) or _found(fly.call if isinstance(fly, Function) else fly, request.declaration.name)
+    if request.declaration.reads and not isinstance(fly, Function):
+        place[READS] = "\n".join(request.declaration.reads)
     return replace(request, declaration=replace(request.declaration, settings=settings), place=place)
 
 

@@ -61,10 +61,13 @@ class ComponentContract:
             assert p.default is None or p.low <= p.default <= p.high, path
 
     def test_it_turns_no_faster_than_it_declares(self) -> None:
-        """Of an obstacle whose motion is prescribed: within pi over its rate it turns by half a turn at most."""
-        if isinstance(self.component, Obstacle) and self.component.moving and not self.component.states:
-            flown, declared = problem(self.component, compiled=False), entry(self.component).rate
-            turns_as_declared(flown, own(self.component), declared)
+        """Of an obstacle that moves by itself; if its motion is prescribed, it turns within pi over its rate by half a
+        turn at most."""
+        if isinstance(self.component, Obstacle) and self.component.moving:
+            declared = entry(self.component).rate
+            assert declared is not None, "it moves by itself and declares no rate"
+            if not self.component.states:
+                turns_as_declared(problem(self.component, compiled=False), own(self.component), declared)
 
     def test_it_can_be_simulated_with_the_first_other_components_that_fit(self) -> None:
         made = load_document(around(self.component))

@@ -19,10 +19,9 @@ SAMPLES = 400
 
 
 def turns_as_declared(
-    flown: Problem, parameters: Mapping[str, ParameterEntry], declared: RateEntry | None, draws: int = 40
+    flown: Problem, parameters: Mapping[str, ParameterEntry], declared: RateEntry, draws: int = 40
 ) -> None:
     """The rate at random values is not exceeded, and bounds of values have no lower rate than the values."""
-    assert declared is not None, "it moves by itself and declares no rate"
     chance = np.random.default_rng(1)
     for _ in range(draws):
         values = {path: _drawn(p, chance) for path, p in parameters.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,8 @@ import numpy as np
 from campaigns import check
 from campaigns.asked.load import CampaignError, load_document
 from campaigns.results.base import OK
+from campaigns.results.finding import Finding
+from campaigns.results.verdict import Verdict
 from clearance.testing.problems import Problem
 from tests.adversary import classes, later
 from tests.adversary.classes import Attack
@@ -37,7 +40,8 @@ def made(kind: int, seed: int) -> Attack:
 
 
 def attack(given: Attack) -> Outcome:
-    """Run it, and hold the verdict against what it may be and against every evaluation that the run has stored."""
+    """Run it, and hold the verdict against what it may be, against every evaluation that the run has stored, and its
+    headline against every integration of the findings."""
     store = MemoryStore()
     try:
         asked = load_document(given.document)
@@ -56,4 +60,32 @@ def attack(given: Attack) -> Outcome:
         wrong = f"{conclusion.verdict} is none of {', '.join(sorted(given.may))}"
     if conclusion.verdict == "cleared" and (costs <= threshold).any():
         wrong = f"cleared with {int((costs <= threshold).sum())} stored violations"
+    wrong = wrong or _headline(conclusion, store.findings, Problem(asked))
     return Outcome(given, conclusion.verdict, conclusion.reason, wrong)
+
+
+def _headline(conclusion: Verdict, findings: Sequence[Finding], problem: Problem) -> str:
+    """What is wrong with the value that a violated verdict states: it must be the mildest one of a case that every
+    integration has below the threshold, and of several such cases the lowest."""
+    if conclusion.verdict != "violated" or conclusion.worst is None:
+        return "" if conclusion.verdict != "violated" else "violated by nothing"
+    mildest = []
+    for finding in findings:
+        case = finding.validation
+        assert case is not None
+        values = [finding.cost, *(v.cost for v in (case.half_step, case.integrator) if v is not None)]
+        if any(v is None or v > problem.threshold for v in values):
+            continue
+        most = max(v for v in values if v is not None)
+        if not (finding.granted == most or (case.agrees and most - finding.granted <= (case.allowed or 0.0))):
+            return f"{finding.label} grants {finding.granted}, and its integrations have {values}"
+        mildest.append(finding.granted)
+        if case.half_step is not None and not problem.realisations.random:
+            vector = problem.vectors(np.array(finding.point)[None, :])
+            again = float(problem.system.simulate_vectors(vector, problem.system.step / 2)[0].costs[0, 0])
+            if again != case.half_step.cost:
+                return f"{finding.label} has {case.half_step.cost} at half the step, and then {again}"
+    stated = {conclusion.worst.cost, conclusion.values["worst"], conclusion.worst.margin + problem.threshold}
+    if not mildest or any(abs(value - min(mildest)) > 1e-12 for value in stated):
+        return f"it states {stated}, and every integration grants {mildest}"
+    return ""

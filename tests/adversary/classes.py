@@ -149,11 +149,21 @@ def collision(random: np.random.Generator) -> Attack:
 def side_switch(random: np.random.Generator) -> Attack:
     """An avoider that changes sides: the worst ridge is a discontinuity whose position depends on the integrator."""
     start = {"x": float(random.uniform(0.1, 0.4)), "y": float(random.uniform(-0.4, -0.1)), "theta": 0.0}
+    return _switching("side switch", random, start, float(random.uniform(1.617, 1.622)))
+
+
+def mild_violation(random: np.random.Generator) -> Attack:
+    """The same avoider at a threshold above every integration: by most they violate by less than as evaluated."""
+    start = {"x": float(random.uniform(0.1, 0.4)), "y": float(random.uniform(-0.4, -0.1)), "theta": 0.0}
+    return _switching("mild violation", random, start, float(random.uniform(1.625, 1.75)))
+
+
+def _switching(name: str, random: np.random.Generator, start: dict[str, float], threshold: float) -> Attack:
     uncertain = MASSES | {"start.x": {"low": -0.5, "high": 0.5}, "start.y": {"low": -0.5, "high": 0.5}}
     return campaign(
-        "side switch", random, NOT_CLEARED, scenario__avoider={"component": "gnron", "parameters": {}},
+        name, random, NOT_CLEARED, scenario__avoider={"component": "gnron", "parameters": {}},
         scenario__start=start, scenario__goal={"x": 8.0, "y": 8.0}, uncertain=uncertain, scenario__horizon=12.0,
-        criterion__threshold=float(random.uniform(1.617, 1.622)),
+        criterion__threshold=threshold,
     )  # fmt: skip
 
 
@@ -312,5 +322,5 @@ def brute_force(asked: Campaign, points: int, finer: int = 2) -> float:
 CLASSES: tuple[Callable[[np.random.Generator], Attack], ...] = (
     slit_on_a_slice, nobody_searched, horizon_too_short, never_moves, out_of_reach, no_avoidance, no_influence,
     collision, side_switch, one_realisation, mean_of_realisations, mostly_excluded, tails, through_a_wall, aliased,
-    near_the_worst, mass_outside, one_family, coarse_step,
+    near_the_worst, mass_outside, one_family, coarse_step, mild_violation,
 )  # fmt: skip

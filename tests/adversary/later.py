@@ -17,6 +17,8 @@ from tests.adversary.classes import ANY, NOT_CLEARED, Attack, brute_force, campa
 
 GOAL = (6.0, 7.0)
 """Of case 1; the unicycle is near it from 9 s on."""
+LONGER = 5.0
+"""Horizons that hold every encounter."""
 
 
 def _point(x: float, y: float) -> dict[str, float]:
@@ -24,10 +26,10 @@ def _point(x: float, y: float) -> dict[str, float]:
 
 
 def straight_after_the_horizon(random: np.random.Generator) -> Attack:
-    """A second obstacle comes past the goal on a straight line up to one and a half horizons late, from anywhere."""
+    """A second obstacle comes past the goal on a straight line up to three horizons late, from anywhere."""
     horizon = round(float(random.uniform(6.5, 11.0)), 1)
-    arrives, speed = horizon * float(random.uniform(1.1, 2.5)), float(random.uniform(0.3, 4.0))
-    angle, miss = float(random.uniform(0, 2 * math.pi)), float(random.uniform(-0.8, 0.8))
+    arrives, speed = horizon * float(random.uniform(1.1, 4.0)), float(random.uniform(0.3, 4.0))
+    angle, miss = float(random.uniform(0, 2 * math.pi)), float(random.uniform(-2.0, 2.0))
     along, x, y = (math.cos(angle), math.sin(angle)), GOAL[0] - miss * math.sin(angle), GOAL[1] + miss * math.cos(angle)
     back, on = speed * arrives, 20.0 * speed
     moving = {
@@ -38,69 +40,73 @@ def straight_after_the_horizon(random: np.random.Generator) -> Attack:
             "speed": speed, "radius": 0.1,
         },
     }  # fmt: skip
-    return _after("straight after the horizon", random, moving, horizon, 3.0)
+    return _after("straight after the horizon", random, moving, horizon)
 
 
 def turning_after_the_horizon(random: np.random.Generator) -> Attack:
-    """A second obstacle turns towards the goal and arrives up to a horizon late: along waypoints, on a circle, or
+    """A second obstacle turns towards the goal and arrives up to three horizons late: along waypoints, on a circle, or
     accelerating towards it."""
     horizon = round(float(random.uniform(6.5, 11.0)), 1)
-    arrives, angle = horizon * float(random.uniform(1.1, 1.9)), float(random.uniform(0, 2 * math.pi))
-    kind = random.integers(3)
+    arrives, angle = horizon * float(random.uniform(1.1, 4.0)), float(random.uniform(0, 2 * math.pi))
+    kind, miss = random.integers(3), float(random.uniform(-2.0, 2.0))
+    x, y = GOAL[0] - miss * math.sin(angle), GOAL[1] + miss * math.cos(angle)
     if kind == 0:
-        moving = _along_waypoints(random, arrives, angle)
+        moving = _along_waypoints(random, arrives, angle, (x, y))
     elif kind == 1:
-        moving = _on_a_circle(random, arrives, angle)
+        moving = _on_a_circle(random, arrives, angle, miss)
     else:
         far = float(random.uniform(1.0, 3.0)) * arrives
         moving = {
             "component": "cooperative_circle",
             "parameters": {
-                "position": _point(GOAL[0] + far * math.cos(angle), GOAL[1] + far * math.sin(angle)),
-                "goal": _point(GOAL[0] - far * math.cos(angle), GOAL[1] - far * math.sin(angle)),
+                "position": _point(x + far * math.cos(angle), y + far * math.sin(angle)),
+                "goal": _point(x - far * math.cos(angle), y - far * math.sin(angle)),
                 "speed": far / arrives, "radius": 0.1, "clearance": 0.0, "lag": float(random.uniform(0.1, 1.0)),
             },
         }  # fmt: skip
-    return _after("turning after the horizon", random, moving, horizon, 2.5)
+    return _after("turning after the horizon", random, moving, horizon)
 
 
-def _along_waypoints(random: np.random.Generator, arrives: float, angle: float) -> dict[str, Any]:
-    """Away from the goal first, then through it."""
+def _along_waypoints(
+    random: np.random.Generator, arrives: float, angle: float, past: tuple[float, float]
+) -> dict[str, Any]:
+    """Away from the goal first, then past it."""
     turns = arrives * float(random.uniform(0.2, 0.8))
     speed = float(random.uniform(1.0, 4.0))
-    corner = [g + speed * (arrives - turns) * c for g, c in zip(GOAL, (math.cos(angle), math.sin(angle)), strict=True)]
+    corner = [g + speed * (arrives - turns) * c for g, c in zip(past, (math.cos(angle), math.sin(angle)), strict=True)]
     before, other = speed * turns, angle + float(random.uniform(-2.5, 2.5))
     return {
         "component": "waypoint_circle",
         "parameters": {
             "position": _point(corner[0] - before * math.cos(other), corner[1] - before * math.sin(other)),
             "waypoint1": _point(*corner),
-            "waypoint2": _point(2 * GOAL[0] - corner[0], 2 * GOAL[1] - corner[1]),
+            "waypoint2": _point(2 * past[0] - corner[0], 2 * past[1] - corner[1]),
             "legs": 2.0, "speed": speed, "radius": 0.1,
         },
     }  # fmt: skip
 
 
-def _on_a_circle(random: np.random.Generator, arrives: float, angle: float) -> dict[str, Any]:
-    """A circle through the goal, of which half a turn or more is left at the start."""
+def _on_a_circle(random: np.random.Generator, arrives: float, angle: float, miss: float) -> dict[str, Any]:
+    """A circle past the goal, of which half a turn or more is left at the start."""
     way, sense = float(random.uniform(8.0, 30.0)), float(random.choice([-1.0, 1.0]))
+    past = way + miss
     turns = float(random.uniform(0.5, 0.9)) * 2 * math.pi
     phase = math.remainder(angle - sense * turns, 2 * math.pi)
     return {
         "component": "orbiting_circle",
         "parameters": {
-            "centre": _point(GOAL[0] - way * math.cos(angle), GOAL[1] - way * math.sin(angle)),
+            "centre": _point(GOAL[0] - past * math.cos(angle), GOAL[1] - past * math.sin(angle)),
             "way": way, "phase": phase, "speed": sense * turns * way / arrives, "radius": 0.1,
         },
     }  # fmt: skip
 
 
-def _after(name: str, random: np.random.Generator, moving: dict[str, Any], horizon: float, longer: float) -> Attack:
+def _after(name: str, random: np.random.Generator, moving: dict[str, Any], horizon: float) -> Attack:
     made = campaign(
         name, random, ANY, scenario__obstacles=[circle(4.0, 4.0, 0.5), moving], scenario__horizon=horizon,
-        criterion__threshold=float(random.uniform(0.5, 0.8)),
+        criterion__threshold=float(random.uniform(0.5, 0.93)),
     )  # fmt: skip
-    scenario = made.document["scenario"] | {"horizon": round(longer * horizon, 1)}
+    scenario = made.document["scenario"] | {"horizon": round(LONGER * horizon, 1)}
     lowest = brute_force(load_document(made.document | {"scenario": scenario}), 7)
     clear = lowest > made.document["criterion"]["threshold"]
     return Attack(name, made.document, ANY if clear else NOT_CLEARED)

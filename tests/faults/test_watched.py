@@ -18,7 +18,7 @@ import clearance
 from its_helper import OFFSET
 
 @clearance.simulator(
-    name={name!r}, title={title!r}, isolated=False,
+    name={name!r}, title={title!r}, isolated=False, reads=["its_helper.py"],
     parameters={{"mass": (1.5, 2.3), "drag": (0.1, 0.2)}}, results={{"separation": clearance.Output(unit="m")}},
 )
 def fly(mass, drag):

@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import pytest
 import sqlalchemy as sa
 
 from backend.db.engine import connect
@@ -24,13 +25,14 @@ from campaigns.results.base import FAILED, OK
 from campaigns.stored.digest import Rows, evidence_digest
 from clearance.local.results import write_results
 from clearance.local.summary import summary
-from tests.given.case_campaigns import searching
+from tests.given.case_campaigns import CASE1, searching
 from tests.given.sampled_stages import DRAWN
 from tests.migrated import migrated
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.evidence.audit.judge import SPANS, Item, audit
 from worker.evidence.audit.record import of_folder
+from worker.evidence.scopes import rates
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs import identity
 from worker.running.runs.audited import known
@@ -83,13 +85,27 @@ RUNS: dict[str, Callable[[], Campaign]] = {
     ),
 }
 
-VERDICTS = {"noisy": "cleared", "excluded": "inconclusive"}
+TURNING = {
+    "component": "orbiting_circle",
+    "parameters": {"centre": {"x": 40.0, "y": 40.0}, "way": 1.0, "phase": 0.0, "speed": 200.0, "radius": 0.1},
+}
+"""It turns by 1 rad in a step."""
+
+FORGED: dict[str, Callable[[], Campaign]] = {
+    "aliased": lambda: certifying(60, scenario__obstacles=[*CASE1["scenario"]["obstacles"], TURNING]),
+}
+"""As a service writes it that leaves out the check `sampling`."""
+
+VERDICTS = {"noisy": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
 
 
 @cache
 def ran(name: str) -> tuple[Campaign, MemoryStore]:
-    campaign, store = RUNS[name](), MemoryStore(sample_seed=DRAWN)
-    conclusion = execute(campaign, store, threads=1)
+    campaign, store = (RUNS | FORGED)[name](), MemoryStore(sample_seed=DRAWN)
+    with pytest.MonkeyPatch.context() as patch:
+        if name in FORGED:
+            patch.setattr(rates, "unfollowed", lambda *_: ())
+        conclusion = execute(campaign, store, threads=1)
     assert conclusion.verdict == VERDICTS.get(name, name), conclusion.reason
     return campaign, store
 

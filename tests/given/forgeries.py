@@ -103,6 +103,20 @@ def _without(name: str) -> Callable[[Folder], None]:
     return change
 
 
+def _approaching(folder: Folder) -> None:
+    """An obstacle with states that approaches at the end of what is known of it, and a check that holds."""
+    later = {
+        "name": "F1",
+        "value": 1.2,
+        "time": 3.0,
+        "obstacle": 0,
+        "distance": 4.0,
+        "closing": 1.0,
+        "simulated": False,
+    }
+    folder.evidence["results"][5]["encounter"]["beyond"]["unknown"] = later
+
+
 def _family(folder: Folder) -> None:
     for method in folder.evidence["components"]["methods"]:
         method["family"] = f"that of {method['name']}"
@@ -158,6 +172,7 @@ FORGERIES: list[Forgery] = [
     Forgery("a horizon of the campaign", "noisy", edit("campaign/scenario/horizon", 40.0)),
     Forgery("bounds of the campaign", "noisy", edit("campaign/uncertain/vehicle.m/plus_minus", "30%")),
     Forgery("a closest approach", "cleared", edit(f"{ENCOUNTER}/closest/time", 1.0), "result.encounter.closest"),
+    Forgery("an approach of which no more is known", "cleared", _approaching),
     Forgery("code of another version", "cleared", edit("result/versions/code", "0" * 64), "result.versions"),
     Forgery("seconds of a stage", "cleared", edit("result/stages/2/seconds", 9e9), "result.stages.#.seconds"),
 ]  # fmt: skip

@@ -29,7 +29,7 @@ class Handle:
 
 class Viewers:
     def __init__(self, most: int, most_each: int) -> None:
-        """most, most_each: maximum number of open viewers, in total and per session or token."""
+        """most, most_each: maximum number of open viewers, in total and of a user."""
         self.open, self.most, self.most_each = 0, most, most_each
         self.threads = CapacityLimiter(THREADS)
         """The threads that create and close viewers."""
@@ -44,21 +44,21 @@ class Viewers:
         if self.full(visitor):
             return False
         self.open += 1
-        self._of[visitor.key] += 1
+        self._of[visitor.account] += 1
         return True
 
     def leave(self, visitor: Visitor) -> None:
         self.open -= 1
-        self._of[visitor.key] -= 1
-        if not self._of[visitor.key]:
-            del self._of[visitor.key]
+        self._of[visitor.account] -= 1
+        if not self._of[visitor.account]:
+            del self._of[visitor.account]
 
     def full(self, visitor: Visitor) -> str:
         """The limit that is reached for this visitor; empty if there is none."""
         if self.open >= self.most:
             return f"{self.most} 3D views are open, which is the limit"
-        if self._of[visitor.key] >= self.most_each:
-            return f"{self.most_each} 3D views of your session or token are open, which is the limit"
+        if self._of[visitor.account] >= self.most_each:
+            return f"{self.most_each} 3D views of your sessions and tokens are open, which is the limit"
         return ""
 
     def stop(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -12,8 +13,16 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db import audit
-from backend.db.access import create_login_code, hashed, revoke_token
+from backend.db import audit, users
+from backend.db.access import (
+    MOST_TOKENS,
+    AccessError,
+    Visitor,
+    create_login_code,
+    create_token,
+    hashed,
+    revoke_token,
+)
 from backend.db.engine import connect, read
 from backend.db.tables import LoginLink, Session, Token
 from backend.sessions.attempts import BURST
@@ -210,15 +219,87 @@ def test_wrong_codes_are_bounded_in_number_and_a_good_one_is_taken_all_the_same(
     assert sum(rows) == BURST + 30, "and none is left out"
 
 
-def test_a_session_or_token_has_so_many_requests_open_and_others_have_theirs(fresh: Fresh, tmp_path: Path) -> None:
-    with running(fresh, tmp_path, max_requests_each=2) as service, service.signed_in() as browser:
+def test_a_user_has_so_many_requests_open_and_others_have_theirs(fresh: Fresh, tmp_path: Path) -> None:
+    """Sessions and tokens together: with a limit of their own, whoever makes many would have no limit."""
+    with running(fresh, tmp_path, max_requests_each=3) as service, service.signed_in() as browser:
+        with service.engine.begin() as writer:
+            users.accept(writer, users.invite(writer, "ada", "viewer", "local"), "hash")
+            other = create_token(writer, "ada-ci", "ada", "read")
         with browser.stream("GET", "/api/v1/events"), browser.stream("GET", "/api/v1/events"):
             refused = browser.get("/api/v1/session")
-            problem(refused, 429)
+            assert "2 requests of this" in str(problem(refused, 429)["detail"])
             assert refused.headers["retry-after"] == "1"
-            with service.signed_in() as other:
-                assert other.get("/api/v1/session").status_code == 200
+            with service.visitor(authorization=f"Bearer {service.token('ci')}") as program:
+                assert program.get("/api/v1/session").status_code == 200, "a session leaves the others something"
+                with program.stream("GET", "/api/v1/events"), service.signed_in() as third:
+                    assert "3 requests of your" in str(problem(third.get("/api/v1/session"), 429)["detail"])
+                    with service.visitor(authorization=f"Bearer {other}") as another:
+                        assert another.get("/api/v1/session").status_code == 200
         until(lambda: browser.get("/api/v1/session").status_code == 200)
+
+
+def test_streams_and_views_are_limited_by_user(fresh: Fresh, tmp_path: Path) -> None:
+    settings = {"max_streams_each": 2, "max_viewers_each": 1}
+    with running(fresh, tmp_path, **settings) as service, contextlib.ExitStack() as stack:
+        one, two, three = (
+            stack.enter_context(service.visitor(authorization=f"Bearer {service.token(name)}")) for name in "abc"
+        )
+        for program in (one, two):
+            assert stack.enter_context(program.stream("GET", "/api/v1/events")).status_code == 200
+        with three.stream("GET", "/api/v1/events") as refused:
+            assert refused.status_code == 429
+        viewers, visitor = service.app.state.viewers, lambda key: Visitor("ci", "token", key, "ada")
+        assert viewers.enter(visitor("a"))
+        assert not viewers.enter(visitor("b"))
+        assert "sessions and tokens" in viewers.full(visitor("b"))
+    assert not service.app.state.streams.full(Visitor("a", "token", "", "local"))
+
+
+def test_a_user_has_so_many_tokens(service: Service, client: httpx.Client) -> None:
+    names = [f"t-{number}" for number in range(MOST_TOKENS)]
+    for name in names[1:]:
+        assert client.post("/api/v1/tokens", json={"name": name, "scope": "read"}).status_code == 201
+    with service.engine.begin() as writer:
+        create_token(writer, "expired", lifetime=-1.0)
+    assert client.post("/api/v1/tokens", json={"name": names[0], "scope": "read"}).status_code == 201
+    refused = problem(client.post("/api/v1/tokens", json={"name": "more", "scope": "read"}), 409)
+    assert f"{MOST_TOKENS} valid tokens" in str(refused["detail"])
+    client.delete(f"/api/v1/tokens/{names[0]}")
+    assert client.post("/api/v1/tokens", json={"name": "more", "scope": "read"}).status_code == 201
+    with service.engine.begin() as writer, pytest.raises(AccessError, match="valid tokens"):
+        create_token(writer, "still-more")  # as `clearance token create` does
+
+
+@pytest.mark.parametrize(
+    ("public", "origin", "status"),
+    [
+        ("https://c.example", "https://c.example", 201),
+        ("https://c.example", "http://c.example", 403),
+        ("https://c.example:443", "http://c.example", 403),
+        ("http://c.example", "http://c.example", 201),
+        ("http://c.example", "ftp://c.example", 403),
+        ("", "https://c.example", 201),
+        ("https://c.example", "https://c.example/", 403),
+        ("https://c.example", "https://x@c.example", 403),
+    ],
+)
+def test_the_scheme_of_the_origin_counts(fresh: Fresh, tmp_path: Path, public: str, origin: str, status: int) -> None:
+    settings = {"public_url": public, "allowed_hosts": "c.example"}
+    with running(fresh, tmp_path, **settings) as service:
+        headers = {"host": "c.example", "origin": origin, "authorization": f"Bearer {service.token()}"}
+        with service.visitor(**headers) as program:
+            assert program.post("/api/v1/drafts", json={"name": "", "text": ""}).status_code == status
+
+
+@pytest.mark.parametrize("header", ["X-Forwarded-Proto: https", ""])
+def test_a_trusted_proxy_states_the_scheme(fresh: Fresh, tmp_path: Path, header: str) -> None:
+    with running(fresh, tmp_path, trusted_proxies="127.0.0.1") as service:
+        host = f"127.0.0.1:{service.port}"
+        headers = {"origin": f"http://{host}", "authorization": f"Bearer {service.token()}"}
+        headers |= {"x-forwarded-proto": "https"} if header else {}
+        with service.visitor(**headers) as program:
+            made = program.post("/api/v1/drafts", json={"name": "", "text": ""})
+            assert made.status_code == (403 if header else 201)
 
 
 def test_a_revoked_token_is_refused(service: Service) -> None:

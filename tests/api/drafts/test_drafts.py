@@ -11,6 +11,7 @@ import sqlalchemy as sa
 from backend.db.tables import Audit
 from backend.drafts import service as drafts
 from tests.given.databases import AT_NIGHT, BOTH
+from tests.given.joined_users import joined
 from tests.given.problem_documents import problem
 from tests.given.service import Service
 from tests.given.submissions import submit
@@ -105,3 +106,14 @@ def test_there_is_an_end_to_drafts(client: httpx.Client, monkeypatch: pytest.Mon
     monkeypatch.setattr(drafts, "MOST", 1)
     kept(client)
     assert "delete some first" in problem(client.post(DRAFTS, json=given()), 409)["detail"]
+
+
+def test_a_user_has_so_many_drafts_and_others_have_theirs(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drafts, "MOST_EACH", 1)
+    kept(client)
+    with service.visitor(authorization=f"Bearer {service.token('more')}") as program:  # of the same user
+        assert "you have 1 drafts" in problem(program.post(DRAFTS, json=given()), 409)["detail"]
+    with joined(service, client, "engineer") as (_, other):
+        assert other.post(DRAFTS, json=given()).status_code == 201

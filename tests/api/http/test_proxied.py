@@ -104,7 +104,7 @@ def test_the_host_is_the_one_that_the_nearest_proxy_names(trusting: Service, hos
 
 def test_an_invalid_host_is_ignored(trusting: Service) -> None:
     with trusting.signed_in() as client:
-        sent = {**FORWARDED, "x-forwarded-host": "a b/c", "origin": trusting.url}
+        sent = {**FORWARDED, "x-forwarded-host": "a b/c", "origin": trusting.url.replace("http:", "https:")}
         assert client.post(f"{ROOT}/api/v1/tokens", json={}, headers=sent).status_code == 422
 
 

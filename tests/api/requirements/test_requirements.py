@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import csv
 import gzip
+import hashlib
 import io
+import json
 import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +19,7 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db.tables import Audit, CatalogueDocument, Finding, Run
+from backend.requirements import uploads
 from backend.signoffs.texts import OTHER_TEXT
 from tests.given.code_versions import CODE, OTHER, edited
 from tests.given.databases import AT_NIGHT, BOTH
@@ -22,7 +27,7 @@ from tests.given.joined_users import joined
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
-from tests.given.service import Service
+from tests.given.service import Service, until
 from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
 
@@ -390,3 +395,33 @@ def test_a_text_that_somebody_else_has_changed_is_not_overwritten(client: httpx.
     assert put("third").json()["text"] == "third"
     now = {"If-Match": put("third").headers["etag"]}
     assert client.delete("/api/v1/requirements", params={"requirement": "MATCH-1"}, headers=now).status_code == 204
+
+
+def test_the_trail_has_digests_and_differences_instead_of_texts(service: Service, client: httpx.Client) -> None:
+    long = "Keep 0.5 m. " * 1500
+    for text in (long, long + "Keep 0.4 m."):
+        assert client.put(AT, json={"id": "R-1", "text": text}).status_code == 200
+    assert client.delete(AT, params={"requirement": "R-1"}).status_code == 204
+    with service.engine.connect() as reader:
+        rows = dict(reader.execute(sa.select(Audit.action, Audit.detail)).all())
+    changed = rows["requirement.changed"]
+    assert changed["before"]["characters"] == len(long)
+    assert changed["text"]["sha256"] == hashlib.sha256((long + "Keep 0.4 m.").encode()).hexdigest()
+    assert "Keep 0.4 m." in changed["difference"]
+    assert all(len(json.dumps(rows[f"requirement.{done}"])) < 1200 for done in ("added", "changed", "deleted"))
+
+
+def test_files_have_a_queue_of_their_own(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A launch does not wait for them."""
+    go, waits = tmp_path / "go", "import pathlib, sys, threading as t\nwhile not pathlib.Path(sys.argv[1]).exists(): "
+    end = 't.Event().wait(0.02)\nprint(\'{"refused": "strange"}\')'
+    monkeypatch.setattr(uploads, "READER", (sys.executable, "-c", waits + end, str(go)))
+    imports = service.app.state.capacities.imports
+    with ThreadPoolExecutor(6) as threads:
+        slow = [threads.submit(sent, client, b"id,text\na,b\n", f"{i}.csv") for i in range(6)]
+        until(lambda: imports.inside == 5 and any(one.done() for one in slow))
+        assert submit(client)
+        go.touch()
+    assert sorted(one.result().status_code for one in slow) == [422] * 5 + [503]

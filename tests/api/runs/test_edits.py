@@ -20,6 +20,13 @@ from tests.given.submissions import submit
 NOTES = "# Why\n\nThe *planning radius* is <b>75 m</b>."
 
 
+@pytest.mark.parametrize("given", ["", " ", "a\nb", "a\x1bb", "x" * 121, "\u202eevil"])
+def test_a_name_is_checked_as_at_submission(service: Service, client: httpx.Client, given: str) -> None:
+    run = submit(client)
+    assert client.patch(f"/api/v1/runs/{run}", json={"name": given}).status_code == 422
+    assert client.post("/api/v1/runs", json={"campaign": campaign(), "name": given}).status_code == 422
+
+
 def test_name_tags_notes_and_pin_are_stored(client: httpx.Client) -> None:
     run = submit(client)
     before = client.get(f"/api/v1/runs/{run}").json()

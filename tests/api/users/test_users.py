@@ -137,6 +137,16 @@ def test_a_forgotten_password_is_replaced_by_a_link_which_ends_all_sessions(
     assert actions(service, user)[:6] == done
 
 
+def test_a_link_ends_with_a_change_of_the_password(service: Service, admin: httpx.Client) -> None:
+    with joined(service, admin, "viewer") as (user, client), service.visitor() as other:
+        link = admin.post(f"{API}/users/{user}/invitation").json()["path"]
+        assert other.get(link).status_code == 200
+        given = {"current": PASSWORD, "new": NEXT}
+        assert client.put(f"{API}/session/password", json=given).status_code == 204
+        assert other.get(link).status_code == 403
+        assert sign_in(other, user, NEXT).status_code == 303
+
+
 @pytest.mark.parametrize("given", ["Ada Lovelace", "", "../x", "ada\nbea", "-ada", "é", "a" * 65, "local"])
 def test_a_name_that_cannot_be_used_is_refused(admin: httpx.Client, given: str) -> None:
     answer = admin.post(f"{API}/users", json={"name": given, "role": "viewer"})

@@ -7,6 +7,7 @@ complete file.
 
 from __future__ import annotations
 
+import dis
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -15,6 +16,7 @@ from worker.engine.kernels import signatures as sig
 from worker.engine.kernels.look import ObstacleLook as ObstacleLook  # components import all that they need from here
 from worker.engine.kernels.look import VehicleLook as VehicleLook
 from worker.engine.kernels.maths import kernel
+from worker.engine.kernels.numba_internals import python
 from worker.engine.kernels.parameters import Declared as Declared
 from worker.engine.kernels.parameters import Parameter as Parameter
 from worker.engine.kernels.parameters import declared as declared
@@ -189,7 +191,8 @@ class Rate:
 class Obstacle:
     """An obstacle or intruder; one with states has `wake` and `move`.
 
-    `rate`: how fast it turns, if it moves by itself and has no states; with states, the integrators follow it.
+    `moving`: whether it moves by itself, as one with states does, or one whose body reads the time. `rate`: how fast it
+    turns then; nothing is cleared without it.
 
     `reach`: the largest distance of a point inside it from the centre that `body` reports. `frame` as in `Avoider`.
     `look`: how it is drawn; by default a ball of its parameter `radius`.
@@ -210,6 +213,20 @@ class Obstacle:
     frame: Frame | None = None
     look: ObstacleLook | None = None
     role: Literal["obstacle"] = "obstacle"
+
+    def __post_init__(self) -> None:
+        # A motion that is not declared is one, too, and its rate is then unknown.
+        if self.states or _reads_time(self.body):
+            object.__setattr__(self, "moving", True)
+
+
+def _reads_time(body: sig.Shown) -> bool:
+    """Whether the code of a body uses its first argument."""
+    code = getattr(python(body), "__code__", None)
+    if code is None or not code.co_argcount:
+        return False
+    uses = (each.argval for each in dis.get_instructions(code))
+    return any(code.co_varnames[0] in (use if isinstance(use, tuple) else (use,)) for use in uses)
 
 
 @dataclass(frozen=True)

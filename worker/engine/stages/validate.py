@@ -19,12 +19,13 @@ from campaigns.results.base import OK
 from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.slices import Curve
 from campaigns.results.stage import Reevaluated
-from campaigns.results.validate import Gathered
+from campaigns.results.validate import CaseBasin, Downhill, Gathered
 from worker.engine.stages.parts import findings, incumbents, noise, offered, seeds
 from worker.engine.stages.parts.base import Context, Driven, all_columns, drive
 from worker.engine.stages.parts.comparison import compare
 from worker.engine.stages.parts.confirm import Case, cases
 from worker.engine.stages.parts.encounter import encounter
+from worker.engine.stages.parts.falls import Fall, not_compared
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.store import Trace
@@ -72,6 +73,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         untraced=untraced,
         spent=left.spent(),
         since=_since(context, named, found, basins),
+        basins=_basins(context, position, found),
     )
     return Outcome(result, named, tuple(t for t in flights if t is not None))
 
@@ -79,10 +81,13 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
 def _since(
     context: Context, named: Sequence[Finding], found: findings.Found, labels: Sequence[str]
 ) -> list[str | None]:
-    """The finding whose basin contains each case of the baseline; labels: those of the basins."""
+    """The finding whose basin contains each case of the baseline; labels: those of the listed basins."""
     distance = context.campaign.stages.findings.distance
-    cases = [case for result in context.results.values() for case in result.reevaluated]
-    return [_matching(case, named, found, labels, distance) for case in cases]
+    return [_matching(case, named, found, labels, distance) for case in _reevaluated(context)]
+
+
+def _reevaluated(context: Context) -> list[Reevaluated]:
+    return [case for result in context.results.values() for case in result.reevaluated]
 
 
 def _matching(
@@ -99,7 +104,36 @@ def _matching(
         if same and (apart == 0.0 or (case.realisation is not None and apart < distance)):
             return finding.label
     basin = found.basin_at(point)
-    return None if basin is None else labels[basin]
+    return None if basin is None or basin >= len(labels) else labels[basin]
+
+
+def _basins(context: Context, position: int, found: findings.Found) -> list[CaseBasin]:
+    """What is known of the basin of each case of the baseline, listed or not."""
+    known, basins = [*found.basins, *found.besides], []
+    for k, case in enumerate(_reevaluated(context)):
+        basin = found.basin_at(np.array(case.point)) if case.cost is not None and found.descended else None
+        listed = basin is not None and basin < len(found.basins)
+        fall = found.falls.cases.get(k)
+        basins.append(
+            CaseBasin(
+                lowest=None if basin is None else known[basin].cost,
+                parameters=None if basin is None or listed else context.problem.named(known[basin].point),
+                violation=None if fall is None else _downhill(context, position, fall),
+                not_compared=not_compared(context, position, found.falls, k),
+            )
+        )
+    return basins
+
+
+def _downhill(context: Context, position: int, fall: Fall) -> Downhill | None:
+    if fall.violation is None:
+        return None
+    for at, columns in all_columns(context, [*range(position + 1)]):
+        violates = (columns.status == OK) & (columns.costs[:, 0] <= context.problem.threshold)
+        rows = np.flatnonzero(violates & (columns.points == fall.violation).all(axis=1))
+        if len(rows):
+            return Downhill(position=at, index=int(rows[0]), cost=float(columns.costs[rows[0], 0]))
+    raise AssertionError(fall.violation)
 
 
 Traces = tuple[list[Trace | None], dict[str, str]]

@@ -373,11 +373,13 @@ def _encounter(run: Run) -> dict[str, bool]:
 
 
 def _over(run: Run, beyond: Tree | None) -> bool:
-    """Whether no flight comes closer beyond the horizon than any evaluation; earlier versions did not look there."""
+    """Whether no flight comes closer beyond the horizon than any evaluation, and all that approaches there is known;
+    earlier versions did not look there."""
     if beyond is None:
         return True
     low = run.lowest - limits.ROUNDING * max(abs(run.lowest), abs(run.threshold))
-    return not beyond["closer"] and (beyond["lowest"] is None or beyond["lowest"]["value"] >= low)
+    above = beyond["lowest"] is None or beyond["lowest"]["value"] >= low
+    return not beyond["closer"] and above and beyond.get("unknown") is None
 
 
 def _continued(run: Run) -> int:

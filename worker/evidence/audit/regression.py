@@ -1,6 +1,7 @@
 """Recomputes the comparison with a baseline: margins, changes, tolerances, standings, and what follows from the policy.
 
-Taken as given: which finding of this run is in the basin of one of the baseline.
+Taken as given: which finding of this run is in the basin of one of the baseline, the lowest cost there, and between
+which stored violations and a case no barrier was found.
 """
 
 from __future__ import annotations
@@ -58,25 +59,41 @@ def _case(run: Run, recorded: Tree) -> Tree:
     baseline = run.campaign.baseline
     assert baseline is not None
     case = next(case for case in baseline.cases if case.label == recorded["before"])
-    basin = found["margin"] if found is not None else math.inf
-    beside = {row["before"] for row in run.claims["regression"]["cases"] if row["now"] == recorded["now"]}
-    if any(other.cost < case.cost for other in baseline.cases if other.label in beside):
-        found = None  # another finding of the baseline represents this basin
+    known = {other.label: _basin(run, number) for number, other in enumerate(baseline.cases)}
+    own = known[case.label]
+    basin, stands = own["margin"], True
+    if own["now"] is not None or math.isfinite(basin):  # the lowest finding of the baseline represents a basin
+        same = [o for o in baseline.cases if all(known[o.label][k] == own[k] for k in ("now", "margin"))]
+        stands = case.cost <= min(other.cost for other in same)
     _, costs, status = run.rows(position(run))
     before, k = case.cost - run.threshold, recorded["evaluation"]
     if k is None or status[k] != OK:
         return _row("not compared", before, math.nan, math.nan, math.nan, False)
     again = float(costs[k]) - run.threshold
-    lowest = again if found is None else min(again, found["margin"])
+    lowest = min(again, basin) if stands else again
     tolerance = _tolerance(run, case.difference, recorded["now"])
     new = lowest <= 0 < before
     if before <= 0 < lowest:
-        standing = "fixed" if basin > 0 else "better"
+        standing = "better" if basin <= 0 or own["violates"] else "fixed" if own["examined"] else "unresolved"
     else:
         allowed = max(tolerance, limits.SAME_COST * max(run.nominal - run.threshold - lowest, 0.0))
         worse = new or again < before - tolerance or lowest < before - allowed
         standing = "worse" if worse else "better" if lowest > before + tolerance else "same"
     return _row(standing, before, again, lowest, tolerance, new) | {"change": lowest - before}
+
+
+def _basin(run: Run, number: int) -> Tree:
+    """What the record has of the basin of one case of the baseline; earlier versions stored the finding only."""
+    validated = run.claims["results"][-1]
+    now = validated["since"][number]
+    listed: Any = next((f["margin"] for f in run.findings if f["label"] == now), math.inf)
+    if not validated.get("basins"):
+        return {"now": now, "margin": listed, "violates": False, "examined": True}
+    stored = validated["basins"][number]
+    known = stored["lowest"] is not None
+    margin = stored["lowest"] - run.threshold if known and now is None else listed
+    examined = known and not stored["not_compared"]
+    return {"now": now, "margin": margin, "violates": "violation" in stored, "examined": examined}
 
 
 def _row(standing: str, before: float, again: float, lowest: float, tolerance: float, new: bool) -> Tree:
@@ -98,5 +115,7 @@ def _tolerance(run: Run, before: float, label: str | None) -> float:
 def _fails(fail_on: list[Any], case: Tree) -> bool:
     if case["standing"] == "not compared":
         return "not_compared" in fail_on or ("violation" in fail_on and case["margin_before"] <= 0)
+    if case["standing"] == "unresolved":
+        return "not_compared" in fail_on
     kinds = {case["standing"], *(["new_violation"] if case["newly_violating"] else [])}
     return bool(kinds & {"new", "worse", "new_violation"} & set(fail_on))

@@ -36,7 +36,7 @@ TRUSTED = (
     ),
     Trusted(
         "Basins: which cases are one worst case, and whether all were polished",
-        "they rest on descents, which are not repeated",
+        "they rest on descents and on lines between cases, which are not repeated",
         (r"basin", r"complete", r"since", r"found\.#\.evaluations", r"to_near_best", r"comparison\.#\.minima"),
     ),
     Trusted(

@@ -20,3 +20,5 @@ class Terms:
     """The evidence of an encounter that the system can give; the verdict has only these checks of it."""
     bars: tuple[tuple[str, Spans], ...] = ()
     """Reasons that rule out "cleared" for any result: the check's code and the sentence."""
+    obstacles: tuple[str, ...] = ()
+    """The titles of a scenario's obstacles, in order."""

@@ -35,6 +35,7 @@ def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Term
         _words(integrator),
         shows=(*near, "motion", "avoidance"),
         bars=tuple((code, reason) for code, reason in reasons.items() if reason),
+        obstacles=tuple(_title(catalogue, "obstacle", each.component) for each in campaign.given_scenario.obstacles),
     )
 
 

@@ -80,10 +80,11 @@ def _simulators(campaign: Campaign, catalogue: Catalogue, versions: Versions, sc
     again = simulators.simulator_caveat(halved)
     if versions.command and covers is not None:
         yield Terms(simulators.simulator_scope(*name, digest, versions.command, covers[1]), words, again)
-    yield Terms(simulators.simulator_scope(*name, digest), words, again)
-    if fmu is not None:
-        read = simulators.simulator_caveat(halved, float(fmu[2]))
-        yield Terms(simulators.simulator_scope(*name, digest, settings=fmu[1]), words, read)
+    for of_folder in (simulators.OF_FOLDER, ""):  # earlier versions did not state it
+        yield Terms(simulators.simulator_scope(*name, digest, covers=of_folder), words, again)
+        if fmu is not None:
+            read = simulators.simulator_caveat(halved, float(fmu[2]))
+            yield Terms(simulators.simulator_scope(*name, digest, covers=of_folder, settings=fmu[1]), words, read)
 
 
 def _results(campaign: Campaign, catalogue: Catalogue) -> tuple[Result, ...]:

@@ -17,6 +17,8 @@ from worker.engine.systems.simulators.functions import InProcess, Isolated
 from worker.engine.systems.simulators.simulated import FRESH, Simulated
 from worker.evidence.scopes.base import Terms
 
+OF_FOLDER = "of the files of its folder"
+"""What the digest of a program or an FMU is of: not what these load from elsewhere."""
 LONGEST = 160
 """Characters of a command line in a sentence."""
 UNCHECKED = "Whether an encounter takes place was not checked."
@@ -81,15 +83,15 @@ def function_scope(title: str, name: str, digest: str, unknown: str = "") -> Sco
 
 
 def simulator_scope(
-    title: str, name: str, digest: str, command: str = "", covers: str = "", settings: str = ""
+    title: str, name: str, digest: str, command: str = "", covers: str = OF_FOLDER, settings: str = ""
 ) -> Scope:
-    """Of any other simulator; command: the line that the campaign file gives; covers: what the digest is of."""
-    what, version = f"{title}, simulator {name}", f"simulator digest {digest[:12]}"
+    """Of any other simulator; command: the line that the campaign file gives; covers: what the digest is of, empty in
+    results of earlier versions."""
+    what, version = f"{title}, simulator {name}", f"simulator digest {digest[:12]} {covers}".rstrip()
     if command:
         line = " ".join(command.split())
         shown = line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
         what += f", run by a command that the campaign file gives, {shown}"
-        version += f" {covers}"
     return Scope(say(what), say(settings), version)
 
 

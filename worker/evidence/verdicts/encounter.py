@@ -13,7 +13,7 @@ from campaigns.claims.say import capital, case, count, listed, number, say, symb
 from campaigns.claims.spans import Spans, Text
 from campaigns.codes import CheckCode
 from campaigns.results.finding import ClosestApproach
-from campaigns.results.validate import Beyond
+from campaigns.results.validate import Beyond, Later
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
@@ -72,6 +72,8 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
         return False, say("no closest approach is known for ", listed(none))
     if beyond is not None and beyond.closer:
         return False, say(_closer(problem, beyond), longer)
+    if beyond is not None and beyond.unknown is not None:
+        return False, say(_unknown(problem, beyond, beyond.unknown), longer)
     if late:
         return False, say(
             *("the closest approach of ", listed(late), " is at the end of the horizon, before the encounter is over"),
@@ -95,15 +97,36 @@ def _closer(problem: Problem, beyond: Beyond) -> Spans:
     later = beyond.lowest
     if later is None:
         return many
-    name = case(later.name) if later.name == "nominal" or later.name.startswith("F") else later.name
-    moves = ", closing at " if later.closing > 0 else ", moving away at "
     return say(
-        *(many, " than any evaluation: ", name, " is ", number(later.distance, "m", "distance", 4)),
-        *(f" from obstacle {later.obstacle + 1} at the last sample", moves),
-        *(number(abs(later.closing), "m/s", "closing", 4), ", and ", symbol(problem.quantity)),
+        *(many, " than any evaluation: ", _there(problem, later), ", and ", symbol(problem.quantity)),
         *(" falls to " if later.simulated else " would fall to ", number(later.value, problem.unit, "later", 4)),
         *(" after another ", number(later.time, "s", "after", 4)),
     )
+
+
+def _unknown(problem: Problem, beyond: Beyond, later: Later) -> Spans:
+    """That an obstacle which turns or has states approaches at the end of what is known of its motion."""
+    known = number(beyond.times * problem.campaign.given_scenario.horizon, "s", "known")
+    quantity, value = symbol(problem.quantity), number(later.value, problem.unit, "later", 4)
+    return say(
+        *("it is not known how ", _obstacle(problem, later), " moves after ", known, ": ", _there(problem, later)),
+        *("; along straight lines ", quantity, " would be ", value, " after another "),
+        number(later.time, "s", "after", 4),
+    )
+
+
+def _there(problem: Problem, later: Later) -> Spans:
+    """Where an obstacle is at the last sample of a flight, and how fast it approaches."""
+    name = case(later.name) if later.name == "nominal" or later.name.startswith("F") else later.name
+    moves = ", closing at " if later.closing > 0 else ", moving away at "
+    return say(
+        *(name, " is ", number(later.distance, "m", "distance", 4), " from ", _obstacle(problem, later)),
+        *(" at the last sample", moves, number(abs(later.closing), "m/s", "closing", 4)),
+    )
+
+
+def _obstacle(problem: Problem, later: Later) -> str:
+    return f"obstacle {later.obstacle + 1} ({terms(problem.system).obstacles[later.obstacle]})"
 
 
 def _motion(problem: Problem, evidence: Evidence) -> Condition | None:

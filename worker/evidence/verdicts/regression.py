@@ -3,12 +3,15 @@
 A finding of the baseline is worse if it costs less on this model by more than the tolerance, or if the search found a
 case in its basin that is lower than any finding of the baseline there: of that one the tolerance is larger, because two
 searches do not stop at the same point. A case that begins or ceases to violate has changed whatever the tolerance; it
-is fixed only if nothing known in its basin violates.
+is fixed only if nothing known in its basin violates, listed as a finding or not, and unresolved if validation could not
+examine the basin.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from campaigns import rules
 from campaigns.asked.regression import BaselineCase, Policy
@@ -18,6 +21,7 @@ from campaigns.results import Finding
 from campaigns.results.baselines import difference
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.stage import Reevaluated
+from campaigns.results.validate import CaseBasin
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence
 
@@ -35,12 +39,13 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
     if baseline is None or evaluated is None:
         return None
     policy, matched = problem.campaign.regression, evidence.validation.since
-    rows = list(zip(baseline.cases, evidence.results[evaluated].reevaluated, matched, strict=True))
+    basins = _basins(evidence, matched)
+    rows = list(zip(baseline.cases, evidence.results[evaluated].reevaluated, basins, strict=True))
     # Of several findings of the baseline in one basin, the lowest one represents it.
-    lowest: dict[str | None, float] = {}
-    for case, _, label in rows:
-        lowest[label] = min(case.cost, lowest.get(label, case.cost))
-    cases = [_known(problem, evidence, *row, row[0].cost <= lowest[row[2]]) for row in rows]
+    lowest: dict[object, float] = {}
+    for case, _, basin in rows:
+        lowest[basin.key] = min(case.cost, lowest.get(basin.key, case.cost))
+    cases = [_known(problem, evidence, *row, row[0].cost <= lowest[row[2].key]) for row in rows]
     cases += [_new(problem, f, baseline.run) for f in evidence.findings if f.label not in matched]
     cases = [case.model_copy(update={"fails": _fails(policy, case)}) for case in cases]
     cases.sort(key=lambda case: (not case.fails, case.margin is None, case.margin or 0.0))
@@ -59,38 +64,82 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
     )
 
 
+@dataclass(frozen=True)
+class _Basin:
+    """Of a case: the finding in it, its lowest cost (infinite if not known), and what else is known of it."""
+
+    finding: Finding | None
+    cost: float
+    known: CaseBasin | None
+    """None in results of earlier versions, which know the findings only."""
+
+    @property
+    def key(self) -> object:
+        """The same for cases in one basin."""
+        return self.finding.label if self.finding is not None else self.cost
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """At its lowest cost."""
+        own = self.finding.parameters if self.finding is not None else self.known and self.known.parameters
+        return own or {}
+
+    def violates(self, threshold: float) -> bool:
+        """Whether something known in it does."""
+        return self.cost <= threshold or (self.known is not None and self.known.violation is not None)
+
+    @property
+    def resolved(self) -> bool:
+        """Whether validation has examined it."""
+        return self.known is None or (self.known.lowest is not None and not self.known.not_compared)
+
+
+def _basins(evidence: Evidence, matched: Sequence[str | None]) -> list[_Basin]:
+    """Of every case; matched: the findings in them."""
+    found = {f.label: f for f in evidence.findings}
+    known: Sequence[CaseBasin | None] = evidence.validation.basins or [None] * len(matched)
+    return [_basin(found.get(label or ""), basin) for label, basin in zip(matched, known, strict=True)]
+
+
+def _basin(there: Finding | None, known: CaseBasin | None) -> _Basin:
+    if there is not None:
+        return _Basin(there, there.cost, known)
+    return _Basin(None, math.inf if known is None or known.lowest is None else known.lowest, known)
+
+
 def _known(
-    problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, label: str | None, stands: bool
+    problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, basin: _Basin, stands: bool
 ) -> FindingChange:
-    """A finding of the baseline; stands: whether it is the baseline's lowest one in the basin of `label`."""
+    """A finding of the baseline; stands: whether it is the baseline's lowest one in its basin."""
     run, threshold = str(problem.campaign.baseline and problem.campaign.baseline.run), problem.threshold
-    was = before.cost - threshold
+    was, there = before.cost - threshold, basin.finding
     if again.cost is None:
         statement = say(f"{before.label} of {run} is not compared: {again.reason}")
         return FindingChange(
             standing=Standing.NOT_COMPARED, before=before.label, now=None, evaluation=again.index,
             parameters=before.parameters, margin_before=was, statement=statement,
         )  # fmt: skip
-    there = next((f for f in evidence.findings if f.label == label), None)
     tolerance = _tolerance(problem, evidence, before, there)
-    lower = stands and there is not None and there.cost < again.cost
-    cost = there.cost if there is not None and lower else again.cost
+    lower = stands and basin.cost < again.cost
+    cost = basin.cost if lower else again.cost
     standing = _standing(problem, evidence, before.cost, again.cost, cost, tolerance)
-    if standing is Standing.FIXED and there is not None and there.cost <= threshold:
-        standing = Standing.BETTER  # what stands for its basin still violates
+    if standing is Standing.FIXED and basin.violates(threshold):
+        standing = Standing.BETTER
+    elif standing is Standing.FIXED and not basin.resolved:
+        standing = Standing.UNRESOLVED
     return FindingChange(
         standing=standing,
         before=before.label,
-        now=label,
+        now=None if there is None else there.label,
         evaluation=again.index,
-        parameters=there.parameters if there is not None and lower else again.parameters,
+        parameters=basin.parameters if lower else again.parameters,
         margin_before=was,
         margin_again=again.cost - threshold,
         margin=cost - threshold,
         change=cost - before.cost,
         tolerance=tolerance,
         newly_violating=cost <= threshold < before.cost,
-        statement=_described(problem, run, before, again.cost, cost, standing, there),
+        statement=_described(problem, run, before, again.cost, cost, standing, basin),
     )
 
 
@@ -142,6 +191,8 @@ def _all_known(violating: list[FindingChange]) -> bool:
 
 def _fails(policy: Policy, case: FindingChange) -> bool:
     fail_on = policy.fail_on
+    if case.standing is Standing.UNRESOLVED:
+        return "not_compared" in fail_on
     if case.standing is Standing.NOT_COMPARED:  # other bounds or names must not hide a violation that was known
         known = case.margin_before is not None and case.margin_before <= 0
         return "not_compared" in fail_on or ("violation" in fail_on and known)
@@ -153,8 +204,7 @@ def _fails(policy: Policy, case: FindingChange) -> bool:
 
 
 def _described(
-    problem: Problem, run: str, before: BaselineCase, again: float, cost: float, standing: Standing,
-    there: Finding | None,
+    problem: Problem, run: str, before: BaselineCase, again: float, cost: float, standing: Standing, basin: _Basin,
 ) -> Spans:  # fmt: skip
     quantity, unit = symbol(problem.quantity), problem.unit
     was, now = number(before.cost, unit), number(again, unit, "again")
@@ -167,13 +217,34 @@ def _described(
         was,
         " there",
     )
-    if there is not None and (cost < again or there.cost <= problem.threshold < again):
-        statement = say(statement, "; ", finding(there.label), " in its basin has ", number(there.cost, unit, "lowest"))
-    elif there is not None:
-        statement = say(statement, "; it is in the basin of ", finding(there.label))
-    else:
-        statement = say(statement, "; no finding of this run is in its basin")
-    return say(statement, ", a change of ", signed(cost - before.cost, unit, "change"))
+    where = _where(problem, again, cost, standing, basin)
+    return say(statement, "; ", where, ", a change of ", signed(cost - before.cost, unit, "change"))
+
+
+def _where(problem: Problem, again: float, cost: float, standing: Standing, basin: _Basin) -> Spans:
+    """A clause on what is known of the basin of a case."""
+    unit, threshold, there, known = problem.unit, problem.threshold, basin.finding, basin.known
+    if known is not None and known.violation is not None and basin.cost > threshold:
+        at = f"evaluation {known.violation.index} of stage {known.violation.position}"
+        value = number(known.violation.cost, unit, "lowest")
+        return say(f"there is no barrier between it and {at}, which violates with ", value)
+    if standing is Standing.UNRESOLVED:
+        return say(_unexamined(known))
+    if cost < again or basin.cost <= threshold < again:
+        lowest = number(basin.cost, unit, "lowest")
+        if there is None:
+            return say("its basin, which is not listed as a finding, has ", lowest)
+        return say(finding(there.label), " in its basin has ", lowest)
+    if there is not None:
+        return say("it is in the basin of ", finding(there.label))
+    return say("no finding of this run is in its basin")
+
+
+def _unexamined(known: CaseBasin | None) -> str:
+    left = "the allowance of validation did not suffice"
+    if known is None or known.lowest is None:
+        return f"{left} to descend from it"
+    return f"{left} to look for a barrier between it and {known.not_compared} stored violations"
 
 
 def _statement(problem: Problem, run: str, cases: list[FindingChange], failing: list[FindingChange]) -> Spans:

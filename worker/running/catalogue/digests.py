@@ -7,7 +7,7 @@ nor has a function whose code cannot be read exactly: nothing rules out that it 
 from __future__ import annotations
 
 from campaigns.catalogue import Catalogue
-from campaigns.identity.identity import UNREAD
+from campaigns.identity.identity import is_read
 from worker.engine.systems.simulators.declared.simulator import Program, Simulator
 from worker.running.catalogue.files import PythonFunction, digest_of
 from worker.running.catalogue.installed import simulators
@@ -26,7 +26,7 @@ def _digest(simulator: Simulator | Program | PythonFunction) -> str:
             return simulator.described.digest
         if isinstance(simulator, PythonFunction) and simulator.place:
             digest = digest_of(simulator.place)
-            return "" if digest.startswith(UNREAD) else digest
+            return digest if is_read(digest) else ""
     except OSError:  # a file that cannot be read is reported by the run that opens it
         return ""
     return ""

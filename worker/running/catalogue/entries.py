@@ -19,7 +19,6 @@ from worker.engine.kernels.component import (
     Criterion,
     Declared,
     Obstacle,
-    Rate,
     Vehicle,
     declared,
 )
@@ -68,11 +67,9 @@ def _reach(component: Component) -> ReachEntry | None:
 
 
 def _rate(component: Component) -> RateEntry | None:
-    """Of one with states 0: they are integrated, and their integration is checked."""
-    if not isinstance(component, Obstacle) or not component.moving:
+    if not isinstance(component, Obstacle) or not component.moving or component.rate is None:
         return None
-    rate = Rate(times=0.0) if component.states and component.rate is None else component.rate
-    return None if rate is None else RateEntry.model_validate({k: _plain(v) for k, v in asdict(rate).items()})
+    return RateEntry.model_validate({k: _plain(v) for k, v in asdict(component.rate).items()})
 
 
 def _plain(value: Any) -> Any:

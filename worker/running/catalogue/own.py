@@ -49,6 +49,8 @@ class OwnFile:
     simulated: bool = True
     text: str = ""
     line: int = 0
+    note: str = ""
+    """What does not hold of runs with a component that can be used."""
 
     @property
     def module(self) -> str:

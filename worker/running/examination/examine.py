@@ -14,6 +14,10 @@ from worker.running.examination.mistake import Mistake
 from worker.running.examination.naming import NAME
 
 PACKAGE = "worker.engine.components.own"
+RATE = (
+    "it moves by itself (moving, states, or t in its body) and declares no rate, so no run with it is cleared: write "
+    "rate=Rate(...), how fast it turns"
+)
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,8 @@ class Examined:
     """False for a controller of a vehicle that cannot be used: nothing could be simulated with it."""
     text: str = ""
     line: int = 0
+    note: str = ""
+    """What does not hold of runs with a component that can be used."""
     overdue: bool = False
     """Whether it took too long, which may pass."""
 
@@ -54,7 +60,7 @@ def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined
     source = reading.read(file)
     reading.check(source)
     # What follows loads the compiler, which takes a second.
-    from worker.engine.kernels.component import Component
+    from worker.engine.kernels.component import Component, Obstacle
     from worker.running.examination import purity
     from worker.running.examination.compiling import compile_each
     from worker.running.examination.declaring import declared_by
@@ -74,4 +80,5 @@ def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined
     with limited(limit, file, "while simulating the nominal values"):
         calls = flown(component, source, own)
     compile_each(source, module, calls)
-    return Examined(component.role, component.name, component.title, bool(calls))
+    unknown = isinstance(component, Obstacle) and component.moving and component.rate is None
+    return Examined(component.role, component.name, component.title, bool(calls), note=RATE if unknown else "")

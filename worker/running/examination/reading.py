@@ -243,6 +243,13 @@ def _check_kernel(kernel: Function, source: Source) -> None:
         for node in ast.walk(statement):
             if type(node) in _FORBIDDEN:
                 raise Mistake(f"{kernel.name} contains {_FORBIDDEN[type(node)]}", getattr(node, "lineno", 0))
+    for loop in (node for node in ast.walk(kernel) if isinstance(node, ast.While)):
+        if not _bounded(loop):
+            raise Mistake(
+                f"{kernel.name} contains `while` without a bound, and a simulation that does not end cannot be "
+                "stopped: write for _ in range(50), or count the turns: while n < 50 and ..., with n += 1",
+                loop.lineno,
+            )
     if kernel.args.vararg or kernel.args.kwarg or kernel.args.kwonlyargs:
         raise Mistake(f"{kernel.name} takes * arguments, and a kernel is called by position: name each", kernel.lineno)
     for default in kernel.args.defaults:
@@ -258,6 +265,28 @@ def _check_kernel(kernel: Function, source: Source) -> None:
         )
     _check_lengths(kernel)
     _check_globals(kernel, source)
+
+
+def _bounded(loop: ast.While) -> bool:
+    """Whether its condition compares a counter with what the loop does not change, and every turn counts."""
+    if any(isinstance(node, ast.Continue) for node in ast.walk(loop)):
+        return False
+    stored = {n.id for n in ast.walk(loop) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    counts = {
+        (node.target.id, type(node.op))
+        for node in loop.body
+        if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name)
+        if isinstance(node.value, ast.Constant) and isinstance(node.value.value, int) and node.value.value > 0
+    }
+    both = isinstance(loop.test, ast.BoolOp) and isinstance(loop.test.op, ast.And)
+    for test in loop.test.values if both else [loop.test]:  # type: ignore[attr-defined]
+        if isinstance(test, ast.Compare) and len(test.ops) == 1 and isinstance(test.left, ast.Name):
+            ends = ast.Add if isinstance(test.ops[0], ast.Lt | ast.LtE) else ast.Sub
+            fixed = not stored & {n.id for n in ast.walk(test.comparators[0]) if isinstance(n, ast.Name)}
+            ordered = isinstance(test.ops[0], ast.Lt | ast.LtE | ast.Gt | ast.GtE)
+            if ordered and fixed and (test.left.id, ends) in counts:
+                return True
+    return False
 
 
 def _returns(body: list[ast.stmt]) -> bool:

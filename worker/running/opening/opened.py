@@ -111,7 +111,8 @@ def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
             raise CampaignUnusable([Wrong("simulator.name", name, text)]) from None
         if other := _loaded_from_elsewhere(imports.files):
             raise CampaignUnusable([Wrong("simulator.name", name, other)])
-    return InProcess(call, simulator.entry, opening, settings, digest, unread=unread, **traced)
+    reads = simulator.declaration.reads
+    return InProcess(call, simulator.entry, opening, settings, digest, unread=unread, reads=reads, **traced)
 
 
 def _loaded_from_elsewhere(files: Mapping[str, Path]) -> str:

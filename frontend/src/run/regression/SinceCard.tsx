@@ -30,6 +30,7 @@ const LOOK: Record<Standing, { word: string; tone: string; Icon: typeof IconEqua
   same: { word: 'Same', tone: 'que', Icon: IconEqual },
   better: { word: 'Better', tone: 'ok', Icon: IconArrowUpRight },
   fixed: { word: 'Fixed', tone: 'ok', Icon: IconCircleCheck },
+  unresolved: { word: 'Unresolved', tone: 'unk', Icon: IconHelpCircle },
   'not compared': { word: 'Not compared', tone: 'unk', Icon: IconHelpCircle },
 }
 
@@ -83,7 +84,7 @@ function Policy({ regression: { ok } }: { regression: Regression }) {
 }
 
 function Conclusion({ regression }: { regression: Regression }) {
-  const lost = regression.cases.filter(({ standing }) => standing === 'not compared')
+  const lost = regression.cases.filter(({ standing }) => standing === 'not compared' || standing === 'unresolved')
   const policy = regression.fail_on.map((word) => word.replace('_', ' ')).join(', ')
   return (
     <>

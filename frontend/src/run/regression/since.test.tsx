@@ -22,7 +22,7 @@ it('shows the margins, the change and what fails', () => {
 })
 
 it('has a word for every standing', () => {
-  const standings = ['new', 'worse', 'same', 'better', 'fixed', 'not compared'] as const
+  const standings = ['new', 'worse', 'same', 'better', 'fixed', 'unresolved', 'not compared'] as const
   const html = shown(...standings.map((standing) => change({ standing })))
   for (const word of ['New', 'Worse', 'Same', 'Better', 'Fixed', 'Not compared']) expect(text(html)).toContain(` ${word} `)
 })

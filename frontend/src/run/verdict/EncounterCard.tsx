@@ -1,6 +1,6 @@
 // Evidence that the avoidance was exercised: closest approaches, motion, the case without avoidance, influence.
 import type { ReactNode } from 'react'
-import type { Beyond, ClosestApproach, Encounter } from '../../client'
+import type { Beyond, ClosestApproach, Encounter, Later } from '../../client'
 import { count, decimalsFor, fixed, NONE, plain } from '../../format/numbers'
 import { HelpLink } from '../../help/links'
 import { Card } from '../../ui/Card'
@@ -37,7 +37,7 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
       <dl className={lists.kv}>
         {unseen && <Closest name="nominal" approach={closest} />}
         {findings.map((each) => each.closest && <Closest key={each.label} name={each.label} approach={each.closest} />)}
-        {beyond && <Later beyond={beyond} quantity={quantity} unit={run.unit} />}
+        {beyond && <Onward beyond={beyond} quantity={quantity} unit={run.unit} />}
         {unseen && (
           <>
             <dt>Path of the nominal case</dt>
@@ -87,8 +87,13 @@ function Closest({ name, approach: { time, at, obstacle } }: { name: string; app
   )
 }
 
-function Later({ beyond, quantity, unit }: { beyond: Beyond; quantity: ReactNode; unit: string }) {
-  const { closer, flights, lowest } = beyond
+interface Value {
+  quantity: ReactNode
+  unit: string
+}
+
+function Onward({ beyond, ...value }: Value & { beyond: Beyond }) {
+  const { closer, flights, lowest, unknown } = beyond
   return (
     <>
       <dt>Beyond the horizon</dt>
@@ -96,14 +101,19 @@ function Later({ beyond, quantity, unit }: { beyond: Beyond; quantity: ReactNode
         <span className={closer ? 'unk-t' : undefined}>
           {count(closer)} of {count(flights)} flights come closer
         </span>
-        {lowest && (
-          <span className="mut">
-            ; lowest {quantity} {plain(lowest.value, 4)} {unit}, {lowest.name}, obstacle {lowest.obstacle + 1},{' '}
-            {plain(lowest.distance, 4)} m away at the last sample, closing at {plain(lowest.closing, 4)} m/s;{' '}
-            {lowest.simulated ? 'reached' : 'extrapolated'} {plain(lowest.time, 4)} s later
-          </span>
-        )}
+        {lowest && <span className="mut">; lowest {at(lowest, value)}</span>}
+        {unknown && <span className="unk-t">; not known how it moves on: {at(unknown, value)}</span>}
       </dd>
+    </>
+  )
+}
+
+function at(later: Later, { quantity, unit }: Value): ReactNode {
+  return (
+    <>
+      {quantity} {plain(later.value, 4)} {unit}, {later.name}, obstacle {later.obstacle + 1}, {plain(later.distance, 4)} m
+      away at the last sample, closing at {plain(later.closing, 4)} m/s; {later.simulated ? 'reached' : 'extrapolated'}{' '}
+      {plain(later.time, 4)} s later
     </>
   )
 }

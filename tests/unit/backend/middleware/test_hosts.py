@@ -36,6 +36,7 @@ def test_its_own_names(host: str) -> None:
             ":",
         ),
         *(":", "clearance.example@evil.example", "evil.example#clearance.example", "\xe9", "8.8.8.8:8000"),
+        *("localhost:evil", "lab:80/x", "lab:", "localhost:80@evil.example", "lab lab", "[::1]x:80", "lab:1234567"),
     ],
 )
 def test_names_of_others(host: str) -> None:
@@ -48,3 +49,8 @@ def test_every_name_only_where_the_operator_said_so() -> None:
     assert not Hosts("0.0.0.0", "https://a.example", "", any_host=True).allows("10.0.0.7")
     assert Hosts("0.0.0.0", "https://a.example", "*", any_host=True).allows("10.0.0.7")
     assert Hosts("192.168.1.5", "", "", any_host=False).allows("192.168.1.5:8000")
+
+
+def test_a_name_with_a_port_is_allowed_with_that_port_only() -> None:
+    hosts = Hosts("127.0.0.1", "", "lab.example:8443", any_host=True)
+    assert [hosts.allows(f"lab.example{port}") for port in (":8443", ":80", "")] == [True, False, False]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from backend.requirements import reqif, sheet
+from backend.requirements import reqif, sheet, table
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import RequirementRow
 
@@ -97,7 +97,7 @@ def test_public_files_are_read_or_refused_with_a_sentence() -> None:
 def test_a_csv_file_with_other_columns(separator: str) -> None:
     lines = ["ID,Text,Owner", 'A-1,"Keep ""5 m"", always\r\nand ever",Ada', ",,", "A-2,,Bob", "A-3, x ,"]
     text = "\ufeff" + "\r\n".join(lines).replace(",", separator).replace('m""' + separator, 'm"",')
-    found, skipped = sheet.read(text.encode())
+    found, skipped = table.read(text.encode())
     assert found == [Read("A-1", 'Keep "5 m", always\r\nand ever', {"Owner": "Ada"}), Read("A-3", "x", {})]
     assert skipped == 1
 
@@ -118,12 +118,12 @@ def test_a_csv_file_with_other_columns(separator: str) -> None:
 )
 def test_a_file_that_is_no_acceptable_csv_is_refused_with_a_sentence(content: bytes, statement: str) -> None:
     with pytest.raises(CannotRead, match=r".*") as refused:
-        sheet.read(content)
+        table.read(content)
     assert statement in str(refused.value)
 
 
 def test_columns_may_be_named() -> None:
-    found, _ = sheet.read(b"id,key,words,text\n1,K,W,T\n", "key", "words")
+    found, _ = table.read(b"id,key,words,text\n1,K,W,T\n", "key", "words")
     assert found == [Read("K", "W", {"id": "1", "text": "T"})]
 
 
@@ -141,5 +141,5 @@ def test_an_export_has_columns_for_the_most_frequent_attributes_only(monkeypatch
     lines = list(csv.reader(io.StringIO(b"".join(sheet.requirements(rows)).decode())))
     assert lines[0][5:] == ["a", "b", "other attributes"]
     assert [line[5:] for line in lines[1:]] == [["2", "1", "x: =3"], ["", "4", "y: 5"], ["6", "", ""]]
-    found, _ = sheet.read(b"".join(sheet.requirements(rows)))
+    found, _ = table.read(b"".join(sheet.requirements(rows)))
     assert found[0].attributes["other attributes"] == "x: =3"

@@ -19,6 +19,7 @@ from campaigns.results import Finding, Verdict
 from campaigns.results.baselines import CannotCompare, with_baseline
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.stage import Reevaluated
+from campaigns.results.validate import CaseBasin, Downhill
 from campaigns.results.verdict import VerdictWord
 from campaigns.stages.baseline import BaselineResult
 from clearance.cli._ended import EndedRun, code, exit_sentence
@@ -46,10 +47,11 @@ def compared(
     again: tuple[float | None, ...],
     now: tuple[float, ...],
     since: tuple[str | None, ...],
+    basins: tuple[CaseBasin, ...] = (),
     **changes: Any,
 ) -> Regression:
     """The comparison; before: costs in the baseline; again: on this model; now: of the findings of this run; since: the
-    finding in the basin of each case."""
+    finding in the basin of each case; basins: what is known of them, nothing as in results of earlier versions."""
     labels = [case.label for case in asked(*before).baseline.cases]  # type: ignore[union-attr]
     cases = [
         Reevaluated(
@@ -59,7 +61,7 @@ def compared(
         for i, (label, cost) in enumerate(zip(labels, again, strict=True))
     ]  # fmt: skip
     found = [given.finding(cost).model_copy(update={"label": f"F{i}"}) for i, cost in enumerate(now, 1)]
-    validated = given.validation(since=list(since))
+    validated = given.validation(since=list(since), basins=list(basins))
     made = given.evidence(
         baseline=BaselineResult(run="R-0001", cases=cases), validation=validated, finding=found[0] if found else None,
         others=found[1:],
@@ -123,6 +125,41 @@ def test_nothing_is_fixed_while_its_basin_violates() -> None:
     assert values(second.statement)["lowest"] == 0.42
     clear = compared((0.40, 0.45), (0.52, 0.55), (0.51,), ("F1", "F1")).cases
     assert [case.standing for case in clear] == [Standing.FIXED, Standing.FIXED]
+
+
+FELL = Downhill(position=3, index=17, cost=0.42)
+
+
+@pytest.mark.parametrize(
+    ("now", "since", "basin", "standing", "margin", "known"),
+    [
+        ((), None, CaseBasin(lowest=0.55), Standing.FIXED, 0.05, "0.55 m"),
+        ((), None, CaseBasin(lowest=0.45), Standing.BETTER, -0.05, "0.45 m"),
+        ((), None, CaseBasin(lowest=0.40), Standing.SAME, -0.1, "0.4 m"),
+        ((), None, CaseBasin(lowest=0.30), Standing.WORSE, -0.2, "0.3 m"),
+        ((0.55,), "F1", CaseBasin(lowest=0.55), Standing.FIXED, 0.05, "F1 "),
+        ((0.55,), "F1", CaseBasin(lowest=0.55, violation=FELL), Standing.BETTER, 0.05, "17 of stage 3"),
+        ((), None, CaseBasin(lowest=0.55, violation=FELL), Standing.BETTER, 0.05, "0.42 m"),
+        ((0.55,), "F1", CaseBasin(lowest=0.55, not_compared=4), Standing.UNRESOLVED, 0.05, "4 stored violations"),
+        ((), None, CaseBasin(lowest=None), Standing.UNRESOLVED, 0.1, " to descend"),
+        ((), None, CaseBasin(lowest=None, violation=FELL), Standing.BETTER, 0.1, "0.42 m"),
+    ],
+)
+def test_what_is_known_of_a_basin_decides_whether_it_is_fixed(
+    now: tuple[float, ...], since: str | None, basin: CaseBasin, standing: Standing, margin: float, known: str
+) -> None:
+    """Of a case that violated by 0.1 m and is clear by 0.1 m now."""
+    found = compared((0.40,), (0.60,), now, (since,), (basin,), regression={"fail_on": ["not_compared"]})
+    (case,) = found.cases
+    assert (case.standing, case.margin) == (standing, pytest.approx(margin))
+    assert known in case.text.partition("; ")[2]
+    assert case.fails == (standing is Standing.UNRESOLVED)
+
+
+def test_cases_in_one_basin_that_is_not_listed_have_one_representative() -> None:
+    basins = (CaseBasin(lowest=0.35), CaseBasin(lowest=0.35))
+    first, second = compared((0.40, 0.45), (0.60, 0.60), (), (None, None), basins).cases
+    assert (first.standing, second.standing) == (Standing.WORSE, Standing.BETTER)
 
 
 @given_(

@@ -61,6 +61,32 @@ def test_without_new_digests_every_forgery_is_rejected(forgery: Forgery, tmp_pat
     assert SEAL in [item.name for item in items if item.agrees is False]
 
 
+def passes(folder: Folder) -> None:
+    """A check of the motion that holds, in the form of the others."""
+    made = {"name": "sampling", "code": "sampling", "title": "Motion of the obstacles"}
+    folder.result["checks"].append(folder.result["checks"][0] | made)
+
+
+def slower(folder: Folder) -> None:
+    """Another rate of the obstacle in the description of its component."""
+    (one,) = (c for c in folder.evidence["components"]["components"] if c["name"] == "orbiting_circle")
+    one["rate"]["times"] = 0.0
+
+
+@pytest.mark.parametrize(
+    ("change", "name"), [(lambda _: None, "checks.sampling"), (passes, "checks.sampling"), (slower, "components")]
+)
+def test_a_cleared_run_whose_check_of_sampling_is_removed_or_holds_is_rejected(
+    change: Callable[[Folder], None], name: str, tmp_path: Path
+) -> None:
+    folder = Folder(written(tmp_path / "out", "aliased"))
+    change(folder)
+    folder.reseal()
+    items = folder.items()
+    assert not closing(items)[0]
+    assert name in [item.name for item in items if item.agrees is False]
+
+
 @pytest.mark.parametrize(("name", "change"), [c[1:3] for c in CORRUPTIONS], ids=[c[0] for c in CORRUPTIONS])
 def test_a_corruption_with_new_digests_is_rejected(name: str, change: Callable[[Folder], Any], tmp_path: Path) -> None:
     folder = Folder(written(tmp_path / "out", name))

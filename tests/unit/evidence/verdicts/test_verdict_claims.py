@@ -92,7 +92,7 @@ def nearest(**closest: Any) -> dict[str, Any]:
 
 def later(**changes: Any) -> Later:
     """An approach after the horizon."""
-    made = Later(name="F1", value=0.69, time=1.2, obstacle=1, distance=1.5, closing=0.998, simulated=True)
+    made = Later(name="F1", value=0.69, time=1.2, obstacle=0, distance=1.5, closing=0.998, simulated=True)
     return changed(made, **changes)
 
 
@@ -110,8 +110,8 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
         (met(closest=ClosestApproach(time=15.0, at="end")), "closest approach", "of nominal is at the end of the"),
         (
             met(beyond=Beyond(times=2.0, flights=302, closer=300, lowest=later())), "closest approach",
-            "300 of 302 flights come closer beyond the horizon than any evaluation: F1 is 1.5 m from obstacle 2 at the "
-            "last sample, closing at 0.998 m/s, and d_min falls to 0.69 m after another 1.2 s; lengthen the ",
+            "300 of 302 flights come closer beyond the horizon than any evaluation: F1 is 1.5 m from obstacle 1 "
+            "(Circle) at the last sample, closing at 0.998 m/s, and d_min falls to 0.69 m after another 1.2 s; len",
         ),
         (
             met(
@@ -122,7 +122,13 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
             ),
             "closest approach",
             "1 of 302 flights comes closer beyond the horizon than any evaluation: evaluation 7 of the sample is 1.5 m "
-            "from obstacle 2 at the last sample, moving away at 0.5 m/s, and d_min would fall to 0.69 m after ",
+            "from obstacle 1 (Circle) at the last sample, moving away at 0.5 m/s, and d_min would fall to 0.69 m after",
+        ),
+        (
+            met(beyond=Beyond(times=2.0, flights=302, closer=0, lowest=None, unknown=later(simulated=False))),
+            "closest approach",
+            "it is not known how obstacle 1 (Circle) moves after 30 s: F1 is 1.5 m from obstacle 1 (Circle) at the "
+            "last sample, closing at 0.998 m/s; along straight lines d_min would be 0.69 m after another 1.2 s; len",
         ),
         (met(moved=0.0), "motion", "the vehicle moves 0 m in the nominal case; place the goal"),
         (met(moved=None), "motion", "has no trace"),

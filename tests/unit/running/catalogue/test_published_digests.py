@@ -10,10 +10,12 @@ import pytest
 import yaml
 
 from campaigns.asked.load import load_document
-from campaigns.identity.identity import UNREAD
+from campaigns.identity.identity import UNREAD, Identity, differences, identity_of, same
+from campaigns.versions import Versions
 from tests.simulators import package
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.folder import watched
 from worker.engine.systems.simulators.declared.simulator import Program
 from worker.evidence.scopes.simulators import terms
 from worker.running.catalogue import installed
@@ -95,6 +97,36 @@ def test_code_that_cannot_be_read_has_none_and_its_scope_states_why(tmp_path: Pa
     scope = terms(system).scope.version
     system.close()
     assert "computed name, line 2 of function.py" in scope
+
+
+def test_an_edited_table_is_another_simulator(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A verdict is reused only if it is declared and unchanged; one that is not declared identifies nothing."""
+    add_function(tmp_path / "functions")
+    file, table = tmp_path / "functions" / "function.py", tmp_path / "functions" / "table.csv"
+    reading = FUNCTION.replace("x + y", "x + float(open(FILE).read())").replace(
+        "import", f"FILE = {str(table)!r}\nimport"
+    )
+    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(file.parent))
+
+    def published(text: str, content: str) -> Identity:
+        file.write_text(text, encoding="utf-8")
+        table.write_text(content, encoding="utf-8")
+        (installed.simulators()["a_function"],) = read_file(file)
+        installed.catalogue.cache_clear()
+        found = with_digests(installed.catalogue()).digests.get("a_function")
+        system = opened.system(load_document(package.campaign(simulator={"name": "a_function"})))
+        assert system.digest == found or (found is None and system.digest.startswith(UNREAD))
+        system.close()
+        return identity_of(Versions(code="0" * 16, simulator=found), "a_function")
+
+    undeclared = published(reading, "1")
+    assert not same(undeclared, published(reading, "1"))
+    assert differences(undeclared, undeclared) == ["simulators/a_function is not identified"]
+    declared = reading.replace('"y": (0.0, 1.0)}', '"y": (0.0, 1.0)}, reads=["table.csv"]')
+    before = published(declared, "1")
+    assert table in watched()
+    assert same(before, published(declared, "1"))
+    assert not same(before, published(declared, "2"))
 
 
 def test_a_function_is_never_called_with_the_helper_of_another(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from tests.given.component_mistakes import COMPILED, DECLARED, FLOWN, READ, Slip
 from worker.engine.components import own as own_package
 from worker.engine.kernels.component import Component, Vehicle, declared
 from worker.running.catalogue.installed import components, source_of
-from worker.running.examination import examine, reading, units
+from worker.running.examination import compiling, examine, reading, units
 from worker.running.examination.declaring import _check_kernel, declared_by
 from worker.running.examination.flying import flown
 from worker.running.examination.kernels import kernels
@@ -117,3 +117,17 @@ def test_shipped_components_return_what_is_expected(component: Component) -> Non
     assert with_kernels
     for file in with_kernels:
         assert flown(component, reading.read(file), lambda _: None)
+
+
+@pytest.mark.parametrize(
+    ("without", "noted"), [(("rate=",), True), (("rate=", "moving="), True), (("look=", "moving="), False)]
+)
+def test_an_obstacle_that_moves_at_no_declared_rate_is_noted(
+    without: tuple[str, ...], noted: bool, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lines = (SKELETONS / "obstacle.py").read_text(encoding="utf-8").splitlines(keepends=True)
+    file = folder / "swinging.py"
+    file.write_text("".join(s for s in lines if not s.strip().startswith(without)), encoding="utf-8")
+    monkeypatch.setattr(compiling, "compile_each", lambda *_: None)
+    result = examine.examine(file, {})
+    assert (result.text, result.note) == ("", examine.RATE if noted else "")

@@ -38,6 +38,11 @@ def term(what: str, top: str, text: str, sentence: str) -> Bad:
     return Bad(what, top, f"x = x + {text}", text, sentence)
 
 
+def top(what: str, top: str, at: str, sentence: str, text: str = "K") -> Bad:
+    """A mistake at the top, which `text` in `steer` uses."""
+    return term(what, top, text, sentence)._replace(at=at)
+
+
 COUNTED = "class Count:\n    n = 0.0\n\n\ndef counted():\n    Count.n = Count.n + 1.0\n    return Count.n"
 IMPURE = [
     term("random.random", "import random", "random.random()", "uses random.random, which is random"),
@@ -69,6 +74,89 @@ IMPURE = [
     Bad("global", "N = 0.0", "global N", "global N", "contains `global`"),
     Bad("an array", "import numpy as np\nA = np.zeros(1)", "A[0] = 1.0", "A[0] =", "changes A, and a kernel cannot"),
     Bad("a random constant", "import random\nK = random.random()", "", "K =", "random.random is random"),
+    Bad("a loop that may not end", "", "while x != -1.5:\n        y = y + 1.0", "while x", "`while` without a bound"),
+    Bad(
+        "a loop that does not end for other parameters",
+        "",
+        "while p.k_goal > 1e3 and y > 0.0:\n        y = y + 1.0",
+        "while p.k",
+        "`while` without a bound",
+    ),
+    Bad(
+        "a loop with a way out",
+        "",
+        "while True:\n        y = y + 1.0\n        if y > 9.0:\n            break",
+        "while True",
+        "`while` without a bound",
+    ),
+    Bad(
+        "a loop that counts another way",
+        "",
+        "n = 0\n    while n < 9:\n        n -= 1",
+        "while n",
+        "`while` without a bound",
+    ),
+    Bad(
+        "a bound that moves",
+        "",
+        "n, m = 0, 9\n    while n < m:\n        n += 1\n        m += 1",
+        "while n",
+        "without a bound",
+    ),
+    top(
+        "an array as default",
+        "import numpy as np\n\n\n@kernel\ndef helper(x, memo=np.random.rand(1)):\n    return x",
+        "memo=",
+        "np.random.rand is random",
+        "helper(x)",
+    ),
+    top(
+        "a random default of a class",
+        "import random\n\n\nclass D:\n    k = random.random()",
+        "k = ",
+        "is random",
+        "D.k",
+    ),
+    top("an object's address", "K = float(len(repr(object())))", "K =", "differs between processes"),
+    top("an object's hash", "K = float('a'.__hash__() % 7)", "K =", "__hash__ differs between processes"),
+    top("the order of a set", "K = float([*{'a', 'b'}][0] == 'a')", "K =", "a set has another order in every process"),
+    top(
+        "the order of a frozenset",
+        "K = float(list(frozenset('ab'))[0] == 'a')",
+        "K =",
+        "another order in every process",
+    ),
+    top("a distribution", "from scipy.stats import norm\nK = float(norm.rvs())", "K =", "norm.rvs is random"),
+    top(
+        "a table",
+        "import numpy as np\nK = float(np.fromfile(__file__, dtype=np.uint8)[0])",
+        "K =",
+        "np.fromfile reads what the digest of",
+    ),
+    top(
+        "a file",
+        "from pathlib import Path\nK = float(len(Path(__file__).read_text()))",
+        "K =",
+        "read_text reads what the digest of the component",
+    ),
+    top(
+        "the environment at the top",
+        "import os\nK = float(os.environ.get('K', '1'))",
+        "K =",
+        "os.environ.get reads what",
+    ),
+    top(
+        "a closure",
+        "import numpy as np\n\n\ndef make():\n    @kernel\n    def drawn(t):\n        return "
+        "np.random.random()\n\n    return drawn\n\n\ndrawn = make()",
+        "return np.random",
+        "uses np.random.random, which is",
+        "drawn(t)",
+    ),
+    term("a generator expression", "G = (float(i) for i in range(9))", "G.send(None)", "reads G.send, a generator"),
+    Bad(
+        "objmode", "import numba", "with numba.objmode(y='float64'):\n        y = 1.0", "with numba", "contains `with`"
+    ),
     Bad("a constant of the clock", "import time\nK = time.time()", "", "K =", "time.time reads the clock"),
 ]
 """Found by name."""
@@ -86,6 +174,28 @@ LATER = [
     Bad("a root of a negative number", "", "x = (5.0 - t) ** 0.5", "return (x, y)", "a complex"),
     term("an index", "", "q[int(t)]", "an index beyond the end"),
     term("a name that is missing in one branch", "", "(p.missing if t > 5.0 else 0.0)", "MyAvoider has no 'missing'"),
+    top(
+        "an array as an argument",
+        "import numpy as np\nA = np.zeros(1)\n\n\n@kernel\ndef helper(a):\n    a[0] += 1.0\n    return a[0]",
+        "return a[0]",
+        "gives another result when the same case is simulated again",
+        "helper(A)",
+    ),
+    Bad(
+        "an array by another name",
+        "import numpy as np\nA = np.zeros(1)",
+        "b = A\n    b[0] = b[0] + 1.0\n    x = x + b[0]",
+        "return (x, y)",
+        "gives another result when the same case is simulated again",
+    ),
+    top(
+        "a closure that counts",
+        "def make():\n    n = [0.0]\n\n    @kernel\n    def counted():\n        n[0] += 1.0\n"
+        "        return n[0]\n\n    return counted\n\n\ncounted = make()",
+        "return n[0]",
+        "gives another result when",
+        "counted()",
+    ),
     Bad(
         "an object that counts",
         COUNTED,
@@ -96,9 +206,10 @@ LATER = [
 ]
 """Found in simulations."""
 
+TURNS = "for _ in range(int({})):\n        y = y + 1.0"
 ENDLESS = [
-    Bad("a loop in a kernel", "", "while x != -1.5:\n        y = y + 1.0", "y = y + 1.0|while x", SLOW),
-    Bad("a loop after 5 s", "", "while t > 5.0:\n        y = y + 1.0", "y = y + 1.0|while t", SLOW),
+    Bad("a loop in a kernel", "", TURNS.format("1e15"), "y = y + 1.0|for _ in range", SLOW),
+    Bad("a loop after 5 s", "", TURNS.format("1e15 if t > 5.0 else 0.0"), "y = y + 1.0|for _ in range", SLOW),
     Bad(
         "a loop at the top",
         "while True:\n    pass",
@@ -108,6 +219,12 @@ ENDLESS = [
     ),
 ]
 """Found by the time that they take."""
+
+TABLED = """import numpy as np
+K = 1.0
+def table():
+    return float(np.fromfile(__file__, dtype=np.uint8)[0])
+"""
 
 SHARED = """import random
 from worker.engine.kernels.maths import kernel
@@ -125,6 +242,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setenv("CLEARANCE_COMPONENTS", str(tmp_path))
     monkeypatch.setenv("CLEARANCE_KERNEL_CACHE", str(tmp_path / "cache"))
     (tmp_path / "_shared.py").write_text(SHARED, encoding="utf-8")
+    (tmp_path / "_tabled.py").write_text(TABLED, encoding="utf-8")
     yield tmp_path
     for name in [name for name in sys.modules if name.startswith("worker.engine.components.own.")]:
         del sys.modules[name]
@@ -174,6 +292,21 @@ def test_what_does_not_end_is_found_where_it_is(bad: Bad, folder: Path, monkeypa
     reported(file, bad, found.text, found.line)
     stored = [json.loads(f.read_text()) for f in (folder / "cache" / "examined").glob("*.json")]
     assert [one["until"] > 0.0 for one in stored] == [True], "a busy machine is no reason for ever"
+
+
+@pytest.mark.parametrize("test", ["n < 50", "n <= p.k_goal and abs(y) > 1e-9", "abs(y) > 1e-9 and n < 9"])
+def test_a_loop_that_counts_its_turns_is_permitted(test: str, folder: Path) -> None:
+    loop = f"n = 0\n    while {test}:\n        y = 0.5 * y\n        n += 1"
+    examined(written(folder, Bad("", "", loop, "", "")))
+
+
+def test_a_set_that_is_only_tested_is_permitted(folder: Path) -> None:
+    examined(written(folder, Bad("", "K = 1.0 if 'a' in {'a', 'b'} else 0.0", "x = x + K", "", "")))
+
+
+def test_what_only_the_program_reads_is_permitted(folder: Path) -> None:
+    main = "if __name__ == '__main__':\n    print(open(__file__).read())"
+    examined(written(folder, Bad("", f"import sys\nsys.path.append('/nowhere')\n{main}", "x = x + 0.0", "", "")))
 
 
 @pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")

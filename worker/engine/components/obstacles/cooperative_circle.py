@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Obstacle, ObstacleLook, Parameter, Reach
+from worker.engine.kernels.component import Obstacle, ObstacleLook, Parameter, Rate, Reach
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.views import Body, Body3
 from worker.engine.physics.closest import NEVER, Rules, resolve
@@ -103,5 +103,6 @@ component = Obstacle(
     move=move,
     moving=True,
     reach=Reach(("radius",)),
+    rate=Rate(per=("lag",)),
     look=ObstacleLook(shape="circle", radius="radius", way="goal"),
 )

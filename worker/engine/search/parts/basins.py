@@ -30,11 +30,13 @@ FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60)
 @dataclass(frozen=True)
 class Rules:
     """Two minima are merged if they are closer than `distance` (largest fraction of any range) or have no barrier above
-    `barrier` (in the cost's unit) between them; at most `at_most` are retained."""
+    `barrier` (in the cost's unit) between them; at most `at_most` are retained, and those of the candidates
+    `followed` (by index)."""
 
     distance: float
     barrier: float
     at_most: int
+    followed: frozenset[int] = frozenset()
 
 
 @dataclass
@@ -76,11 +78,16 @@ def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) ->
     found[:] = _close(ends, rules.distance / 3)
     yield from _descend(found, ROUGH)
     yield from _merge(found, rules)
-    del found[rules.at_most :]
+    found[rules.at_most :] = [b for b in found[rules.at_most :] if not rules.followed.isdisjoint(b.members)]
     yield from _descend(found, FINE)
     yield from _poll(found)
     found[:] = _close(found, rules.distance)
     return "polished every distinct minimum"
+
+
+def descended(basins: list[Basin]) -> Generator[Floats, Batch, None]:
+    """Move basins to where rough descents from them end."""
+    yield from _descend(basins, ROUGH)
 
 
 def _close(basins: list[Basin], distance: float) -> list[Basin]:

@@ -7,8 +7,8 @@ until the run has no lower stored evaluation. `worker.engine.search.parts.basins
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from dataclasses import dataclass, field
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,11 +18,12 @@ from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
 from worker.engine.search.base import Batch, Search
-from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
+from worker.engine.search.parts.basins import ROUGH, Basin, Rules, descended, distinct, promising
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.boundary import Around, after
+from worker.engine.stages.parts.falls import Falls, begun, fall
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.noise import noisy
 from worker.engine.stages.parts.store import Columns
@@ -49,6 +50,8 @@ class Candidate:
     position: int
     minimum: int | None = None
     """Which of the stage's own minima it is; None if it is another evaluation."""
+    followed: bool = False
+    """Whether it is a case of the baseline, whose basin is reported even if it is not listed."""
 
 
 @dataclass
@@ -65,12 +68,17 @@ class Found:
 
     candidates: list[Candidate] = field(default_factory=list)
     basins: list[Basin] = field(default_factory=list)
+    besides: list[Basin] = field(default_factory=list)
+    """Basins of followed candidates that are not listed."""
     left_out: int = 0
     unconfirmed: int = 0
     skipped: int = 0
     """Points that the allowance was too small to descend from."""
     rounds: int = 0
+    descended: bool = False
+    """Whether the descents from the cases of the baseline have ended."""
     seen: Lowest = field(default_factory=Lowest)
+    falls: Falls = field(default_factory=Falls)
     evidence: dict[bytes, Evidence] = field(default_factory=dict)
 
     def of(self, basin: Basin) -> Evidence:
@@ -83,9 +91,22 @@ class Found:
         return next((i for i, basin in enumerate(self.basins) if wanted & set(basin.members)), None)
 
     def basin_at(self, point: Floats) -> int | None:
-        """The basin in which a candidate at this point ended; None if there is none, or if it is in no listed basin."""
+        """The basin in which a candidate at this point ended, by index, that of `besides` after the listed ones; None
+        if there is none."""
         wanted = {i for i, c in enumerate(self.candidates) if np.array_equal(c.point, point)}
-        return next((i for i, basin in enumerate(self.basins) if wanted & set(basin.members)), None)
+        known = [*self.basins, *self.besides]
+        return next((i for i, basin in enumerate(known) if wanted & set(basin.members)), None)
+
+    def see(self, points: Floats, batch: Batch, context: Context) -> None:
+        """Remember the lowest evaluation, and the violations."""
+        ranked = batch.ranked()
+        self.seen.see(points, ranked)
+        self.falls.see(points, ranked, context.problem.threshold)
+
+    def keep(self, listed: Sequence[Basin], dropped: Sequence[Basin]) -> None:
+        """List these basins; of those dropped, the ones of followed candidates are remembered."""
+        self.basins[:] = listed
+        self.besides += [b for b in dropped if any(self.candidates[m].followed for m in b.members)]
 
     def minima_of(self, position: int) -> dict[int, int]:
         """The basin of each of a stage's own minima that is in a listed basin, by the index of the minimum."""
@@ -94,19 +115,40 @@ class Found:
 
 
 def search(context: Context, position: int, found: Found) -> Search:
-    """Request the evaluations that distinguish the worst cases; `found` is always up to date."""
-    asking = _search(context, position, found)
+    """Request the evaluations that distinguish the worst cases; `found` is always up to date.
+
+    A quarter of the allowance is reserved for the cases of the baseline that violate no more.
+    """
+    found.falls.cases = begun(context)
+    asking, waits = _search(context, position, found), bool(found.falls.cases)
     try:
         points = next(asking)
         while True:
             batch = yield points
-            found.seen.see(points, batch.ranked())
+            found.see(points, batch, context)
+            if waits and found.seen.evaluations > 0.75 * validation(context.campaign, noisy(context)).stored:
+                waits = False
+                yield from _recorded(context, found, _fall(context, position, found))
             points = asking.send(batch)
     except StopIteration as end:
         rule: str = end.value
         return rule
     finally:
         asking.close()
+
+
+def _recorded(context: Context, found: Found, part: Generator[Floats, Batch, bool]) -> Part:
+    """A part whose evaluations are recorded in `found`."""
+    try:
+        points = next(part)
+        while True:
+            batch = yield points
+            found.see(points, batch, context)
+            points = part.send(batch)
+    except StopIteration:
+        return
+    finally:
+        part.close()
 
 
 def settle(context: Context, position: int, found: Found, left: Left) -> bool:
@@ -122,7 +164,7 @@ def settle(context: Context, position: int, found: Found, left: Left) -> bool:
     kept = min(context.campaign.stages.findings.at_most, len(found.basins))
     confirmed = left.findings(kept)
     found.left_out += len(found.basins) - confirmed
-    del found.basins[confirmed:]
+    found.keep(found.basins[:confirmed], found.basins[confirmed:])
     found.unconfirmed = kept - confirmed
     return lower is not None or confirmed < kept
 
@@ -133,8 +175,40 @@ def _search(context: Context, position: int, found: Found) -> Search:
     if not found.candidates:
         return ends.NOTHING
     random = stream(context.campaign.seed, FINDINGS_STREAM)
-    yield from _distinguished(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
+    starts = [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)]
+    yield from _followed(context, found, starts)
+    yield from _distinguished(context, found, starts)
     yield from _evidence(context, found, random)
+    compared = True
+    while compared:
+        yield from _polished(context, position, found, random)
+        compared = yield from _fall(context, position, found)
+    return ends.FINDINGS
+
+
+def _followed(context: Context, found: Found, starts: Sequence[Basin]) -> Part:
+    """Descend from the cases of the baseline that violate no more first, if that takes half of the allowance at most;
+    `starts` move to where the descents end."""
+    cases = {case.point.tobytes() for case in found.falls.cases.values()}
+    own = [b for b in starts if b.point.tobytes() in cases]
+    room = validation(context.campaign, noisy(context)).stored // 2
+    if own and len(own) * ROUGH.iterations * (context.problem.dimension + 2) <= room:
+        yield from descended(own)
+        found.descended = True
+
+
+def _fall(context: Context, position: int, found: Found) -> Generator[Floats, Batch, bool]:
+    """Compare the cases of the baseline with stored violations, as far as the allowance goes."""
+    room = validation(context.campaign, noisy(context)).stored - found.seen.evaluations
+    measured = context.results[0].repeatability
+    spread = 0.0 if measured is None or measured.spread is None else measured.spread
+    worst = min([c.cost for c in found.candidates] + [b.cost for b in found.basins])
+    barrier = max(_rules(context, worst).barrier, ROUNDING * scale(context, worst), spread)
+    return (yield from fall(context, position, found.falls, room, barrier))
+
+
+def _polished(context: Context, position: int, found: Found, random: np.random.Generator) -> Part:
+    """Until the run has no evaluation below its worst case, the lowest one becomes a candidate itself."""
     while found.rounds < ROUNDS and (lower := _lower(context, position, found)) is not None:
         if _same(context, found, lower):
             continue
@@ -143,7 +217,6 @@ def _search(context: Context, position: int, found: Found) -> Search:
         fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
         yield from _distinguished(context, found, [*found.basins, fresh])
         yield from _evidence(context, found, random)
-    return ends.FINDINGS
 
 
 def gather(context: Context, position: int, state: Found) -> list[Candidate]:
@@ -157,7 +230,7 @@ def gather(context: Context, position: int, state: Found) -> list[Candidate]:
         result = context.results.get(at)
         known = result is not None and result.followed
         rows = np.flatnonzero(np.isfinite(ranked)) if known else promising(columns.points, ranked, EACH)
-        mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at) for i in map(int, rows)]
+        mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at, followed=known) for i in map(int, rows)]
         best += mine if known else mine[:1]
         found += mine
         if at in searched:
@@ -184,11 +257,15 @@ def scale(context: Context, worst: float) -> float:
 
 def _drawn(context: Context, position: int, found: Found) -> Part:
     """Points that drew their own noise, evaluated again under the campaign's realisations, as candidates."""
-    for _, columns, _ in seeds.drawn(context, range(position)):
+    for at, columns, _ in seeds.drawn(context, range(position)):
+        result = context.results.get(at)
+        known = result is not None and result.followed
         points = columns.points[promising(columns.points, _ranked(columns), EACH)]
         ranked = (yield points).ranked() if len(points) else np.empty(0)
         found.candidates += [
-            Candidate(p.copy(), float(c), position) for p, c in zip(points, ranked, strict=True) if np.isfinite(c)
+            Candidate(p.copy(), float(c), position, followed=known)
+            for p, c in zip(points, ranked, strict=True)
+            if np.isfinite(c)
         ]
     found.candidates.sort(key=lambda c: c.cost)
 
@@ -197,10 +274,16 @@ def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Part:
     """Descend from these starts and merge; the end of a descent takes over what its start represented."""
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
     basins: list[Basin] = []
+    rules = _rules(context, float(costs.min()))
+    followed = (i for i, b in enumerate(starts) if any(found.candidates[m].followed for m in b.members))
+    distinguished = False
     try:
-        yield from distinct(points, costs, _rules(context, float(costs.min())), basins)
+        yield from distinct(points, costs, replace(rules, followed=frozenset(followed)), basins)
+        found.descended = distinguished = True
     finally:  # when the budget ends, none is lost
-        found.basins = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]
+        known = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]
+        listed = rules.at_most if distinguished else len(known)
+        found.keep(known[:listed], known[listed:])
         _keep_the_worst(context, found)
 
 
@@ -252,8 +335,9 @@ def _keep_the_worst(context: Context, found: Found) -> None:
     nominal = context.nominal_cost
     limit = max(np.inf if nominal is None else nominal, context.problem.threshold)
     kept = [b for i, b in enumerate(found.basins) if i == 0 or b.cost < limit]
-    found.left_out += len(found.basins) - len(kept)
-    found.basins[:] = kept
+    dropped = [b for b in found.basins if not any(b is k for k in kept)]
+    found.left_out += len(dropped)
+    found.keep(kept, dropped)
 
 
 def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.Generator) -> Part:

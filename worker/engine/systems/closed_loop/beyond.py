@@ -1,8 +1,9 @@
 """What flights meet beyond the horizon: each is simulated on to a multiple of it, and extrapolated from there.
 
 An obstacle that is still approaching when the horizon ends may come closer than anything that was evaluated. What it
-does until twice the horizon is simulated; after that, or if the simulation fails on the way, obstacle and vehicle are
-extrapolated along straight lines. Start reading at `met`.
+does until twice the horizon is simulated. After that, or if the simulation fails on the way, the vehicle stops or goes
+straight on; obstacles that move on straight lines go on along them, and those that turn are followed (`onward`). Start
+reading at `met`.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from campaigns.results.validate import Beyond, Later
 from worker.engine.kernels import loop as closed_loop
 from worker.engine.systems.base import Floats, Stopping
 from worker.engine.systems.closed_loop.flights import Flights
+from worker.engine.systems.closed_loop.onward import Motion, Onward, leaves, motion
 
 MEMORY = 2**23
 """The states of the flights that are simulated at a time may take this many bytes."""
@@ -25,11 +27,12 @@ MEMORY = 2**23
 
 class Approach(NamedTuple):
     """An approach after the horizon: the criterion's value, the obstacle, and the time after the horizon [s]; of one
-    that is simulated the latter two are not known yet."""
+    that is simulated the latter two are not known yet. known: False if the obstacle may come closer than that."""
 
     value: float = math.inf
     obstacle: int | None = None
     time: float = 0.0
+    known: bool = True
 
 
 def met(
@@ -51,16 +54,30 @@ def met(
         realised.append(realisations.flights(vector) if seed is None else realisations.flight(vector, seed))
         called += [name] * len(realised[-1])
     rows = np.concatenate(realised)
-    found: list[Approach] = []
+    found: list[list[Approach]] = []
     some = _at_a_time(flights)
     for first in range(0, len(rows), some):
         if cancelled():
             return None
         found += _approaches(flights, rows[first : first + some], below)
-    values = [approach.value for approach in found]
-    lowest = int(np.argmin(values))
-    named = _later(flights, called[lowest], rows[lowest], found[lowest]) if math.isfinite(values[lowest]) else None
-    return Beyond(times=CONTINUED, flights=len(rows), closer=sum(v < below for v in values), lowest=named)
+    lowest = [min((a for a in each if a.known), key=_value, default=Approach()) for each in found]
+    open_ = [min((a for a in each if not a.known), key=_value, default=Approach()) for each in found]
+    return Beyond(
+        times=CONTINUED,
+        flights=len(rows),
+        closer=sum(each.value < below for each in lowest),
+        lowest=_lowest(flights, called, rows, lowest),
+        unknown=_lowest(flights, called, rows, open_),
+    )
+
+
+def _value(approach: Approach) -> float:
+    return approach.value
+
+
+def _lowest(flights: Flights, names: Sequence[str], rows: Floats, each: Sequence[Approach]) -> Later | None:
+    k = int(np.argmin([approach.value for approach in each]))
+    return _later(flights, names[k], rows[k], each[k]) if math.isfinite(each[k].value) else None
 
 
 def _at_a_time(flights: Flights) -> int:
@@ -68,8 +85,8 @@ def _at_a_time(flights: Flights) -> int:
     return max(1, MEMORY // (8 * (steps + 1) * (loop.n_state + loop.n_held)))
 
 
-def _approaches(flights: Flights, rows: Floats, below: float) -> Iterator[Approach]:
-    """The closest approach of each flight: of the simulation, and of the extrapolation from its last sample.
+def _approaches(flights: Flights, rows: Floats, below: float) -> Iterator[list[Approach]]:
+    """The approaches of each flight: of the simulation, and of the extrapolation from its last sample.
 
     That of the simulation is after the horizon if it is below a value that no evaluation has.
     """
@@ -79,11 +96,11 @@ def _approaches(flights: Flights, rows: Floats, below: float) -> Iterator[Approa
     for k, row in enumerate(rows):
         code, ended = result.status[k], round(result.when[k] / flights.step)
         if code == closed_loop.EXCLUDED or (code != closed_loop.OK and ended <= steps):
-            yield Approach()
+            yield []
             continue
         last = longer if code == closed_loop.OK else steps
         simulated = float(result.costs[k, 0]) if result.costs[k, 0] < below else math.inf
-        yield min([Approach(simulated), *_extrapolated(flights, row, result.trace[k], last)], key=lambda a: a.value)
+        yield [Approach(simulated), *_extrapolated(flights, row, result.trace[k], last, below)]
 
 
 class _Seen:
@@ -104,26 +121,78 @@ class _Seen:
         return apart
 
 
-def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int) -> Iterator[Approach]:
-    """The closest approach to every obstacle whose distance is still falling at the last step.
-
-    Obstacles keep their velocity; the vehicle stops at once, or keeps its own for another horizon and then stops.
-    """
+def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below: float) -> Iterator[Approach]:
+    """The closest approach to every obstacle whose distance is still falling at the last step, and to every one that
+    turns. The vehicle stops at once, or keeps its velocity for another horizon and then stops."""
     if not flights.parts.criterion.measured_to:
         return
-    seen, step = _Seen(flights, row, trace, last - 1, last), flights.step
-    horizon = flights.campaign.given_scenario.horizon
-    own = (seen.positions[1] - seen.positions[0]) / step
-    since = last * step - horizon
-    for i in np.flatnonzero(seen.channels[1] < seen.channels[0]).tolist():
+    seen, time = _Seen(flights, row, trace, last - 1, last), last * flights.step
+    halfway = last - max(1, round(0.5 * flights.counts(flights.step)[0]))
+    states = any(obstacle.states for obstacle in flights.parts.obstacles)
+    before = _Seen(flights, row, trace, halfway - 1, halfway) if states and halfway > 0 else seen
+    for i in range(len(flights.parts.obstacles)):
+        closing = bool(seen.channels[1, i] < seen.channels[0, i])
+        centres = np.concatenate([before.centres[:, i], seen.centres[:, i]])
+        moves = motion(flights, row, i, time, centres, closing)
+        distance = float(np.linalg.norm(seen.centres[1, i] - seen.positions[1]))
+        end = _End(flights, seen, i, _extent(flights, row, i, distance - float(seen.channels[1, i])), last)
+        if moves.kind == "followed":
+            yield from end.followed(Onward(flights, row, trace[last], time, i), moves, below)
+            continue
+        straight = [*end.straight()] if closing else []
+        yield from straight
+        if moves.kind == "unknown":
+            here = Approach(distance - end.extent, i, end.since)
+            yield min([here, *straight], key=_value)._replace(known=False)
+
+
+class _End(NamedTuple):
+    """The last sample of a flight, and the obstacle of which the approaches follow. extent: what the criterion
+    subtracts from a distance to its centre [m]."""
+
+    flights: Flights
+    seen: _Seen
+    obstacle: int
+    extent: float
+    last: int
+
+    @property
+    def since(self) -> float:
+        """After the horizon [s]."""
+        return self.last * self.flights.step - self.horizon
+
+    @property
+    def horizon(self) -> float:
+        return self.flights.campaign.given_scenario.horizon
+
+    @property
+    def own(self) -> Floats:
+        """The velocity of the vehicle."""
+        moved: Floats = (self.seen.positions[1] - self.seen.positions[0]) / self.flights.step
+        return moved
+
+    def straight(self) -> Iterator[Approach]:
+        """Of an obstacle that keeps its velocity."""
+        i, seen, own, horizon = self.obstacle, self.seen, self.own, self.horizon
         away = seen.centres[1, i] - seen.positions[1]
-        velocity = (seen.centres[1, i] - seen.centres[0, i]) / step
+        velocity = (seen.centres[1, i] - seen.centres[0, i]) / self.flights.step
         ahead = away + horizon * (velocity - own)
         legs = ((0.0, away, velocity, math.inf), (0.0, away, velocity - own, horizon))
         for begins, begin, speed, lasts in (*legs, (horizon, ahead, velocity, math.inf)):
             nearest, after = _nearest(begin, speed, lasts)
-            extent = _extent(flights, row, i, float(np.linalg.norm(away)) - float(seen.channels[1, i]))
-            yield Approach(nearest - extent, i, since + begins + after)
+            yield Approach(nearest - self.extent, i, self.since + begins + after)
+
+    def followed(self, onward: Onward, moves: Motion, below: float) -> Iterator[Approach]:
+        """Of an obstacle whose path is known, for as long as it is."""
+        path, here = onward.path(moves), self.seen.positions[1]
+        now, found = float(np.linalg.norm(path.centres[0] - here)), []
+        for own, lasts in ((np.zeros(3), 0.0), (self.own, self.horizon)):
+            nearest, after = onward.nearest(path, here, own, lasts, below + self.extent)
+            found.append(Approach(nearest - self.extent, self.obstacle, self.since + after))
+            if nearest < now:
+                yield found[-1]
+        if not path.whole and not leaves(path, here):
+            yield min(found, key=_value)._replace(known=False)
 
 
 def _nearest(away: Floats, velocity: Floats, lasts: float) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from campaigns.catalogue import SimulatorEntry
-from campaigns.identity.identity import UNREAD
+from campaigns.identity.identity import unread as unidentified
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.scene import Scene
 from worker.engine.search.base import Batch
@@ -78,17 +78,19 @@ class InProcess(_OfFunction):
     def __init__(
         self, call: Callable[..., Any], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str = "",
         columns: Mapping[str, Column] | None = None, scene: Scene | None = None, unread: str = "",
+        reads: Sequence[str] = (),
     ) -> None:  # fmt: skip
         self.from_files = bool(digest)
         if not digest:
-            identity = identified(call)
-            digest = f"{UNREAD}{uuid.uuid4().hex}" if identity.unknown else identity.digest
+            identity = identified(call, reads)
+            digest = unidentified(uuid.uuid4().hex) if identity.unknown else identity.digest
             unread = identity.unknown
         super().__init__(entry, opening, settings, digest, columns, scene, unread)
         self.call = call
 
     def fresh(self) -> InProcess:
-        return InProcess(self.call, self.entry, self.opening, self.of, self.files_digest, self.columns, self.scene)
+        basics = self.entry, self.opening, self.of, self.files_digest
+        return InProcess(self.call, *basics, self.columns, self.scene, self.unread)
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         if self.of.vectorized:

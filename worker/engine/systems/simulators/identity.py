@@ -2,8 +2,8 @@
 
 The compiled code and not the source text: a file may have been edited since, and an interactive function may have no
 text. Of a module of one's own what the function uses counts; of an installed package its version. What cannot be read
-exactly (an object, a generator of random numbers, an import of a computed name) is named instead: then nothing
-identifies the function, and a verdict must state that.
+exactly (an object, an import of a computed name, whatever comes from files, the clock or the environment) is named
+instead: then nothing identifies the function, and a verdict must state that. Declared data files count by content.
 """
 
 from __future__ import annotations
@@ -12,18 +12,22 @@ import functools
 import hashlib
 import importlib
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path, PurePath
 from types import BuiltinFunctionType, CellType, CodeType, FunctionType, MethodType, ModuleType
 from typing import Any
 
 import numpy as np
 
-from worker.engine.systems.simulators.declared.reached import OURS, distribution, where
+from worker.engine.systems.simulators.declared.outside import BUILTINS, METHODS, SEEDED, Outside, outside, public
+from worker.engine.systems.simulators.declared.reached import OURS, data_files, distribution, where
 from worker.engine.systems.simulators.declared.statements import EXECUTING, IMPORTING, LOADING
-from worker.engine.systems.simulators.uses import Chain, Import, uses
+from worker.engine.systems.simulators.uses import Chain, Import, Uses, uses
 
 DEEPEST = 40
+NAMED = (BuiltinFunctionType, type, type(np.random.default_rng))
+"""Functions of C and of Cython, and classes."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +38,10 @@ class Identity:
     unknown: str = ""
 
 
-def identified(call: Callable[..., Any]) -> Identity:
-    """The identity of a function as it is now."""
+def identified(call: Callable[..., Any], reads: Sequence[str] = ()) -> Identity:
+    """The identity of a function as it is now; reads: its data files, relative to its file or to the working folder."""
     reader = _Reader()
+    reader.data(call, reads)
     reader.take(call, getattr(call, "__name__", type(call).__name__))
     return Identity(reader.sink.hexdigest(), reader.unknown)
 
@@ -47,6 +52,18 @@ class _Reader:
         self.unknown = ""
         self.seen: dict[int, Any] = {}
         """Objects by id, referred to here so that no id is used twice."""
+        self.declared = False
+        """Whether its data files are."""
+        self.seeded: set[str] = set()
+        """Generators of random numbers that the function gives a seed."""
+
+    def data(self, call: Callable[..., Any], reads: Sequence[str]) -> None:
+        """Add the data files of a function."""
+        file = Path(getattr(getattr(call, "__code__", None), "co_filename", ""))
+        found, missing = data_files(reads, file.parent if file.is_file() else Path.cwd())
+        self.declared, self.unknown = bool(reads), missing
+        for name, path in sorted(found.items()):
+            self.put("data", name, path.read_bytes())
 
     def put(self, *parts: object) -> None:
         for part in parts:
@@ -70,6 +87,12 @@ class _Reader:
         self.put("unknown")
         self.unknown = self.unknown or name
 
+    def read(self, dotted: str, name: str, where: str = "", kind: Outside | None = None) -> None:
+        """Note what reads state outside of the function by its full name; kind: if that is known already."""
+        kind = kind or (None if dotted in self.seeded else outside(dotted))
+        if kind is not None and not (kind is Outside.FILES and self.declared):
+            self.miss(kind.clause(name) + where)
+
     def _compound(self, value: Any, name: str, depth: int) -> None:
         kind = type(value)
         if kind in (tuple, list):
@@ -78,6 +101,8 @@ class _Reader:
                 self.take(inner, f"{name}[{k}]", depth)
         elif kind in (dict, set, frozenset):
             self._unordered(value, name, depth)
+        elif isinstance(value, PurePath):
+            self.put("path", value)
         elif kind is np.ndarray and not value.dtype.hasobject:
             self.put("array", value.dtype.str, value.shape, value.tobytes())
         elif isinstance(value, np.generic) and not value.dtype.hasobject:
@@ -97,6 +122,7 @@ class _Reader:
 
     def _callable(self, value: Any, name: str, depth: int) -> None:
         if isinstance(value, ModuleType):
+            self.read("", value.__name__, kind=Outside.VALUE)
             self._module(value, [()])
         elif isinstance(value, FunctionType):
             self._function(value, depth)
@@ -109,7 +135,7 @@ class _Reader:
         elif isinstance(getattr(value, "py_func", None), FunctionType):  # compiled by numba
             self.put("compiled")
             self.take(value.py_func, name, depth)
-        elif isinstance(value, (BuiltinFunctionType, np.ufunc, type)) or hasattr(value, "_implementation"):
+        elif isinstance(value, (*NAMED, np.ufunc)) or hasattr(value, "_implementation"):
             self._named(value, name)
         else:
             self.miss(name)
@@ -122,12 +148,14 @@ class _Reader:
         if version is None or loads or not (owner is None or isinstance(owner, ModuleType)):
             self.miss(name)
         else:
+            self.read(public(module, getattr(value, "__qualname__", name)), name)
             self.put("name", module, getattr(value, "__qualname__", getattr(value, "__name__", name)), version)
 
     def _function(self, function: FunctionType, depth: int) -> None:
         if depth > 1 and (version := _installed(str(function.__module__ or ""))) is not None:
             if function.__name__ in {*IMPORTING, *LOADING}:
                 self.miss(f"what {function.__name__} imports")
+            self.read(public(function.__module__, function.__qualname__), function.__name__)
             self.put("library", function.__module__, function.__qualname__, version)
             return
         self.put("function")
@@ -138,7 +166,8 @@ class _Reader:
         used = {name: cell.cell_contents for name, cell in cells if not _empty(cell)}
         found = uses(function.__code__)
         known = function.__globals__
-        used |= {name: known[name] for name in found.names if name in known}
+        used |= {name: known[name] for name in found.names if name in known and name in found.wide}
+        self._outside(function, found, used)
         for name in sorted(used):
             self.put(name)
             if isinstance(used[name], ModuleType):
@@ -153,7 +182,27 @@ class _Reader:
         if found.unread:
             self.miss(f"an import in {function.__name__}")
 
-    def _import(self, one: Import, chains: Sequence[Chain], package: str, depth: int) -> None:
+    def _outside(self, function: FunctionType, found: Uses, used: Mapping[str, Any]) -> None:
+        """Note the names and methods in the code of a function that read state outside of it."""
+        imported = {one.name: ".".join([one.base, *one.taken]) for one in found.imports if not one.level}
+        for name, chains in found.names.items():
+            for chain, line in chains.items():
+                where = f", line {line} of {function.__name__}"
+                dotted = ".".join((imported[name], *chain)) if name in imported else ""
+                if name in used:
+                    dotted = _dotted(used[name], chain)
+                if dotted in SEEDED and (name, *chain) not in found.seedless:
+                    self.seeded.add(dotted)
+                kind = METHODS.get(chain[-1]) if chain and name in used and not dotted else None
+                if name in BUILTINS and name not in used and name not in function.__code__.co_varnames:
+                    kind = BUILTINS[name]
+                self.read(dotted if _installed(dotted) else "", ".".join((name, *chain)), where, kind)
+                if not chain and isinstance(used.get(name), ModuleType):
+                    self.miss(Outside.VALUE.clause(used[name].__name__) + where)
+        for name, line in found.methods.items():
+            self.read("", name, f", line {line} of {function.__name__}", METHODS.get(name))
+
+    def _import(self, one: Import, chains: Iterable[Chain], package: str, depth: int) -> None:
         """What the function imports when it is called."""
         dots = "." * one.level
         try:
@@ -166,7 +215,7 @@ class _Reader:
         else:
             self._module(base, chains, depth)
 
-    def _module(self, module: ModuleType, chains: Sequence[Chain], depth: int = 0) -> None:
+    def _module(self, module: ModuleType, chains: Iterable[Chain], depth: int = 0) -> None:
         """What these chains of attributes lead to; of an installed package the version counts."""
         version = _installed(module.__name__)
         if version is not None:
@@ -176,6 +225,8 @@ class _Reader:
             name = ".".join([module.__name__, *chain])
             if version is not None and {*chain} & {*EXECUTING, *IMPORTING, *LOADING}:
                 self.miss(name)
+            elif version is not None:
+                self.read(name, name)
             elif version is None:
                 self._attribute(module, chain, name, depth)
 
@@ -203,6 +254,20 @@ class _Reader:
                 self._code(constant)
             else:
                 self.put(type(constant).__name__, _constant(constant))
+
+
+def _dotted(value: Any, chain: Chain) -> str:
+    """The full name of what a chain of attributes leads to; empty for an object of whatever kind."""
+    if isinstance(value, ModuleType):
+        for k, attribute in enumerate(chain):
+            inner = getattr(value, attribute, None)
+            if _installed(value.__name__) is not None or not isinstance(inner, ModuleType):
+                return ".".join((value.__name__, *chain[k:]))
+            value = inner
+        return str(value.__name__)
+    if isinstance(value, (FunctionType, *NAMED)):
+        return ".".join((public(str(value.__module__ or ""), value.__qualname__), *chain))
+    return ""
 
 
 def _installed(module: str) -> str | None:

@@ -10,6 +10,7 @@ from types import CodeType
 Chain = tuple[str, ...]
 """Attributes read one after the other: `pack.inner.f` is ("inner", "f") of `pack`; () where it is used as it is."""
 LOADS = ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_DEREF", "LOAD_FAST")
+GLOBAL = ("LOAD_GLOBAL", "LOAD_NAME")
 HIDDEN = ("CACHE", "EXTENDED_ARG", "PUSH_NULL", "NOP")
 
 
@@ -27,15 +28,20 @@ class Import:
 
 @dataclass
 class Uses:
-    """names: the chains of every name; imports: those in the code; unread: whether one of them cannot be read."""
+    """names: the chains of every name, with the line of their first use; wide: those that are not local only; methods:
+    called on objects without a global name, by line; seedless: chains, with their names, that are not called with a
+    value; imports: those in the code; unread: whether one of them cannot be read."""
 
-    names: dict[str, set[Chain]] = field(default_factory=dict)
+    names: dict[str, dict[Chain, int]] = field(default_factory=dict)
+    wide: set[str] = field(default_factory=set)
+    methods: dict[str, int] = field(default_factory=dict)
+    seedless: set[Chain] = field(default_factory=set)
     imports: list[Import] = field(default_factory=list)
     unread: bool = False
 
-    def chains(self, name: str) -> list[Chain]:
+    def chains(self, name: str) -> dict[Chain, int]:
         """Those of a name, in order."""
-        return sorted(self.names.get(name, ()))
+        return dict(sorted(self.names.get(name, {}).items()))
 
 
 def uses(code: CodeType) -> Uses:
@@ -47,12 +53,23 @@ def uses(code: CodeType) -> Uses:
 
 def _read(code: CodeType, found: Uses) -> None:
     listed = [i for i in dis.get_instructions(code) if i.opname not in HIDDEN]
+    named: set[int] = set()
     for k, instruction in enumerate(listed):
+        line = (instruction.positions and instruction.positions.lineno) or 0
         if instruction.opname.startswith(LOADS):
             pair = instruction.argval if isinstance(instruction.argval, tuple) else (instruction.argval,)
             for name in pair[:-1]:
-                found.names.setdefault(name, set()).add(())
-            found.names.setdefault(pair[-1], set()).add(_chain(listed, k + 1))
+                found.names.setdefault(name, {}).setdefault((), line)
+            chain = _chain(listed, k + 1)
+            found.names.setdefault(pair[-1], {}).setdefault(chain, line)
+            if not _has_value(listed, k + 1 + len(chain)):
+                found.seedless.add((pair[-1], *chain))
+            if not instruction.opname.startswith("LOAD_FAST"):
+                found.wide.update(pair)
+            if instruction.opname in GLOBAL:
+                named.update(range(k + 1, k + 1 + len(chain)))
+        elif k not in named and (instruction.opname == "LOAD_METHOD" or "NULL|self" in instruction.argrepr):
+            found.methods.setdefault(str(instruction.argval), line)
         elif instruction.opname == "IMPORT_NAME":
             try:
                 found.imports += _imports(listed, k)
@@ -69,6 +86,14 @@ def _chain(listed: list[dis.Instruction], k: int) -> Chain:
         names.append(str(listed[k].argval))
         k += 1
     return tuple(names)
+
+
+def _has_value(listed: list[dis.Instruction], k: int) -> bool:
+    """Whether what has just been loaded is called with something other than None."""
+    if k >= len(listed):
+        return False
+    name, value = listed[k].opname, listed[k].argval
+    return not name.startswith(("PRECALL", "CALL", "STORE", "RETURN")) and (name, value) != ("LOAD_CONST", None)
 
 
 def _imports(listed: list[dis.Instruction], k: int) -> Iterator[Import]:

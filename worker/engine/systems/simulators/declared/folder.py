@@ -9,7 +9,8 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from campaigns.identity.identity import UNREAD
+from campaigns.identity.identity import unread
+from worker.engine.systems.simulators.declared.external import READS
 from worker.engine.systems.simulators.declared.reached import Reached, reached
 
 FOLDERS = "CLEARANCE_SIMULATORS"
@@ -54,7 +55,7 @@ def _digest(named: Iterable[tuple[str, Path]], begun: str = "") -> str:
 
 def digest_of_place(place: Mapping[str, str]) -> str:
     """SHA-256 over the file of a function and the other Python files of its folder, or over its package, and over what
-    it imports besides; it begins with `UNREAD` if not all of that can be read."""
+    it imports and reads besides; it identifies nothing (`unread`) if not all of that can be read."""
     folder, besides = _folder_of(place), reached_from(place)
     if folder is not None:
         digest = _digest(_python_files(folder, ""))
@@ -63,7 +64,7 @@ def digest_of_place(place: Mapping[str, str]) -> str:
     others = _outside(place, besides)
     if others or besides.packages:
         digest = _digest(others.items(), "".join(f"{name};" for name in (digest, *sorted(besides.packages))))
-    return f"{UNREAD}{digest}" if besides.unknown else digest
+    return unread(digest) if besides.unknown else digest
 
 
 def files_of_place(place: Mapping[str, str]) -> list[Path]:
@@ -72,18 +73,19 @@ def files_of_place(place: Mapping[str, str]) -> list[Path]:
 
 
 def reached_from(place: Mapping[str, str]) -> Reached:
-    """What the file of a function imports."""
+    """What the file of a function imports and reads."""
+    reads = tuple(place[READS].splitlines()) if READS in place else ()
     if "file" in place:
         file = Path(place["file"])
-        return reached(file, search=(str(file.parent),))
+        return reached(file, search=(str(file.parent),), reads=reads)
     folder, inner = _folder_of(place), place["module"].split(".")[1:]
     if folder is None:
-        return reached(_within(place)[0]) if _within(place) else Reached()
+        return reached(_within(place)[0], reads=reads) if _within(place) else Reached()
     path = folder.joinpath(*inner, "__init__.py")
     if not path.is_file():
         path = folder.joinpath(*inner).with_suffix(".py")
     package = place["module"] if path.name == "__init__.py" else place["module"].rpartition(".")[0]
-    return reached(path, package)
+    return reached(path, package, reads=reads)
 
 
 def _within(place: Mapping[str, str]) -> list[Path]:
@@ -96,9 +98,10 @@ def _within(place: Mapping[str, str]) -> list[Path]:
 
 
 def _outside(place: Mapping[str, str], besides: Reached) -> dict[str, Path]:
-    """The files that it imports from elsewhere, by module."""
+    """The files that it imports from elsewhere, by module, and its data files."""
     inside = {path.resolve() for path in _within(place)}
-    return {name: path for name, path in sorted(besides.files.items()) if path.resolve() not in inside}
+    imported = {name: path for name, path in sorted(besides.files.items()) if path.resolve() not in inside}
+    return imported | {f"data/{name}": path for name, path in sorted(besides.data.items())}
 
 
 def _folder_of(place: Mapping[str, str]) -> Path | None:

@@ -12,7 +12,7 @@ import inspect
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
@@ -90,6 +90,8 @@ class Declaration:
     """The quantities over time that it returns on request, `time` among them; empty if none."""
     scene: Mapping[str, Any] | None = None
     """Which of them are positions of what, as `campaigns.results.scene.Scene`."""
+    reads: tuple[str, ...] = ()
+    """Its data files, relative to the folder of its file."""
 
     @property
     def drawn(self) -> Any:
@@ -135,6 +137,7 @@ def simulator(
     recycle: int = 0,
     trace: Mapping[str, Column | Mapping[str, str]] | None = None,
     scene: Mapping[str, Any] | None = None,
+    reads: Sequence[str | Path] = (),
 ) -> Callable[[Callable[P, R]], Function[P, R]]:
     """Declare a function as a simulator that campaigns can name; the function stays callable.
 
@@ -147,7 +150,8 @@ def simulator(
     trace: columns over time, `time` [s] among them, each a dict with `unit`, `text` and `symbol`. The function then has
     a further parameter `trace=False`; called with `trace=True`, it returns a pair: what it returns otherwise, and a
     dict of the columns, each a list or an array. scene: which columns are positions of what, for the 3D view, with the
-    keys of a descriptor.
+    keys of a descriptor. reads: the data files that it reads, or folders of them, relative to the folder of its file;
+    their content is part of what identifies it, and a function that reads others is not identified.
 
     Raises ValueError or TypeError if the declaration does not fit the function.
     """
@@ -161,7 +165,8 @@ def simulator(
         returned = {"value": Output()} if results is None else dict(_mapping("results", results))
         text = inspect.getdoc(call) or ""
         traced = {} if trace is None else columns(trace)
-        declaration = Declaration(named, title or named, text, inputs, returned, settings, traced, scene)
+        data = data_paths(reads)
+        declaration = Declaration(named, title or named, text, inputs, returned, settings, traced, scene, data)
         check(declaration)
         accepts(call, inputs)
         if traced:
@@ -189,6 +194,13 @@ def check(declaration: Declaration) -> None:
         if output.worse not in ("low", "high"):
             raise ValueError(f"results: {name}: worse must be 'low' or 'high', given {output.worse!r}")
     _check_settings(declaration.settings)
+
+
+def data_paths(reads: object) -> tuple[str, ...]:
+    """The paths of data files; raises TypeError for anything else."""
+    if isinstance(reads, list | tuple) and all(isinstance(path, str | Path) and str(path) for path in reads):
+        return tuple(map(str, reads))
+    raise TypeError(f"reads must be a list of paths, such as ['table.csv'], given {reads!r:.60}")
 
 
 def accepts(call: Callable[..., Any], names: Mapping[str, object]) -> None:

@@ -1,4 +1,4 @@
-"""What a Python file imports, directly or not: files of one's own, installed packages by version, what is unreadable.
+"""What a Python file imports and reads: files of one's own, declared data, packages by version, what is unreadable.
 
 A file of one's own is neither of the standard library nor in a folder of installed packages; packages that are
 installed to be edited are one's own. Nothing is executed. Start reading at `reached`.
@@ -6,17 +6,20 @@ installed to be edited are one's own. Nothing is executed. Start reading at `rea
 
 from __future__ import annotations
 
+import contextlib
 import importlib.machinery
 import os
 import site
 import sys
 import sysconfig
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from pathlib import Path
 
+from worker.engine.systems.simulators.declared.external import Use
+from worker.engine.systems.simulators.declared.outside import Outside
 from worker.engine.systems.simulators.declared.statements import Statements, statements
 
 OURS = frozenset({"backend", "campaigns", "clearance", "worker"})
@@ -26,22 +29,28 @@ COMPILED = (*importlib.machinery.EXTENSION_SUFFIXES, ".pyc")
 
 @dataclass
 class Reached:
-    """files: by module; packages: the name and version of each distribution; unknown: a clause on the first thing that
-    cannot be read, empty if there is none."""
+    """files: by module; data: the declared data files, by their name relative to the folder of the file; packages: the
+    name and version of each distribution; unknown: a clause on the first thing that cannot be read, empty if there is
+    none."""
 
     files: dict[str, Path] = field(default_factory=dict)
+    data: dict[str, Path] = field(default_factory=dict)
     packages: set[str] = field(default_factory=set)
     unknown: str = ""
 
 
-def reached(file: Path, package: str = "", search: tuple[str, ...] = ()) -> Reached:
-    """What a file imports. package: that it is a module of; search: folders that are searched first."""
+def reached(
+    file: Path, package: str = "", search: tuple[str, ...] = (), reads: tuple[str, ...] = ()
+) -> Reached:  # fmt: skip
+    """What a file imports and reads. package: that it is a module of; search: folders that are searched first; reads:
+    data files besides those that it declares."""
     path = list(dict.fromkeys([*search, *filter(None, sys.path)]))
     while True:
         walk = _Walk(path)
         walk.follow(file, package)
         wider = list(dict.fromkeys([*walk.front, *path, *walk.back]))
         if wider == path:
+            walk.settle(file, reads)
             return walk.found
         path = wider  # a file changes the path, so that other modules may be found
 
@@ -55,11 +64,23 @@ class _Walk:
         self.front: list[str] = []
         self.back: list[str] = []
         self._seen = set[str]()
+        self._outside: list[tuple[Path, Use]] = []
 
     def follow(self, file: Path, package: str) -> None:
         waiting = [(file, package)]
         while waiting:
             waiting += self._file(*waiting.pop())
+
+    def settle(self, file: Path, reads: tuple[str, ...]) -> None:
+        """The data files that the first file declares, and what is read besides, as far as nothing else is unknown."""
+        with contextlib.suppress(OSError):
+            declared = statements(file).data + reads
+            self.found.data, missing = data_files(declared, file.parent)
+            self.found.unknown = self.found.unknown or missing
+            for place, use in self._outside:
+                if use.package not in {*OURS, *self.found.files} and not (declared and use.kind is Outside.FILES):
+                    what = f"{use.kind.clause(use.name)}, line {use.line} of {place.name}"
+                    self.found.unknown = self.found.unknown or what
 
     def _file(self, file: Path, package: str) -> Iterator[tuple[Path, str]]:
         try:
@@ -68,6 +89,7 @@ class _Walk:
             read = Statements()  # reported when it is imported
         self.front += read.front
         self.back += read.back
+        self._outside += [(file, use) for use in read.outside]
         self.found.unknown = self.found.unknown or read.unknown
         for name, level in read.names:
             absolute = _absolute(name, level, package)
@@ -108,6 +130,19 @@ class _Walk:
             self.found.unknown = self.found.unknown or f"the compiled module {name}"
             return
         yield Path(origin), name if spec.submodule_search_locations is not None else name.rpartition(".")[0]
+
+
+def data_files(declared: Iterable[str], folder: Path) -> tuple[dict[str, Path], str]:
+    """The files of these paths, which may be folders, by their name relative to a folder, and a clause on the first one
+    that is missing."""
+    found: dict[str, Path] = {}
+    for text in declared:
+        path = folder / text
+        files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+        if not files or not os.access(files[0], os.R_OK):
+            return found, f"the missing data file {text}"
+        found |= {os.path.relpath(p, folder): p for p in files}
+    return found, ""
 
 
 def distribution(module: str) -> str:

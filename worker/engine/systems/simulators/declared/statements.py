@@ -1,15 +1,18 @@
-"""What a Python file imports, read from its text: names, folders of the path, and what cannot be read.
+"""What a Python file imports and reads, read from its text: names, folders of the path, and what cannot be read.
 
-`worker.engine.systems.simulators.declared.reached` follows the names. Only the standard library is imported.
+`worker.engine.systems.simulators.declared.reached` follows the names. Only the standard library is used.
 """
 
 from __future__ import annotations
 
 import ast
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+
+from worker.engine.systems.simulators.declared.external import Use, external
 
 IMPORTING = frozenset({"import_module", "__import__"})
 EXECUTING = frozenset({"exec", "eval"})
@@ -36,11 +39,14 @@ MODULES = frozenset({"importlib", "builtins", "runpy", "imp"})
 @dataclass(frozen=True)
 class Statements:
     """names: modules as written, with the number of leading dots; front, back: folders that the file puts before and
-    after the others of `sys.path`; unknown: a clause on the first thing that cannot be read, empty if there is none."""
+    after the others of `sys.path`; outside: what reads the state outside of it; data: the data files that it declares;
+    unknown: a clause on the first thing that cannot be read, empty if there is none."""
 
     names: tuple[tuple[str, int], ...] = ()
     front: tuple[str, ...] = ()
     back: tuple[str, ...] = ()
+    outside: tuple[Use, ...] = ()
+    data: tuple[str, ...] = ()
     unknown: str = ""
 
 
@@ -58,11 +64,14 @@ def _read(file: Path, _mark: tuple[int, int, int]) -> Statements:
         return Statements()  # it cannot be imported either
     reader = _Reader(file, tree)
     reader.read()
+    besides = external(tree)
+    data = tuple(reader.data(besides.reads))
     unknown = ""
     if reader.unknown:
         line, what = min(reader.unknown)
         unknown = f"{what}, line {line} of {file.name}"
-    return Statements(tuple(dict.fromkeys(reader.names)), tuple(reader.front), tuple(reader.back), unknown)
+    names = tuple(dict.fromkeys(reader.names))
+    return Statements(names, tuple(reader.front), tuple(reader.back), tuple(besides.uses), data, unknown)
 
 
 class _Reader:
@@ -95,6 +104,15 @@ class _Reader:
 
     def miss(self, node: ast.AST, what: str) -> None:
         self.unknown.append((getattr(node, "lineno", 0), what))
+
+    def data(self, reads: list[ast.expr]) -> Iterator[str]:
+        """The paths of declared data files, absolute or relative to the folder of the file."""
+        for node in reads:
+            path = _Folder(self.file, self.tree).text(node)
+            if path is None:
+                self.miss(node, "a computed path in reads")
+            else:
+                yield path
 
     def _import(self, node: ast.Import | ast.ImportFrom) -> None:
         if isinstance(node, ast.Import):

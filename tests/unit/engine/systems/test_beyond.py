@@ -1,0 +1,160 @@
+"""What flights meet beyond the horizon: obstacles that turn, stop, repeat their path, or have states."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns.results.validate import Beyond
+from clearance.testing.problems import Problem
+from tests.given.case_campaigns import campaign
+from worker.engine.systems.closed_loop import onward
+
+HORIZON, STEP, KNOWN = 9.0, 0.02, 0.9
+GOAL = (6.0, 7.0)
+"""The unicycle of case 1 is near it when the horizon ends."""
+
+
+def place(x: float, y: float) -> dict[str, float]:
+    return {"x": x, "y": y}
+
+
+def beyond(component: str, **parameters: Any) -> Beyond:
+    """What the nominal case meets with this obstacle besides that of case 1."""
+    fixed = {"component": "circle", "parameters": {"position": place(4.0, 4.0), "radius": 0.5}}
+    moving = {"component": component, "parameters": parameters | {"radius": 0.1}}
+    made = campaign(
+        scenario__obstacles=[fixed, moving], scenario__horizon=HORIZON, scenario__step=STEP,
+        scenario__guidance={"period": STEP}, criterion__from_centre=True,
+        scenario__vehicle__parameters__J=0.5,  # stable with that step
+        stages__search=[{"method": "direct", "evaluations": 50}],
+    )  # fmt: skip
+    problem = Problem(made, compiled=False)
+    vectors = problem.vectors(problem.nominal_point[None, :])
+    found = problem.system.beyond(["nominal"], vectors, [None], KNOWN, lambda: False)
+    assert found is not None
+    assert found.flights == 1
+    return found
+
+
+def orbit(arrives: float, miss: float, turns: float = 0.7) -> dict[str, Any]:
+    """A circle that passes the goal at a time, at a distance, after so many turns."""
+    way, angle = 12.0, 0.6
+    phase = math.remainder(angle - 2 * math.pi * turns, 2 * math.pi)
+    centre = place(*(g - (way + miss) * c for g, c in zip(GOAL, (math.cos(angle), math.sin(angle)), strict=True)))
+    return {"centre": centre, "way": way, "phase": phase, "speed": 2 * math.pi * turns * way / arrives}
+
+
+@pytest.mark.parametrize("horizons", [2.3, 3.0, 4.0, 9.0])
+def test_an_orbit_is_followed_for_a_whole_turn(horizons: float) -> None:
+    found = beyond("orbiting_circle", **orbit(horizons * HORIZON, 0.4))
+    assert found.closer == 1
+    assert found.unknown is None
+    assert found.lowest is not None
+    assert not found.lowest.simulated
+    assert found.lowest.obstacle == 1
+    assert found.lowest.time == pytest.approx((horizons - 1.0) * HORIZON, abs=0.5)
+    assert found.lowest.value == pytest.approx(0.4, abs=0.2)
+
+
+@pytest.mark.parametrize("horizons", [0.4, 1.9, 4.0, 50.0])
+def test_an_orbit_that_stays_away_bars_nothing(horizons: float) -> None:
+    found = beyond("orbiting_circle", **orbit(horizons * HORIZON, 8.0))
+    assert (found.closer, found.unknown) == (0, None)
+
+
+def test_a_path_is_followed_to_its_end() -> None:
+    """It moves away at twice the horizon, and turns later."""
+    far = {"position": place(30.0, 7.0), "waypoint1": place(70.0, 7.0), "speed": 2.0}
+    found = beyond("waypoint_circle", **far, waypoint2=place(-90.0, 7.3), legs=2.0)
+    assert found.closer == 1
+    assert found.lowest is not None
+    assert found.lowest.closing < 0.0
+    assert found.lowest.time == pytest.approx((40.0 + 64.0) / 2.0 - HORIZON, abs=0.5)
+    ended = beyond("waypoint_circle", **far, waypoint2=place(20.0, 7.3), legs=2.0)
+    assert (ended.closer, ended.unknown) == (0, None)
+
+
+@pytest.mark.parametrize(
+    ("position", "goal", "unknown"),
+    [
+        ((46.0, 9.0), (-90.0, 9.0), True),  # still approaching
+        ((8.0, 9.0), (200.0, 40.0), False),  # moving away
+        ((9.0, 4.0), (10.0, 3.0), False),  # at rest
+    ],
+)
+def test_an_obstacle_with_states_is_known_at_rest_or_while_it_moves_away(
+    position: tuple[float, float], goal: tuple[float, float], unknown: bool
+) -> None:
+    found = beyond(
+        "cooperative_circle", position=place(*position), goal=place(*goal), speed=1.0, clearance=0.0, lag=0.3
+    )
+    assert found.closer == 0
+    assert (found.unknown is not None) == unknown
+    if found.unknown is not None:
+        assert found.unknown.obstacle == 1
+        assert found.unknown.closing == pytest.approx(1.0, abs=0.3)
+        assert found.unknown.value == pytest.approx(2.0, abs=0.2)
+
+
+def test_a_straight_path_ends_at_its_goal() -> None:
+    path = {"position": place(66.0, 7.0), "speed": 1.5}
+    assert beyond("moving_circle", **path, goal=place(-90.0, 7.0)).closer == 1
+    stops = beyond("moving_circle", **path, goal=place(9.0, 7.0))
+    assert (stops.closer, stops.unknown) == (0, None)
+
+
+def around(turns: float, count: int = 400, squeezed: float = 1.0) -> np.ndarray[Any, np.dtype[np.float64]]:
+    angle = 0.3 + 2.0 * math.pi * turns * np.arange(count + 2) / count
+    return np.stack([np.cos(angle), squeezed * np.sin(angle), 0.0 * angle], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("centres", "repeats"),
+    [
+        (around(1.0), True),
+        (around(2.0), True),
+        (around(1.002), True),
+        (around(1.0, squeezed=0.0), True),
+        (around(0.9), False),
+        (around(1.5), False),
+        (np.outer(np.sin(np.pi * np.arange(402) / 400), (1.0, 0.0, 0.0)), False),
+    ],
+)
+def test_a_path_repeats_if_place_and_velocity_do(centres: Any, repeats: bool) -> None:
+    assert onward._repeats(centres, len(centres) - 2) == repeats
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_point_of_a_path_is_closer_than_the_bound_of_its_interval(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    corners = random.uniform(-1.0, 1.0, (4, 3))
+    dense = np.concatenate([np.linspace(*pair, 331) for pair in pairwise(corners)])
+    turn = 40.0 * around(1.0, 6400) - 40.0 * around(1.0, 6400)[1000] + random.uniform(-0.01, 0.01, 3)
+    stops = np.minimum(np.arange(1001.0), random.uniform(1.0, 30.0))[:, None] * (0.01, 0.0, 0.0) - (0.1, 0.0, 0.0)
+    for path, each, loose in ((dense, 37, 0.15), (turn, 64, 0.15), (stops, 100, 0.3)):
+        path = path[: (len(path) - 1) // each * each + 1]
+        bound, true = onward._lowest(path[::each]), np.linalg.norm(path, axis=1)
+        lowest = [true[k * each : (k + 1) * each + 1].min() for k in range(len(bound))]
+        assert (bound <= np.array(lowest) + 1e-12).all()
+        assert bound.min() == pytest.approx(true.min(), abs=loose)
+
+
+@pytest.mark.parametrize(
+    ("centres", "away"),
+    [
+        (np.outer(np.arange(40), (1.0, 0.2, 0.0)), True),
+        (np.outer(np.arange(40) ** 2, (1.0, 0.0, 0.0)) + 1.0, False),  # accelerating
+        (np.outer(np.arange(40, 0, -1), (1.0, 0.2, 0.0)), False),  # approaching
+        (around(0.4)[:, [1, 0, 2]], False),  # turning
+    ],
+)
+def test_what_neither_repeats_nor_ends_is_known_while_it_moves_away_at_a_constant_velocity(
+    centres: Any, away: bool
+) -> None:
+    path = onward.Path(np.arange(float(len(centres))), centres.astype(float), whole=False)
+    assert onward.leaves(path, np.zeros(3)) == away

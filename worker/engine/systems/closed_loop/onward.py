@@ -1,0 +1,172 @@
+"""Where obstacles move after the last sample of a flight, as far as it is known.
+
+A prescribed motion depends on time alone, so it is followed without simulating anything: to its last corner, or for a
+whole turn if it repeats. One with states is known only while it is at rest or keeps its velocity. Start reading at
+`motion`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from campaigns.checked.rates import fastest, lasting
+from campaigns.limits import CONTINUED, ROUNDING
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.flights import Flights
+
+SAMPLES, FINER = 1000, 64
+"""Of a whole turn or path; an interval that may hold the closest approach is divided again."""
+MOST = 4 * SAMPLES
+REFINED = 16
+"""So many intervals are divided at most."""
+STEADY = 1e-3
+"""A velocity has not changed if it differs by this fraction at most."""
+
+Kind = Literal["straight", "followed", "unknown"]
+
+
+class Motion(NamedTuple):
+    """How an obstacle moves on: on a straight line, or standing still; along a path that is followed; or as nobody can
+    say. lasts: how long its turn or path takes [s]."""
+
+    kind: Kind
+    lasts: float = 0.0
+
+
+def motion(flights: Flights, row: Floats, i: int, time: float, centres: Floats, closing: bool) -> Motion:
+    """That of obstacle i from a time on [s]; centres (4, 3): at two samples half a horizon ago, and at the last two.
+    closing: whether it approaches at the last one."""
+    obstacle = flights.parts.obstacles[i]
+    entry = flights.installed.catalogue.component("obstacle", obstacle.name)
+    if entry is None or not entry.moving:
+        return Motion("straight")
+    if obstacle.states:
+        away = not closing and _steady(centres[:2], centres[2:])
+        return Motion("straight" if away or _at_rest(centres[2:], flights) else "unknown")
+    if entry.rate is None:
+        return Motion("followed")
+    values = {q.name: (v := row[flights.paths[f"obstacles.{i}.{q.name}"]], v) for q in entry.parameters}
+    lasts = lasting(entry.rate, values)
+    over = bool(entry.rate.legs) and time >= lasts and _same(centres[2], centres[3])
+    if over or fastest(entry.rate, values) == 0.0:
+        return Motion("straight")
+    return Motion("followed", 2.0 * lasts if entry.rate.legs else lasts)  # there and back
+
+
+def _steady(before: Floats, now: Floats) -> bool:
+    """Whether the velocity is the same at two pairs of samples."""
+    velocity = now[1] - now[0]
+    return bool(np.linalg.norm(velocity - (before[1] - before[0])) <= STEADY * np.linalg.norm(velocity))
+
+
+def _at_rest(now: Floats, flights: Flights) -> bool:
+    """Whether it would move by no more than rounding within another horizon [m]."""
+    horizons = flights.campaign.given_scenario.horizon / flights.step
+    return bool(np.linalg.norm(now[1] - now[0]) * horizons <= ROUNDING * max(1.0, float(np.linalg.norm(now[1]))))
+
+
+def _same(one: Floats, other: Floats) -> bool:
+    return bool(np.linalg.norm(other - one) <= 1e-12 * (1.0 + np.linalg.norm(other)))
+
+
+class Path(NamedTuple):
+    """The centre of an obstacle at equal intervals of time, and whether more of it is known: it repeats, or is over."""
+
+    times: Floats
+    """Since the last sample [s]."""
+    centres: Floats
+    whole: bool
+
+
+class Onward:
+    """The motion of a flight's obstacle after its last sample, with the vehicle where it was then."""
+
+    def __init__(self, flights: Flights, row: Floats, state: Floats, time: float, i: int) -> None:
+        self._flights, self._row, self._state, self._time = flights, row, state, time
+        first = 3 * (i - len(flights.parts.obstacles)) - flights.loop.channels.total
+        self._columns = slice(first, first + 3)
+
+    def path(self, moves: Motion) -> Path:
+        """Its path for a turn; one that does not repeat is followed for as long as flights are simulated, if this is
+        longer."""
+        longer = CONTINUED * self._flights.campaign.given_scenario.horizon
+        begun = self._over(moves.lasts) if moves.lasts else None
+        if begun is not None and (begun.whole or moves.lasts >= longer):
+            return begun
+        return self._over(longer, moves.lasts)
+
+    def _over(self, length: float, turn: float | None = None) -> Path:
+        # The interval divides the time so far, because the loop is observed at multiples of a step.
+        first = max(1, round(self._time * SAMPLES / length))
+        step = self._time / first
+        count = min(math.ceil(length / step), MOST)
+        found = self._centres(step, first, count + 2)
+        end = round((length if turn is None else turn) / step)
+        whole = 0 < end <= count and _repeats(found, end)
+        return Path(step * np.arange(count + 1, dtype=np.float64), found[:-1], whole or _same(found[-2], found[-1]))
+
+    def _centres(self, step: float, first: int, count: int) -> Floats:
+        states = np.broadcast_to(self._state, (count, len(self._state)))
+        return self._flights.loop.observe(states, self._row, step, first)[:, self._columns]
+
+    def nearest(
+        self, path: Path, position: Floats, velocity: Floats, lasts: float, below: float
+    ) -> tuple[float, float]:
+        """The smallest distance to a vehicle that goes on for a while and then stops, and when [s]; at least that, if
+        it is not below a value."""
+        relative = path.centres - position - np.minimum(path.times, lasts)[:, None] * velocity
+        low = _lowest(relative)
+        order = np.argsort(low)[:REFINED]
+        best, after = np.inf, 0.0
+        for k in (int(k) for k in order):
+            value, time = float(low[k]), float(path.times[k])
+            if value < below:
+                value, time = self._finer(path, k, position, velocity, lasts)
+            if value < best:
+                best, after = value, time
+        rest = float(np.partition(low, REFINED)[REFINED]) if len(low) > REFINED else np.inf
+        return (best, after) if best <= rest else (rest, float(path.times[int(np.argmax(low == rest))]))
+
+    def _finer(self, path: Path, k: int, position: Floats, velocity: Floats, lasts: float) -> tuple[float, float]:
+        coarse = path.times[1]
+        step, first = coarse / FINER, (round(self._time / coarse) + k) * FINER
+        centres = self._centres(step, first, FINER + 1)
+        times = path.times[k] + step * np.arange(FINER + 1)
+        low = _lowest(centres - position - np.minimum(times, lasts)[:, None] * velocity)
+        at = int(np.argmin(low))
+        return float(low[at]), float(times[at])
+
+
+def _repeats(centres: Floats, end: int) -> bool:
+    """Whether place and velocity are again what they were, as exactly as the intervals can tell."""
+    moved, bend = np.diff(centres[: end + 2], axis=0), _bend(centres[: end + 2])
+    place = np.linalg.norm(centres[end] - centres[0]) <= np.linalg.norm(moved, axis=1).max()
+    return bool(place and np.linalg.norm(moved[end - 1] - moved[0]) <= 2.0 * bend.max() + 1e-12)
+
+
+def _bend(relative: Floats) -> Floats:
+    """The second differences at every inner sample, (m - 2,)."""
+    bent: Floats = np.linalg.norm(np.diff(relative, n=2, axis=0), axis=1)
+    return bent
+
+
+def _lowest(relative: Floats) -> Floats:
+    """The least distance from the origin within every interval, (m - 1,): that of its chord, less what the path may
+    deviate from it, at a corner, too: half of the larger second difference, at either end all of the only one."""
+    begin, along = relative[:-1], np.diff(relative, axis=0)
+    square = (along**2).sum(axis=1)
+    at = np.clip(-(begin * along).sum(axis=1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+    bend = _bend(relative)
+    bend = np.concatenate([2.0 * bend[:1], bend, 2.0 * bend[-1:]])
+    found: Floats = np.linalg.norm(begin + at[:, None] * along, axis=1) - 0.5 * np.maximum(bend[:-1], bend[1:])
+    return found
+
+
+def leaves(path: Path, position: Floats) -> bool:
+    """Whether it moves away at the end, at the velocity of half the time before."""
+    half = len(path.centres) // 2
+    before, now = np.linalg.norm(path.centres[-2:] - position, axis=1)
+    return bool(now >= before) and _steady(path.centres[half - 1 : half + 1], path.centres[-2:])

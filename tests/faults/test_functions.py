@@ -85,7 +85,7 @@ def leaving_out(least: float, **options: Any) -> Any:
 
     def fly(mass: float, drag: float) -> float:
         if mass < least:
-            raise clearance.Excluded("too light to fall")
+            raise clearance.Excluded("airborne")
         return 60.0 - 8.0 * (mass - 1.5) ** 2 - 100.0 * (drag - 0.13) ** 2
 
     return clearance.search(fly, {"mass": (1.5, 2.3), "drag": (0.1, 0.2)}, threshold=50.0, unit="m", **options)
@@ -96,7 +96,7 @@ def test_what_a_function_excludes_is_stated_with_its_reason_and_audited(tmp_path
     assert result.verdict == "cleared", result.verdict.sentence
     record = of_folder(result.save(tmp_path / "saved"))
     number = int(np.count_nonzero(result.status == "excluded"))
-    by = f"by the simulator ({number} “too light to fall”)"
+    by = f"({number} “airborne”)"
     assert number
     assert by in result.verdict.sentence
     assert [by in check["text"] for check in record.claims["checks"] if check["name"] == "exclusions"] == [True]
@@ -113,7 +113,7 @@ def test_a_function_that_excludes_much_clears_nothing(tmp_path: Path) -> None:
 
 
 def test_a_function_that_excludes_the_nominal_case_is_refused() -> None:
-    with pytest.raises(ValueError, match=re.escape(nominal_excluded("too light to fall"))):
+    with pytest.raises(ValueError, match=re.escape(nominal_excluded("airborne"))):
         leaving_out(2.0)
 
 

@@ -215,7 +215,7 @@ RULES = (
     Rule(
         CheckCode.AVOIDANCE,
         "Effect of the avoidance",
-        "The avoidance makes a difference: the nominal case comes closer if the avoider sees no obstacle.",
+        "The avoidance makes a difference: the nominal case comes closer without it.",
         ("validate",),
         intended="The avoidance need not make a difference to the nominal case.",
     ),

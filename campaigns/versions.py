@@ -12,6 +12,7 @@ from typing import Annotated, Any
 from pydantic import ConfigDict
 
 from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE, Documented
+from campaigns.version import VERSION, WORDING
 
 SHORT = 12
 """Digits of a digest in a message."""
@@ -71,6 +72,8 @@ class Versions(Documented):
     packages: dict[str, str] = {}
     """Version of each package that can change a number."""
     clearance: str | None = None
+    wording: Annotated[int | None, UNLESS_NONE] = None
+    """Which templates made its sentences, see `campaigns.version`; None: not stored by earlier versions."""
     python: str | None = None
     system: str | None = None
     cpu: Processor | None = None
@@ -87,6 +90,13 @@ class Versions(Documented):
     step: float | None = None
     """[s]"""
     integrator: str | None = None
+
+    @property
+    def reworded(self) -> str:
+        """Whose templates made the sentences, if not those of this installation; empty otherwise."""
+        if self.clearance not in (None, VERSION):
+            return f"clearance {self.clearance}"
+        return "" if self.wording == WORDING else "an earlier version of the templates"
 
     @staticmethod
     def of(document: Any) -> Versions:

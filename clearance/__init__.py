@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from clearance.function.request import search
     from clearance.function.result import Evaluations, Finding, Interrupted, Nominal, Result, Verdict
     from worker.engine.systems.simulators.declared.columns import Column
+    from worker.engine.systems.simulators.declared.excluded import Excluded
     from worker.engine.systems.simulators.declared.function import Output, Parameter, simulator
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "Client",
     "Column",
     "Evaluations",
+    "Excluded",
     "Finding",
     "Interrupted",
     "Nominal",
@@ -41,6 +43,7 @@ _HOMES = {
     "AsyncClient": "clearance.client",
     "Client": "clearance.client",
     "Column": "worker.engine.systems.simulators.declared.columns",
+    "Excluded": "worker.engine.systems.simulators.declared.excluded",
     "Output": "worker.engine.systems.simulators.declared.function",
     "Parameter": "worker.engine.systems.simulators.declared.function",
     "search": "clearance.function.request",

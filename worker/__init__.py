@@ -12,7 +12,12 @@ from collections.abc import Sequence
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
+PHYSICS = (
+    "aerodynamics", "aircraft", "autopilot", "closest", "fields", "paths", "resolution", "shapes", "space", "trim",
+)  # fmt: skip
+"""What was in `worker.kernels` before it moved to `worker.physics`."""
 EARLIER = {
+    **{f"worker.kernels.{name}": f"worker.engine.physics.{name}" for name in PHYSICS},  # before the folder: first match
     "worker.catalogue.simulator": "worker.engine.systems.simulators.declared.simulator",
     **{
         f"worker.{name}": f"worker.{room}.{name}"

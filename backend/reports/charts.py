@@ -19,6 +19,7 @@ def drawn(record: Record) -> dict[str, object]:
     timed = [case for case in record.cases if case.points("t", "separation")]
     return {
         "plan": plan_view.plan_view(record.cases, record.of) if record.cases else None,
+        "plan_up": plan_view.up(record.cases),
         "plan_caption": plan_view.caption(record.cases, record.of) if record.cases else "",
         "separation": figures.separation(timed, record.of) if timed else None,
         "convergence": _convergence(record),

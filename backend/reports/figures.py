@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from backend.reports import plot, words
+from backend.reports.declared_view import View
 from backend.reports.plot import Axes, Point
 from campaigns.claims import numbers
 from campaigns.results import TraceHead
@@ -30,6 +31,8 @@ class Case:
     head: TraceHead
     data: dict[str, list[float | None]]
     dash: str = ""
+    view: View | None = None
+    """What a simulator declares; None for a flight of the closed loop."""
 
     def points(self, x: str, y: str) -> list[Point]:
         """The rows of two columns in which both values are known."""

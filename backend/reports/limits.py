@@ -53,8 +53,8 @@ def _measured(record: Record) -> str:
     entry = record.catalogue.component("criterion", criterion.component) if record.catalogue else None
     if entry is None:
         return (
-            f"Criterion {criterion.component}: its description is unknown, and so is whether a distance is measured to "
-            "the obstacles’ centres or to their surfaces."
+            f"Criterion {criterion.component} has no stored description. Whether distances are measured to the "
+            "obstacles’ centres or to their surfaces is unknown."
         )
     first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
     text = f"What the criterion measures ({entry.title}): {first or 'it has no description'}."
@@ -89,8 +89,12 @@ def _excluded(record: Record) -> str:
     drawn = 0 if stated is None else stated.excluded
     draws = f", {numbers.count(drawn)} of them draws of the sample" if drawn else ""
     verb = "evaluation was" if run.excluded_evaluations == 1 else "evaluations were"
+    lost = f"{numbers.count(run.excluded_evaluations)} {verb} excluded"
+    if record.campaign.simulator is not None:
+        rest = "No claim is made about such cases; a probability holds for the others only."
+        return f"{lost} by the simulator{draws}. {rest} The verdict states its reasons."
     return (
-        f"{numbers.count(run.excluded_evaluations)} {verb} excluded{draws}: they start at or below the criterion. "
+        f"{lost}{draws}: they start at or below the criterion. "
         "No claim is made about such starts; a probability holds for the other starts only."
     )
 

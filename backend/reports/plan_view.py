@@ -35,16 +35,30 @@ def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
         places += [
             (x + dx, y + dy) for x, y in _centres(case, axis) for dx in (-reach, reach) for dy in (-reach, reach)
         ]
+    view = cases[-1].view
+    if view is not None:
+        places += [point for _, outline in view.outlines for point in outline]
+        moving = [i for i, obstacle in enumerate(cases[-1].head.obstacles) if obstacle.moving]
+        places += [point for i in moving for point in cases[-1].points(f"obstacle.{i}.x", f"obstacle.{i}.y")]
     axes = _scaled(places)
-    axes.frame(f"East ({axis[0]}), m", 8)
+    axes.frame(view.across if view else f"East ({axis[0]}), m", 8)
     _grid(axes)
     _obstacles(axes, cases[-1], axis, of)
+    _outlines(axes, cases[-1])
     for case, track in zip(cases, tracks, strict=True):
         axes.line(track, case.colour, 1.8, case.dash)
     for case in cases:
         _approach(axes, case, axis)
     _landmarks(axes, cases[0].head, axis)
+    if view is not None:
+        return axes.svg(f"Nominal and worst case seen {view.seen}, as the simulator declares them")
     return axes.svg("Flights seen from above, with the obstacles at the closest approach of the worst flight")
+
+
+def up(cases: Sequence[Case]) -> str:
+    """What the drawing shows upwards."""
+    view = cases[-1].view if cases else None
+    return "North, m" if view is None else view.up
 
 
 def _axes_of(head: TraceHead) -> tuple[str, str]:
@@ -101,6 +115,8 @@ def _obstacles(axes: Axes, case: Case, axis: tuple[str, str], of: Quantity) -> N
         if obstacle.moving:
             track = case.points(f"obstacle.{i}.{axis[0]}", f"obstacle.{i}.{axis[1]}")
             axes.line(track, plot.OBSTACLE, 1.3, "6 4")
+            if case.view is not None and track:
+                axes.text(axes.x(track[-1][0]), axes.y(track[-1][1]) - 6, obstacle.title, colour=plot.OBSTACLE)
     body = '<circle cx="{:.1f}" cy="{:.1f}" r="{:.1f}" fill="{}" fill-opacity="{}" stroke="{}" stroke-width="1"{}/>'
     dashed = Markup(' stroke-dasharray="5 4"')
     for (x, y), obstacle in zip(_centres(case, axis), _shown(case), strict=False):
@@ -117,6 +133,14 @@ def _obstacles(axes: Axes, case: Case, axis: tuple[str, str], of: Quantity) -> N
             obstacle.title,
             colour=plot.OBSTACLE,
         )
+
+
+def _outlines(axes: Axes, case: Case) -> None:
+    """What a simulator declares and is no circle."""
+    for name, outline in case.view.outlines if case.view else ():
+        axes.line(outline, plot.OBSTACLE, 1.3)
+        low = max(axes.y(y) for _, y in outline)
+        axes.text(axes.x(outline[0][0]), min(low + 12, axes.height - axes.bottom - 4), name, colour=plot.OBSTACLE)
 
 
 def _free(obstacle: TraceObstacle) -> float:
@@ -156,5 +180,9 @@ def _landmarks(axes: Axes, head: TraceHead, axis: tuple[str, str]) -> None:
 
 def caption(cases: Sequence[Case], of: Quantity) -> str:
     drawn = "; ".join(f"{case.label}: {HUES.get(case.colour, 'dashed')}" for case in cases)
+    view = cases[-1].view if cases else None
+    if view is not None:
+        moving = " Dashed: what else moves." if any(o.moving for o in cases[-1].head.obstacles) else ""
+        return f"Seen {view.seen}, as the simulator declares; upwards: {view.up}. {drawn}.{moving}"
     limit = f" Dashed: the criterion of {numbers.plain(of.threshold)} {of.unit}." if of.threshold else ""
     return f"Flights seen from above. {drawn}.{limit} Moving obstacles are shown at the time of the closest approach."

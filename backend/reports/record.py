@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -10,6 +11,7 @@ import sqlalchemy as sa
 from backend.catalog.looks import Looks
 from backend.catalog.service import bounds, published
 from backend.db import snapshots
+from backend.reports import declared_view
 from backend.reports.figures import Case, Quantity
 from backend.reports.plot import NOMINAL, WORST
 from backend.results import evaluations
@@ -109,14 +111,17 @@ def load(reader: sa.Connection, run_id: int) -> Record:
         stages=runs.stages(reader, run_id),
         findings=found,
         evaluations=evaluations.read(reader, run_id, 100, None),
-        cases=_cases(
-            reader, run_id, [finding.label for finding in found], set() if campaign.scenario is None else set(traced)
-        ),
+        cases=_cases(reader, run_id, [finding.label for finding in found], _drawable(campaign, traced)),
         nominal=traced.get("nominal"),
         signoffs=signoffs.listed(reader, run_id),
         looks=Looks(kept, installed),
         question=asked_again(reader, run_id),
     )
+
+
+def _drawable(campaign: Campaign, traced: Mapping[str, TraceHead]) -> set[str]:
+    """The stored traces with known positions: flights of the closed loop, and what a simulator declares."""
+    return {name for name, head in traced.items() if campaign.scenario is not None or head.scene is not None}
 
 
 def _cases(reader: sa.Connection, run_id: int, labels: list[str], stored: set[str]) -> list[Case]:
@@ -128,5 +133,8 @@ def _cases(reader: sa.Connection, run_id: int, labels: list[str], stored: set[st
     for name, label, colour in named:
         if name in stored:
             flight = results.trace(reader, run_id, name, MOST_ROWS)
-            found.append(Case(label, colour, flight.meta, flight.data, "" if colour in (NOMINAL, WORST) else "4 2"))
+            head, data, view = flight.meta, flight.data, None
+            if head.scene is not None:
+                head, data, view = declared_view.drawn(head.scene, head, data)
+            found.append(Case(label, colour, head, data, "" if colour in (NOMINAL, WORST) else "4 2", view))
     return found

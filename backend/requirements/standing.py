@@ -64,7 +64,7 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = ()) -> Standing:
     state it; they can violate it.
     """
     if not edges:
-        return Standing("no evidence", "No run states this requirement.")
+        return Standing("no evidence", "No run refers to this requirement.")
     found = [
         _of_campaign(name, [e for e in edges if e.campaign == name], [e for e in others if e.campaign == name])
         for name in dict.fromkeys(e.campaign for e in edges)

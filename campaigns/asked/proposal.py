@@ -82,7 +82,7 @@ class Cost:
 
     def sentence(self, calls: int = 1) -> str:
         """One evaluation took 0.42 s (R-0012, 15 evaluations)."""
-        failed = f", {self.failed} of them failed" if self.failed else ""
+        failed = f", of which {self.failed} failed" if self.failed else ""
         what = "evaluation" if calls == 1 else "call"
         text = f"One {what} took {lasting(self.seconds)} ({self.source}, {self.evaluations} evaluations{failed})"
         text += f" and the start of a process {lasting(self.start)}" if self._starts_slowly else ""

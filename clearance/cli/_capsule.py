@@ -43,7 +43,9 @@ def of_capsule(path: Path, allow_code: bool) -> Opened:
     try:
         capsule, _ = read(path)
     except CapsuleError as error:
-        raise WrongInputError(f"{path} is no capsule that can be replayed: {error}", RefusalCode.NO_CAPSULE) from None
+        raise WrongInputError(
+            f"{path} is not a capsule that can be replayed: {error}", RefusalCode.NO_CAPSULE
+        ) from None
     if capsule.program is not None:
         _install(path, capsule.program, allow_code)
     recorded = Recorded(

@@ -68,7 +68,9 @@ def replayed_with_its_code(path: Path, arguments: Sequence[str]) -> int | None:
         capsule, _ = read(path)
         texts = read_sources(path)
     except CapsuleError as error:
-        raise WrongInputError(f"{path} is no capsule that can be replayed: {error}", RefusalCode.NO_CAPSULE) from None
+        raise WrongInputError(
+            f"{path} is not a capsule that can be replayed: {error}", RefusalCode.NO_CAPSULE
+        ) from None
     if capsule.sources is None or is_inside(capsule):
         return None
     _refuse_others(path, capsule, texts)

@@ -111,7 +111,7 @@ def _described(folder: Path) -> InlineProgram:
     if not source:
         raise ValueError("its result.json does not state where its campaign file was; run the campaign again")
     if not Path(source[FOLDER]).is_dir():
-        raise ValueError(f"the folder of its campaign file, {source[FOLDER]}, is not there any more; run it again")
+        raise ValueError(f"the folder of its campaign file, {source[FOLDER]}, no longer exists; run the campaign again")
     try:
         document = yaml.safe_load(file.read_text(encoding="utf-8"))
     except (OSError, ValueError, yaml.YAMLError) as error:

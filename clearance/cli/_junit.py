@@ -95,7 +95,7 @@ def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
         Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
     else:
         Xml.SubElement(
-            case, "skipped", message=_clean(f"no finding violates it, and it is not cleared: {verdict.reason}")
+            case, "skipped", message=_clean(f"not cleared, although no finding violates it: {verdict.reason}")
         )
 
 
@@ -129,7 +129,7 @@ def _check(suite: Xml.Element, ended: EndedRun, check: DescribedCheck) -> None:
     elif check.standing == "open":
         Xml.SubElement(case, "skipped", message=_clean(f"{check.text}; {check.but}"))
     elif ended.accepted:
-        Xml.SubElement(case, "skipped", message=f"does not hold, and the policy accepts it: {text}")
+        Xml.SubElement(case, "skipped", message=f"fails, but the policy accepts it: {text}")
     else:
         failure = Xml.SubElement(case, "failure", message=text, type=_clean(str(check.code)))
         failure.text = _clean("\n".join(filter(None, [check.text, ended.link])))

@@ -40,7 +40,7 @@ def markdown(ended: EndedRun) -> str:
     if ended.identity is not None:
         lines.append(f"Code: `{ended.identity.text.translate(_CODE)}`")
     if ended.picture:
-        lines.append(f"![The worst case, seen from above]({quote(ended.picture)})")
+        lines.append(f"![The worst case]({quote(ended.picture)})")
     if verdict is not None and verdict.regression is not None:
         lines += [f"### Since {_text(verdict.regression.run)}", _text(verdict.regression.text)]
         lines.append("\n".join(_table(ended, verdict.regression)))

@@ -138,7 +138,7 @@ def _fitting(vehicle: str) -> tuple[str, ...]:
 
         raise WrongInputError(f"--for {vehicle}: no such vehicle; {texts.known(vehicle, known)}")
     raise WrongInputError(
-        f"--for {vehicle}: the controller that is written is for the states {', '.join(pattern.states)} and the inputs "
+        f"--for {vehicle}: the template is for the states {', '.join(pattern.states)} and the inputs "
         f"{' and '.join(pattern.inputs)}; begin with a copy of a controller for a vehicle like yours, from "
         "worker/engine/components/controllers"
     )

@@ -29,7 +29,7 @@ WORDS = {True: "agree", False: "disagree", None: "not auditable"}
 def renamed(before: str, now: str) -> None:
     """Print the note of a command that is called by its earlier name, so that the output stays what a script reads."""
     typer.echo(
-        f"Note: `clearance {before}` is now `clearance {now}`; the earlier name goes with the next version.", err=True
+        f"Note: `clearance {before}` is now `clearance {now}`; the next version removes the earlier name.", err=True
     )
 
 

@@ -1,7 +1,8 @@
 """`clearance check-simulator NAME`: evaluates a simulator at a few points, without a campaign.
 
-The exit code is 0 only if it can be used as it is: every evaluation has a value, and results repeat bit by bit. With
-`--data` the measurement is stored for the estimates of the service and of `clearance run`.
+The exit code is 0 only if it can be used as it is: the nominal case has a value, every other one has a value or is
+excluded, and results repeat bit by bit. With `--data` the measurement is stored for the estimates of the service and of
+`clearance run`.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ def check_simulator(
     database: Database = "",
 ) -> None:  # fmt: skip
     """Evaluate a simulator at a few points: failures, time, and whether its results repeat."""
-    from campaigns.results.base import OK
+    from campaigns.results.base import EXCLUDED, OK
     from worker.engine.stages.parts import noise
 
     entry = _entry(name)
@@ -58,14 +59,18 @@ def check_simulator(
             f"and at most as many as a campaign may vary, {MOST_UNCERTAIN}; the others stayed nominal"
         )
     values = sum(columns.status == OK)
-    lost = noise.reasons(columns)
+    without = noise.exclusions(columns)
     decides = campaign.criterion.result
     unit = next(r.unit for r in entry.results if r.name == decides)
     typer.echo(
         f"\n{values} of {measured.evaluations} evaluations of {measured.points} points have a value of {decides}"
     )
-    for reason in lost:
+    for reason in noise.failures(columns):
         typer.echo(f"  failed: {reason}")
+    for reason, times in without.items():
+        typer.echo(f"  excluded: {times}, {reason}")
+    if columns.status[0] == EXCLUDED:
+        typer.echo("  the nominal case is excluded: a campaign needs nominal values that the simulator evaluates")
     if measured.seconds is not None:
         typer.echo(f"time per evaluation: {measured.seconds:.3g} s")
     if measured.start_seconds is not None:
@@ -76,7 +81,7 @@ def check_simulator(
         _propose(measured, len(campaign.uncertain))
     if data is not None or database:
         _store(data or DATA, database, entry, digest, measured if values else None)
-    if values < measured.evaluations or not measured.repeats:
+    if values + without.total() < measured.evaluations or columns.status[0] != OK or not measured.repeats:
         raise typer.Exit(NOT_AS_IT_IS)
 
 
@@ -173,7 +178,9 @@ def _store(data: Path, database: str, entry: SimulatorEntry, digest: str, measur
     from backend.db import measurements
 
     if measured is None or measured.call_seconds is None:
-        typer.echo("nothing is stored for estimates: " + ("no value" if measured is None else "no time was measured"))
+        typer.echo(
+            "no measurement is stored: " + ("no evaluation has a value" if measured is None else "no time was measured")
+        )
         return
     with opened(data, database, create=True) as writer:
         measurements.store(writer, entry, digest, measured)

@@ -103,7 +103,7 @@ def _checked(file: Path) -> OwnFile:
 def _sentence(file: Path, found: OwnFile) -> str:
     if found.text:
         return f"{file}{f', line {found.line}' if found.line else ''}: {found.text}"
-    end = "" if found.simulated else "; it was not simulated, because no vehicle that it fits can be used"
+    end = "" if found.simulated else "; it was not simulated: no vehicle that it fits can be used"
     end += f"; {found.note}" if found.note else ""
     return f"{file}: the {found.role} {found.name!r} can be used{end}"
 

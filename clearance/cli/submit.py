@@ -122,10 +122,8 @@ def _check_options(options: launch.Launch, sweep: str, wait: bool, reuse: bool, 
     """Raises `WrongInputError` for options that do not belong together."""
     if sweep and (options.baseline or options.wanted or reuse or cancel or group):
         raise WrongInputError(
-            "--sweep takes none of --baseline, --junit, --summary, --sarif, --reuse, --sample-seed, --group and "
-            "--cancel-on-exit"
+            "--sweep cannot be combined with --baseline, --junit, --summary, --sarif, --reuse, --sample-seed, --group "
+            "or --cancel-on-exit"
         )
     if not wait and (options.wanted or cancel):
-        raise WrongInputError(
-            "--no-wait does not wait for the verdict: --junit, --summary, --sarif and --cancel-on-exit need it"
-        )
+        raise WrongInputError("--junit, --summary, --sarif and --cancel-on-exit need the verdict: leave --no-wait out")

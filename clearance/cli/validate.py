@@ -43,7 +43,9 @@ def validate(
     if not files:
         raise WrongInputError("give a campaign file, or --schema")
     if service and (normal or allow_code):
-        raise WrongInputError("--service takes neither --normal nor --allow-code: a service runs no code of a campaign")
+        raise WrongInputError(
+            "--service cannot be combined with --normal or --allow-code: a service runs no code of a campaign"
+        )
     wrong = 0
     for file in files:
         try:

@@ -37,7 +37,9 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
         "digest": campaign.digest,
         "seed": campaign.seed,
         "identity": identity_of(verdict.provenance, simulator_of(campaign)).model_dump(mode="json"),
-        "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")}
+        "versions": {
+            k: parts["provenance"][k] for k in ("clearance", "wording", "code", "python", "packages", "cpu", "loop")
+        }
         | {k: parts["provenance"][k] for k in ("components", "simulator", "command") if k in parts["provenance"]},
     }
 

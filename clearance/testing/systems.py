@@ -14,7 +14,7 @@ import numpy as np
 
 from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
-from campaigns.results.base import FAILED, OK
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.engine.problem.problem import Problem
 from worker.engine.systems.base import Floats, Slotted
 from worker.engine.systems.closed_loop.system import ClosedLoop
@@ -25,11 +25,12 @@ from worker.running.opening import opened
 class SystemContract:
     """Every check of one system, on `count` evaluations within the bounds of a campaign.
 
-    failing: the value, of every parameter, with which an evaluation fails; None if none fails.
+    failing, excluding: the value, of every parameter, with which an evaluation fails or is excluded; None if none is.
     """
 
     campaign: ClassVar[Mapping[str, object]]
     failing: ClassVar[float | None] = None
+    excluding: ClassVar[float | None] = None
     count: ClassVar[int] = 40
     _opened: ClassVar[Problem | None] = None
 
@@ -73,16 +74,22 @@ class SystemContract:
 
     def test_what_is_not_ok_has_no_cost_and_a_reason(self) -> None:
         system, vectors = self.opened().system, self.vectors()
-        if self.failing is None:
-            return
-        broken = vectors.copy()
-        broken[::3] = self.failing
-        batch, reasons = system.evaluate(broken)
-        lost = np.flatnonzero(batch.status != OK)
-        assert lost.tolist() == list(range(0, len(vectors), 3)) == sorted(reasons)
-        assert (batch.status[lost] == FAILED).all()
-        assert np.isnan(batch.costs[lost]).all()
-        assert all(reasons.values())
+        for value, status in ((self.failing, FAILED), (self.excluding, EXCLUDED)):
+            if value is None:
+                continue
+            broken = vectors.copy()
+            broken[::3] = value
+            batch, reasons = system.evaluate(broken)
+            lost = np.flatnonzero(batch.status != OK)
+            assert lost.tolist() == list(range(0, len(vectors), 3)) == sorted(reasons)
+            assert (batch.status[lost] == status).all()
+            assert np.isnan(batch.costs[lost]).all()
+            assert all(reasons.values())
+
+    def test_the_nominal_case_counts(self) -> None:
+        system = self.opened().system
+        batch, _ = system.evaluate(system.nominal[None])
+        assert batch.status[0] != EXCLUDED
 
     def test_bits_depend_on_the_vector_alone(self) -> None:
         system, vectors = self.opened().system, self.vectors()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Future
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,12 @@ from campaigns import Catalogue, check, library, load_file
 from campaigns.asked.load import CampaignError, load_document
 from campaigns.asked.spec import Repeats, Simulator
 from campaigns.checked.snapshot import changes, snapshot
+from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
 from clearance.testing import SystemContract
 from tests.simulators import functions, isolated, package, two_basins
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
-from worker.engine.systems.base import Slotted
+from worker.engine.systems.base import Evaluated, Slotted
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.running.catalogue.files import PythonFunction
@@ -39,7 +41,7 @@ class TestSimulator(SystemContract):
 
 
 class TestFunction(SystemContract):
-    failing = 0.99
+    failing, excluding = 0.99, 1.6
     function: Any = functions.together
 
     @classmethod
@@ -150,3 +152,50 @@ def test_an_evaluation_combines_its_own_calls(repeats: Repeats, expected: list[f
     assert batch.costs[:, 0].tolist() == expected
     assert reasons == {}
     assert called.single() is called.inner
+
+
+STARTS = "starts inside"
+CALLS = {
+    "excluded by every call": (2, 0, [(EXCLUDED, STARTS)] * 2, (EXCLUDED, STARTS)),
+    "excluded by some": (2, 0, [(OK, ""), (EXCLUDED, STARTS)], (FAILED, f"call 2 of 2: excluded ({STARTS})")),
+    "a failure first": (2, 0, [(EXCLUDED, STARTS), (TIMEOUT, "late")], (TIMEOUT, "call 2 of 2: late")),
+    "no retry": (1, 2, [(EXCLUDED, STARTS), (OK, "")], (EXCLUDED, STARTS)),
+    "no way out of a failure": (
+        1,
+        2,
+        [(FAILED, "broke"), (EXCLUDED, STARTS), (OK, "")],
+        (FAILED, "broke; tried again"),
+    ),
+    "a value when tried again": (1, 2, [(FAILED, "broke"), (OK, "")], (OK, f"{FLAKY}broke")),
+}
+"""Calls for each evaluation, retries, what successive calls return, and the evaluation that they make."""
+
+
+@pytest.mark.parametrize("slots", [False, True])
+@pytest.mark.parametrize("name", CALLS)
+def test_what_calls_exclude(name: str, slots: bool) -> None:
+    count, retries, returned, (status, reason) = CALLS[name]
+    coming = iter(returned)
+
+    class Told(two_basins.TwoBasins):
+        slots = 1
+
+        def evaluate(self, vectors: Any, seeds: Any = None) -> Any:
+            found = [next(coming) for _ in vectors]
+            costs = np.array([[1.0 if code == OK else np.nan] for code, _ in found])
+            return Batch(costs, np.array([c for c, _ in found], dtype=np.uint8)), {
+                k: why for k, (_, why) in enumerate(found) if why
+            }
+
+        def submit(self, vector: Any, seed: int | None = None) -> Future[Evaluated]:
+            batch, reasons = self.evaluate(vector[None])
+            ended: Future[Evaluated] = Future()
+            ended.set_result(Evaluated(batch.costs[0], int(batch.status[0]), reasons.get(0, "")))
+            return ended
+
+    Told.slots = int(slots)
+    request = Simulator(name="two_basins", repeats=Repeats(count=count) if count > 1 else None, retries=retries)
+    batch, reasons = Called(Told(two_basins.ENTRY, BASINS), request).evaluate(np.array([[0.1, 0.2]]))
+    assert int(batch.status[0]) == status
+    assert np.isnan(batch.costs[0, 0]) == (status != OK)
+    assert reasons.get(0, "").startswith(reason)

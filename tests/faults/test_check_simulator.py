@@ -14,7 +14,7 @@ from backend.db.measurements import Stored
 from campaigns.asked.load import load_file
 from campaigns.claims.spans import words
 from campaigns.claims.stages import calls
-from campaigns.results.base import FAILED, OK
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from clearance.cli import WRONG_INPUT, invoke
 from clearance.cli._announce import announce
 from clearance.cli.check_simulator import NOT_AS_IT_IS
@@ -68,6 +68,17 @@ def test_one_that_fails_at_some_points(capsys: pytest.CaptureFixture[str]) -> No
     shown = capsys.readouterr().out
     assert " exit code 3" in shown
     assert "repeats: {" not in shown
+
+
+@pytest.mark.parametrize(("most", "code"), [(0.7, 0), (0.4, NOT_AS_IT_IS)])
+def test_one_that_excludes_some_points_and_one_that_excludes_the_nominal_case(
+    most: float, code: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with adversary("none", lambda call: EXCLUDED if call.a > most else OK):
+        assert invoke(["check-simulator", "adversary", "--points", "9"]) == code
+    shown = capsys.readouterr().out
+    assert "excluded:" in shown
+    assert "failed:" not in shown
 
 
 def test_one_that_always_fails(capsys: pytest.CaptureFixture[str]) -> None:

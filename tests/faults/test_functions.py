@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -14,7 +15,8 @@ import numpy as np
 import pytest
 
 import clearance
-from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.claims.stages.calls import nominal_excluded
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from clearance.cli import invoke
 from tests.faults.processes import REPOSITORY
 from tests.simulators import isolated, two_basins
@@ -35,6 +37,8 @@ EXPECTED = [
     (FAILED, "it returned None; is a return statement missing?"),
     (FAILED, "MemoryError, at line"),
     (FAILED, "it returned nan, not a finite number"),
+    (EXCLUDED, "starts inside"),
+    (FAILED, "ValueError: Excluded needs the reason in words"),
 ]
 """By what `isolated.misbehaving` does."""
 
@@ -74,6 +78,43 @@ def test_a_function_that_cannot_be_loaded_fails_with_its_reason(tmp_path: Path) 
     opened.close()
     assert batch.status.tolist() == [FAILED, FAILED]
     assert all("no licence" in reason for reason in reasons.values())
+
+
+def leaving_out(least: float, **options: Any) -> Any:
+    """The search of a function that excludes the cases with a mass below this."""
+
+    def fly(mass: float, drag: float) -> float:
+        if mass < least:
+            raise clearance.Excluded("airborne")
+        return 60.0 - 8.0 * (mass - 1.5) ** 2 - 100.0 * (drag - 0.13) ** 2
+
+    return clearance.search(fly, {"mass": (1.5, 2.3), "drag": (0.1, 0.2)}, threshold=50.0, unit="m", **options)
+
+
+def test_what_a_function_excludes_is_stated_with_its_reason_and_audited(tmp_path: Path) -> None:
+    result = leaving_out(1.53)
+    assert result.verdict == "cleared", result.verdict.sentence
+    record = of_folder(result.save(tmp_path / "saved"))
+    number = int(np.count_nonzero(result.status == "excluded"))
+    by = f"({number} “airborne”)"
+    assert number
+    assert by in result.verdict.sentence
+    assert [by in check["text"] for check in record.claims["checks"] if check["name"] == "exclusions"] == [True]
+    assert judge.closing(audited(record))[0]
+    wrong = [item.name for item in audited(record._replace(exclusions={"too heavy": number})) if item.agrees is False]
+    assert wrong == ["words.statement", "words.checks.exclusions"]
+
+
+def test_a_function_that_excludes_much_clears_nothing(tmp_path: Path) -> None:
+    result = leaving_out(1.8, methods={"direct": 20})
+    assert result.verdict == "inconclusive"
+    record = of_folder(result.save(tmp_path / "saved"))
+    assert [check["ok"] for check in record.claims["checks"] if check["name"] == "exclusions"] == [False]
+
+
+def test_a_function_that_excludes_the_nominal_case_is_refused() -> None:
+    with pytest.raises(ValueError, match=re.escape(nominal_excluded("airborne"))):
+        leaving_out(2.0)
 
 
 def test_three_lines_to_a_verdict_that_can_be_audited(tmp_path: Path) -> None:

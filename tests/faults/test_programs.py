@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import yaml
 
+from campaigns.results.base import EXCLUDED, FAILED
 from clearance.cli import WRONG_INPUT, invoke
 from tests.faults.launched import run
 from tests.faults.processes import REPOSITORY
@@ -58,6 +59,33 @@ def test_a_process_for_each_evaluation(folder: Path) -> None:
         simulator.close()
     assert reasons == {}
     assert batch.costs[:, 0] == pytest.approx(0.5 - abs(vectors[:, 2]) * np.sqrt(vectors[:, 0] / 100.0), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("written", "status", "reason"),
+    [
+        ({"excluded": "starts inside"}, EXCLUDED, "starts inside"),
+        ({"excluded": "starts inside", "d": -1.0}, FAILED, "`excluded`"),
+        ({"excluded": " "}, FAILED, "Excluded needs"),
+    ],
+)
+def test_a_file_of_results_may_exclude_the_case(tmp_path: Path, written: object, status: int, reason: str) -> None:
+    program = f"import json, sys; json.dump({written!r}, open(sys.argv[1], 'w'))"
+    described = {
+        "name": "excludes",
+        "command": ["{python}", "-c", program, "{results}"],
+        "protocol": "files",
+        "parameters": {"a": {"nominal": 0.5, "low": 0, "high": 1}},
+        "results": {"d": {"unit": ""}},
+    }
+    (tmp_path / "simulator.yaml").write_text(yaml.safe_dump(described), encoding="utf-8")
+    simulator = CommandSimulator(read(tmp_path), Opening({"simulator.a": 0.5}, "d"))
+    try:
+        batch, reasons = simulator.evaluate(simulator.nominal[None, :])
+    finally:
+        simulator.close()
+    assert batch.status.tolist() == [status]
+    assert reason in reasons[0]
 
 
 def test_python_in_a_command_is_the_interpreter_of_the_worker(tmp_path: Path) -> None:

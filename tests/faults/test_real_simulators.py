@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from campaigns.results.base import FAILED, OK
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.faults.launched import run
 from tests.faults.processes import REPOSITORY
 from worker.engine.systems.simulators.command import CommandSimulator
@@ -124,11 +124,11 @@ def test_jsbsim_writes_no_files(tmp_path: Path) -> None:
 
 
 @needs_jsbsim
-def test_a_start_that_is_no_encounter_is_a_failure_with_a_sentence(jsbsim: CommandSimulator) -> None:
+def test_a_start_that_is_no_encounter_is_excluded_with_a_sentence(jsbsim: CommandSimulator) -> None:
     vector = jsbsim.nominal.copy()
     vector[jsbsim.names["simulator.intruder_angle"]] = 0.0
     batch, reasons = jsbsim.evaluate(vector[None, :])
-    assert batch.status.tolist() == [FAILED]
+    assert batch.status.tolist() == [EXCLUDED]
     assert " 500 m" in reasons[0]
 
 

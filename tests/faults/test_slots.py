@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 import yaml
 
-from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from clearance.local.failures import OUTPUT
 from tests.faults.processes import REPOSITORY, until
 from tests.simulators import misbehaving
@@ -48,6 +48,11 @@ EXPECTED = {
     "no object": (FAILED, "its answer has no object `results`"),
     "long answer": (FAILED, "its answer is longer than 16000000 bytes"),
     "error": (FAILED, "division by zero"),
+    "excluded": (EXCLUDED, "starts inside the zone"),
+    "excluded without a reason": (FAILED, "its answer has excluded True; the reason in words is expected"),
+    "excluded with results": (FAILED, "its answer has both `results` and `excluded`"),
+    "excluded with an error": (FAILED, "no licence"),
+    "not excluded": (OK, ""),
     "grandchild": (FAILED, "exit code 3"),
     "early end": (FAILED, "exit code 0"),
     "100 MB of output": (OK, ""),

@@ -26,7 +26,7 @@ from worker.evidence.verdicts.evidence import Evidence
 NOMINAL, WORST = 0.94, 0.84
 """[m]; the threshold is 0.5 m, and 5 % of nominal minus worst is 0.005 m."""
 
-CONVERGED = Stop(kind="rule", text="every start ended")
+CONVERGED = Stop(kind="rule", text="all starts converged")
 TITLES = {
     "direct": "DIRECT", "sqp": "SQP multistart", "monte_carlo": "Monte Carlo", "ga": "Genetic algorithm",
     "portfolio": "Portfolio", "nsga2": "NSGA-II",
@@ -159,7 +159,7 @@ def spot_checks(**changes: Any) -> SpotChecks:
     """Random evaluations that the reference integrator confirms, with changes."""
     made = SpotChecks(
         checked=200, compared=200, largest=1e-9, median=1e-10, violating=0, at=None,
-        text="200 random evaluations compared",
+        text="200 random evaluations differ",
     )  # fmt: skip
     return changed(made, **changes)
 

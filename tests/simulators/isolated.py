@@ -10,7 +10,7 @@ from typing import Any
 
 import clearance
 
-BROKEN = 0.98
+BROKEN, OUTSIDE = 0.98, 1.5
 PARAMETERS = {
     "x": clearance.Parameter(-1.0, 2.0, nominal=0.5, unit="m", text="Offset along the track"),
     "y": clearance.Parameter(-1.0, 2.0, nominal=0.45, unit="m", text="Offset across it"),
@@ -24,6 +24,8 @@ RESULTS = {
 @clearance.simulator(parameters=PARAMETERS, results=RESULTS, slots=1, timeout=20.0)
 def alone(x: float, y: float) -> dict[str, float]:
     """Two basins, one case at a time; the formula of `two_basins`."""
+    if y > OUTSIDE:
+        raise clearance.Excluded("starts  outside\nthe range")
     if y > BROKEN:
         raise ValueError(f"no value for y = {y:g} m")
     first = 5.0 * math.exp(-((x - 0.2) ** 2 + (y - 0.7) ** 2) / 0.02)
@@ -43,5 +45,11 @@ def misbehaving(do: float) -> Any:
         lambda: None,
         lambda: bytearray(4_000_000_000),
         lambda: float("nan"),
+        lambda: _excluded("starts inside"),
+        lambda: _excluded(""),
     ]
     return acts[int(do)]()
+
+
+def _excluded(reason: str) -> None:
+    raise clearance.Excluded(reason)

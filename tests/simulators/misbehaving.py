@@ -21,6 +21,14 @@ def much():
     return {"d": 1.0}
 
 
+class Answer(Exception):
+    """An answer other than results."""
+
+
+def answer(**fields):
+    raise Answer(fields)
+
+
 def grandchild():
     subprocess.Popen(["setsid", "sleep", os.environ["MARK"]])
     time.sleep(0.1)
@@ -46,6 +54,11 @@ ACTS = {
     "long answer": lambda: {"d": 1.0, "text": "x" * 40_000_000},
     "deeply nested": lambda: print('{"a":' * 100_000 + "1" + "}" * 100_000, flush=True) or {"d": 1.0},
     "error": lambda: {"d": 1 / 0},
+    "excluded": lambda: answer(excluded="starts  inside\nthe zone"),
+    "excluded without a reason": lambda: answer(excluded=True),
+    "excluded with results": lambda: answer(excluded="starts inside", results={"d": -1.0}),
+    "excluded with an error": lambda: answer(excluded="starts inside", error="no licence"),
+    "not excluded": lambda: answer(excluded=None, results={"d": 1.0}),
     "grandchild": grandchild,
     "early end": lambda: sys.exit(0),
 }
@@ -56,10 +69,12 @@ def main():
         act = list(ACTS)[int(json.loads(line)["parameters"]["do"])]
         print(f"working on {act}", file=sys.stderr, flush=True)
         try:
-            answer = {"results": ACTS[act]()}
+            found = {"results": ACTS[act]()}
         except ZeroDivisionError as error:
-            answer = {"error": str(error)}
-        print(json.dumps(answer), flush=True)
+            found = {"error": str(error)}
+        except Answer as other:
+            (found,) = other.args
+        print(json.dumps(found), flush=True)
 
 
 if __name__ == "__main__":

@@ -93,7 +93,7 @@ class _Flights:
         self.other = self.other or self.setting.other_code(Identity.model_validate(answer["identity"]))
 
     def words(self) -> str:
-        lost = f" {self.failed} of them failed, and end at the failure." if self.failed else ""
+        lost = f" {self.failed} failed and end at the failure." if self.failed else ""
         text = f"Thin: the first {self.size} flights of the sample of {self.stage}, as drawn.{lost} {self.other}"
         return text.rstrip()
 

@@ -83,7 +83,7 @@ class Viewer:
         # The page already shows the run's name and controls; the panel starts folded in favour of the scene.
         alone = address.key is None
         self._unfold(alone)
-        server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else "Values, search")
+        server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else "Details")
         palette = DARK if address.dark else LIGHT
         with server.atomic():
             self._world = World(server, setting, palette)

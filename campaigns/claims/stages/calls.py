@@ -18,12 +18,12 @@ def measured(
 ) -> Spans:
     """Whether evaluations of the same points repeat."""
     of = say(count(points, "points"), " points, ", count(evaluations, "evaluations"), " evaluations")
-    lost = say("; ", count(failed, "failed"), " of them failed") if failed else ()
+    lost = say(", of which ", count(failed, "failed"), " failed") if failed else ()
     if identical:
         but = () if declared else "; the simulator declares that its results do not repeat"
         return say("repeats bit by bit: ", of, lost, but)
     if not spread:
-        return say("does not repeat: of evaluations of the same point some fail and some do not: ", of, lost)
+        return say("does not repeat: evaluations of the same point fail only sometimes: ", of, lost)
     return say(
         "differs by up to ", number(spread, unit, "spread"), " between evaluations of the same point: ", of, lost
     )
@@ -45,9 +45,17 @@ def without_value(evaluations: int, points: int, reasons: Sequence[str]) -> str:
     )
 
 
+def nominal_excluded(reason: str) -> str:
+    """Why a run ends whose simulator excludes the nominal case."""
+    return (
+        f"it excludes the nominal case ({reason}), to which all others are compared: choose nominal values that it "
+        "evaluates"
+    )
+
+
 def other_trace(shown: float | None, stored: float) -> str:
     """Why the trace of a case is not stored."""
     return (
-        f"the evaluation that returned it has the cost {shown!r}, and the stored one {stored!r}: the trace "
-        "shows something else. Check that the program computes the same with and without a trace"
+        f"the trace belongs to an evaluation with the cost {shown!r}, but the stored cost is {stored!r}. Check that "
+        "the program computes the same with and without a trace"
     )

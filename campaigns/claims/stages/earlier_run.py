@@ -50,7 +50,7 @@ def no_parameter(path: str) -> str:
 
 def certain(path: str, value: float, now: float) -> str:
     """A parameter has another value, and is not varied."""
-    return f"{path} = {value:.9g} is not uncertain any more, it is {now:.9g}"
+    return f"{path} = {value:.9g} is no longer uncertain: it is {now:.9g}"
 
 
 def outside(path: str, value: float, low: float, high: float) -> str:
@@ -60,4 +60,4 @@ def outside(path: str, value: float, low: float, high: float) -> str:
 
 def not_random(seed: int) -> str:
     """A noise seed has no effect."""
-    return f"it drew the noise seed {seed}, and nothing in this campaign is random"
+    return f"it drew the noise seed {seed}, but this campaign has no noise"

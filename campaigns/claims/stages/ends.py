@@ -20,15 +20,15 @@ def confirmed(kept: int, at_most: int) -> Spans:
     """Fewer worst cases than were distinguished are stored, because confirming all takes too many evaluations."""
     cases = "worst case" if kept == 1 else "worst cases"
     only = say("only ", count(kept, "kept"), f" {cases} could be confirmed")
-    return say(only, ", because validation may take ", count(at_most, "at_most"), " evaluations")
+    return say(only, ", because validation is limited to ", count(at_most, "at_most"), " evaluations")
 
 
 def skipped(points: int, at_most: int) -> Spans:
     """Descents that were left out."""
-    of = say("left out ", count(points, "points"), " points to descend from")
-    return say(of, ", because validation may take ", count(at_most, "at_most"), " evaluations")
+    of = say("no local search began at ", count(points, "points"), " low points")
+    return say(of, ", because validation is limited to ", count(at_most, "at_most"), " evaluations")
 
 
 def gathered(ended: Spans, complete: bool) -> Spans:
     """How the findings were distinguished."""
-    return ended if complete else say(ended, ": some findings may be duplicates, or not fully polished")
+    return ended if complete else say("some findings may be duplicates, or not fully polished: ", ended)

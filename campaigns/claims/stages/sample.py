@@ -47,6 +47,8 @@ class Counts:
     outside: float
     confidence: float
     terms: Terms
+    simulator: bool = False
+    """Whether a simulator excluded draws, for reasons of its own."""
 
     def bound(self, upper: float) -> Spans:
         """How many violate, and the bound on P(violation)."""
@@ -81,8 +83,7 @@ class Counts:
         counted = ", counted over all draws," if self.outside and self.excluded else ""
         return say(
             *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
-            *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence")),
-            *(f" confidence: this is the {_ordinal(order)} lowest of ", size),
+            *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence"), " confidence"),
         )
 
     def _conditions(self) -> Spans:
@@ -90,10 +91,13 @@ class Counts:
         if not self.excluded:
             return say(self.terms.holds)
         draws = self.samples + self.excluded
+        only, why = "for starts above the threshold", " start at or below it and were excluded"
+        if self.simulator:
+            only, why = "where the simulator excludes nothing", " were excluded"
         return say(
-            f"{self.terms.holds}; it holds only for starts above the threshold: ",
+            f"{self.terms.holds}; it holds only {only}: ",
             *(count(self.excluded, "draws_excluded"), " of ", count(draws, "draws"), " draws ("),
-            *(percent(self.excluded / draws), ") start at or below it and were excluded"),
+            *(percent(self.excluded / draws), f"){why}"),
         )
 
     def _beyond(self) -> Spans:
@@ -105,10 +109,10 @@ class Counts:
 
 
 def violate(failed: int) -> Spans:
-    """The verb of violations, which says how many of them failed, if any."""
+    """The verb of violations, which states how many of them are failed evaluations, if any."""
     if not failed:
         return say(" violate the criterion")
-    return say(" violate the criterion or failed (", count(failed, "draws_failed"), " failed)")
+    return say(" violate the criterion, ", count(failed, "draws_failed"), " of these because they failed")
 
 
 def interim(statement: Spans, looks: int, level: float) -> Spans:

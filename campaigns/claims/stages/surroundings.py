@@ -13,17 +13,17 @@ NO_VARIANCE = say("not computed: all evaluations have the same value, so there i
 
 def boundary(steps: int, nearest: tuple[float, Part, float] | None, crossed: float | None) -> Spans:
     """nearest: fraction of its range from nominal, parameter and value; crossed: fraction of the way to the worst."""
-    statement = say("no violation was found along any single parameter, sampled in ", count(steps), " steps")
+    statement = say("no parameter violates the criterion when varied alone, in ", count(steps), " steps")
     if nearest is not None:
         fraction, parameter, value = nearest
         statement = say(
-            *("the nearest boundary along a single parameter is at ", parameter, " = ", number(value)),
+            *("varying one parameter alone, the criterion is first violated at ", parameter, " = ", number(value)),
             *(", ", percent(fraction), " of its range from nominal"),
         )
     if crossed is None:
         return statement
-    line = "; on the straight line to the worst case it is crossed at "
-    return say(statement, line, percent(crossed), " of the distance")
+    line = "; on the line from nominal to this finding the criterion is first violated at "
+    return say(statement, line, percent(crossed))
 
 
 def effects(leading: Sequence[tuple[Part, float]]) -> Spans:
@@ -48,13 +48,13 @@ def no_index(missing: int, evaluations: int) -> Spans:
 
 def possible_gain(rectangles: int, lost: int, quantity: str, lowest: float, best: float, unit: str) -> Spans:
     """The estimate of how far below DIRECT's best the criterion may be; lost: rectangles without a value."""
-    without = say("; ", count(lost), " rectangles whose centre has no value are ignored") if lost else ()
+    without = say("; ", count(lost), " rectangles without a value are ignored") if lost else ()
     return say(
-        *("estimate, not a bound: if the steepest slopes observed between the centres of ", count(rectangles)),
-        *(" rectangles hold everywhere, ", symbol(quantity), " is nowhere below ", number(lowest, unit)),
-        *(", ", number(best - lowest, unit), " below the lowest centre", without),
+        *("estimated minimum of ", symbol(quantity), ": ", number(lowest, unit), ", ", number(best - lowest, unit)),
+        *(" below the lowest centre; not a bound, it assumes the steepest slope observed between the centres of "),
+        *(count(rectangles), " rectangles", without),
     )
 
 
 def _leading(values: Sequence[tuple[Part, float]]) -> Spans:
-    return listed([say(parameter, " ", number(value, digits=3)) for parameter, value in values])
+    return listed([say(parameter, ": ", number(value, digits=3)) for parameter, value in values])

@@ -45,6 +45,10 @@ class Failed(Exception):
     """The encounter gives no result; the message says why."""
 
 
+class Excluded(Exception):
+    """The encounter shows nothing, because it begins as a conflict that nothing could avoid; the message says why."""
+
+
 class NoNavigationData(navdatabase.Navdatabase):
     """Nothing here refers to waypoints, and reading them takes seconds at every reset."""
 
@@ -127,9 +131,7 @@ def separation(p: Mapping[str, float], trace: list[dict[str, float]] | None = No
     bluesky.sim.op()
     here, lowest = apart(), math.inf
     if math.hypot(*here) < ZONE:
-        raise Failed(
-            f"the aircraft would start {math.hypot(*here):.0f} m apart, inside the protected zone of {ZONE:g} m"
-        )
+        raise Excluded(f"the aircraft start inside the protected zone of {ZONE:g} m")
     if trace is not None:
         trace.append(recorded(here))
     while bluesky.sim.simt < ENDS:
@@ -161,11 +163,13 @@ def unsuitable() -> str:
 
 
 def answered(asked: dict[str, Any]) -> dict[str, Any]:
-    """The answer to one request: results, or an error with its reason."""
+    """The answer to one request: results, why it does not count, or an error with its reason."""
     try:
         rows: list[dict[str, float]] | None = [] if asked.get("trace") else None
         answer: dict[str, Any] = {"results": separation(asked["parameters"], rows)}
         return answer | ({"trace": {name: [row[name] for row in rows] for name in rows[0]}} if rows else {})
+    except Excluded as error:
+        return {"excluded": str(error)}
     except Failed as error:
         return {"error": str(error)}
 

@@ -47,6 +47,10 @@ class Failed(Exception):
     """The flight gives no result; the message says why."""
 
 
+class Excluded(Exception):
+    """The flight shows nothing, because it begins too close to the intruder; the message says why."""
+
+
 class State(NamedTuple):
     """Position [m] east, north, up and velocity over ground [m/s] east, north."""
 
@@ -201,7 +205,7 @@ def separation(p: Mapping[str, float], trace: list[dict[str, float]] | None = No
     far = 1e5 / math.hypot(own.vx, own.vy)
     goal = Goal(own.x + far * own.vx, own.y + far * own.vy)
     if math.hypot(other.x - own.x, other.y - own.y) < NEAREST:
-        raise Failed(f"the intruder would start less than {NEAREST:g} m away; give it another speed or angle")
+        raise Excluded(f"the intruder starts less than {NEAREST:g} m away")
     squares, deviation = [distance2(own, other, 0.0, start.z)], 0.0
     steps = flown(plane, ENDS)
     for step in range(round(ENDS / STEP)):
@@ -222,13 +226,13 @@ def separation(p: Mapping[str, float], trace: list[dict[str, float]] | None = No
 
 
 def answered(line: str) -> dict[str, Any]:
-    """The answer to one line: the id of the request, and results or an error with its reason."""
+    """The answer to one line: the id of the request, and what `evaluated` returns."""
     asked = json.loads(line)
     return {"id": asked.get("id"), **evaluated(asked)}
 
 
 def evaluated(asked: Mapping[str, Any]) -> dict[str, Any]:
-    """Results, and their trace if it is requested, or an error."""
+    """Results, and their trace if it is requested, why the flight does not count, or an error."""
     if jsbsim.__version__ != VERSION:
         return {
             "error": f"jsbsim {jsbsim.__version__} is installed, and this example is written for {VERSION}: pip "
@@ -238,6 +242,8 @@ def evaluated(asked: Mapping[str, Any]) -> dict[str, Any]:
         rows: list[dict[str, float]] | None = [] if asked.get("trace") else None
         answer: dict[str, Any] = {"results": separation(asked["parameters"], rows)}
         return answer | ({"trace": {name: [row[name] for row in rows] for name in rows[0]}} if rows else {})
+    except Excluded as error:
+        return {"excluded": str(error)}
     except Failed as error:
         return {"error": str(error)}
 

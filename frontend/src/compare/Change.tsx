@@ -35,7 +35,7 @@ function Two({ a, b }: { a: Compared; b: Compared }) {
   const unit = unitOf([a, b])
   const [before, after] = [a.run.worst_cost, b.run.worst_cost]
   if (unit === null) return <p>The runs have different criteria: their values cannot be compared.</p>
-  if (before === null || after === null) return <p>At least one of them has no worst case.</p>
+  if (before === null || after === null) return <p>At least one of the runs has no worst case.</p>
   const decimals = decimalsFor([before, after])
   const apart = after - before
   const difference = fixed(Math.abs(apart), decimalsFor([apart], 3))

@@ -30,7 +30,7 @@ it('shows what failed and what was excluded, each by itself', () => {
 })
 
 it('states how many evaluations of a sample failed and how many draws were excluded', () => {
-  expect(violatedOf({ samples: 300, violations: 4, failed: 0, excluded: 0 })).toBe('4 of 300 violate')
+  expect(violatedOf({ samples: 300, violations: 4, failed: 0, excluded: 0 })).toBe('4 of 300 samples violate')
   const lossy = { samples: 300, violations: 4, failed: 4, excluded: 20 }
-  expect(violatedOf(lossy)).toBe('4 of 300 violate, 4 of them failed; 20 draws excluded')
+  expect(violatedOf(lossy)).toBe('4 of 300 samples failed and count as violations; 20 draws excluded')
 })

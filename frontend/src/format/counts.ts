@@ -26,10 +26,20 @@ export function unknownOf({ evaluations, failed_evaluations: failed }: Counted):
   return `${count(failed)} of ${count(evaluations)} evaluations failed and have no margin`
 }
 
-/** For a random sample: failed simulations, which count as violations, and excluded draws. */
-export const lostOf = ({ failed, excluded }: { failed: number | null; excluded: number | null }): string =>
-  [failed ? `, ${count(failed)} of them failed` : '', excluded ? `; ${count(excluded)} draws excluded` : ''].join('')
+interface Sample {
+  samples: number
+  violations: number
+  failed: number | null
+  excluded: number | null
+}
 
-/** 4 of 300 violate, 4 of them failed; 20 draws excluded. */
-export const violatedOf = (sample: { samples: number; violations: number; failed: number | null; excluded: number | null }): string =>
-  `${count(sample.violations)} of ${count(sample.samples)} violate${lostOf(sample)}`
+/** Of a random sample: failed evaluations, which count as violations, and excluded draws. */
+export const lostOf = ({ failed, excluded }: Pick<Sample, 'failed' | 'excluded'>): string =>
+  [failed ? `; ${count(failed)} failed and count as violations` : '', excluded ? `; ${count(excluded)} draws excluded` : ''].join('')
+
+/** 9 of 300 samples violate, 4 of these because they failed; 20 draws excluded. */
+export function violatedOf({ samples, violations, failed, excluded }: Sample): string {
+  const all = failed !== null && failed > 0 && failed === violations
+  const how = all ? 'failed and count as violations' : failed ? `violate, ${count(failed)} of these because they failed` : 'violate'
+  return `${count(violations)} of ${count(samples)} samples ${how}${excluded ? `; ${count(excluded)} draws excluded` : ''}`
+}

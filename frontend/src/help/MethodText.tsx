@@ -27,7 +27,7 @@ export function MethodText({ method }: { method: MethodEntry }) {
         <dd>{method.source}</dd>
         <dt>Default budget</dt>
         <dd>
-          {count(method.evaluations)} evaluations{method.whole_budget ? ', all of them used' : ', fewer if its own rule ends it'}
+          {count(method.evaluations)} evaluations{method.whole_budget ? ', always used in full' : ' at most; its own rule may end it earlier'}
         </dd>
         {FACTS.map(([field, title]) => method[field] && <Fact key={field} title={title} text={method[field]} />)}
         {method.starts && (

@@ -22,7 +22,7 @@ export const ATTACKS: readonly Attack[] = [
   {
     id: 'lazy',
     title: 'Methods that agree without searching',
-    danger: 'Two methods stop after a few evaluations and report the nominal value: they agree, and have shown nothing.',
+    danger: 'Two methods stop after a few evaluations and report the nominal value: they agree, but neither has searched.',
     answer:
       'A method counts only after a least budget, with a best value below nominal, and when its best is in the basin of a listed finding. Local methods must have converged. At least two methods must reach the worst case, and every global one.',
   },

@@ -39,7 +39,7 @@ export function WriteForm({ row, onDone }: WriteFormProps) {
     >
       <Field label="Id" value={id} maxLength={120} required disabled={row !== null} data-autofocus={row === null || undefined} onChange={setId} />
       <Field label="Text" value={text} maxLength={20_000} required rows={6} onChange={setText}>
-        {row?.registered && <span className="small mut">Another text makes evidence for the earlier one suspect.</span>}
+        {row?.registered && <span className="small mut">Changing the text makes its evidence suspect.</span>}
       </Field>
       {leaving && (
         <p className="small" role="status">

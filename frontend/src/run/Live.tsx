@@ -73,7 +73,7 @@ function Queued({ data }: { data: RunData }) {
   return (
     <>
       <p className={cards.note} style={{ marginBottom: 'var(--gap)' }} role="status">
-        This run is waiting. {data.run.waits ?? 'It starts automatically when a worker is free.'}
+        This run is waiting. {data.run.waits ?? 'It starts when a worker is free.'}
       </p>
       {data.run.other_code !== null && <OtherCode run={data.run} />}
       <StageStrip run={data.run} />

@@ -92,7 +92,7 @@ function NothingFound({ narrowed, onChange }: { narrowed: boolean; onChange: (ch
   return (
     <div className={clsx(cards.card, layout.centre)}>
       <h2>No run matches</h2>
-      <p>Take a word out of the search, or a filter off.</p>
+      <p>Remove a word from the search, or a filter.</p>
       <Button onClick={() => onChange(CLEARED)}>Clear search and filters</Button>
     </div>
   )

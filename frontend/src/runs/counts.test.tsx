@@ -37,7 +37,7 @@ const cell = (key: string, run: RunDetail) => {
 it('counts the same in figures, strip, list and table', () => {
   expect(withoutValue(RUN)).toBe('12 failed, 25 excluded')
   expect(text(figures(RUN))).toContain('1 37112 failed, 25 excluded')
-  expect(text(figures(RUN))).toContain('4 of 300 samples, 4 of them failed; 20 draws excluded')
+  expect(text(figures(RUN))).toContain('4 of 300 samples failed and count as violations; 20 draws excluded')
   const strip = text(renderToStaticMarkup(<StageStrip run={RUN} />))
   for (const statement of ['1 000 done, 7 failed, 5 excluded', '320 done, 4 failed, 20 excluded', '50 done, 1 failed'])
     expect(strip).toContain(statement)

@@ -111,7 +111,7 @@ function Shown({ trend }: { trend: Trend }) {
                 Runs of one campaign, sha256 <Digest of={trend.digest} />
               </>
             ) : (
-              `Runs of ${count(trend.campaigns)} ${trend.campaigns === 1 ? 'campaign' : 'campaigns'} of this name`
+              `${count(total)} ${total === 1 ? 'run' : 'runs'}, ${trend.campaigns === 1 ? 'one campaign' : `${count(trend.campaigns)} campaigns`}`
             )
         }
       >
@@ -125,7 +125,7 @@ function Shown({ trend }: { trend: Trend }) {
         )}
       </PageHead>
       {runs.length === 0 ? (
-        <p className="sec">{search.label ? 'No run of this campaign has the chosen labels.' : 'No run has this campaign.'}</p>
+        <p className="sec">{search.label ? 'No run of this campaign has these labels.' : 'No run has this campaign.'}</p>
       ) : (
         <div className={layout.grid}>
           <ChartCard title={`Worst margin and P(violation) ${along === 'time' ? 'over time' : 'by run'}`} note={changesOf(runs)} className={layout.c12} run="trend" data={data} right={<AlongSeg value={along} onChange={show} />}>

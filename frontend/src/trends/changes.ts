@@ -10,5 +10,5 @@ export function changesOf(runs: readonly Pick<TrendRun, 'id' | 'code_changed' | 
     const named = changed.length > MOST ? `${changed.slice(-MOST).join(', ')} and ${changed.length - MOST} earlier` : changed.join(', ')
     return `The code changed before ${named}`
   }
-  return runs.every(({ code }) => code) ? 'One code ran all of them' : 'No change of the code is known'
+  return runs.every(({ code }) => code) ? 'All runs used the same code' : 'No change of the code is known'
 }

@@ -22,7 +22,7 @@ it('names the runs before which the code changed, and what of it', () => {
   expect(changesOf(runs([1, 2, 3, 4]))).toBe(
     'The code changed before R-2 (components/2.py), R-3 (components/3.py), R-4 (components/4.py) and 1 earlier',
   )
-  expect(changesOf(runs([]))).toBe('One code ran all of them')
+  expect(changesOf(runs([]))).toBe('All runs used the same code')
   expect(changesOf(runs([], null))).toBe('No change of the code is known')
 })
 

@@ -44,7 +44,7 @@ def test_a_proposal_rests_on_it_and_names_machine_and_time(bare: Service, client
     when = r"\d{4}-\d\d-\d\d \d\d:\d\d UTC"
     assert re.fullmatch(rf"clearance check-simulator on {re.escape(socket.gethostname())}, {when}", source)
     assert (found["measured"]["run"], found["measured"]["host"]) == (None, socket.gethostname())
-    assert found["known"] == f"One evaluation took 420 ms ({source}, 15 evaluations, 1 of them failed)."
+    assert found["known"] == f"One evaluation took 420 ms ({source}, 15 evaluations, of which 1 failed)."
     assert found["searches"]
 
 

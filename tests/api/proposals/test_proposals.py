@@ -59,7 +59,7 @@ def test_the_newest_run_of_the_same_files_is_named(bare: Service, client: httpx.
     assert found["searches"][0] == {"method": "lq_cma_es", "evaluations": 5000, "options": {"at_once": 2}}
     assert found["seconds"] == pytest.approx(3 * 2500 * 0.42)
     run(bare, "aa", measured(call_seconds=12.0, failed=3))
-    assert asked(client)["known"] == "One evaluation took 12 s (R-0003, 15 evaluations, 3 of them failed)."
+    assert asked(client)["known"] == "One evaluation took 12 s (R-0003, 15 evaluations, of which 3 failed)."
 
 
 def test_the_start_of_processes_counts(bare: Service, client: httpx.Client) -> None:

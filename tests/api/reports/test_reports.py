@@ -9,6 +9,7 @@ import shutil
 from pathlib import Path
 
 import httpx
+import numpy as np
 import pytest
 import sqlalchemy as sa
 
@@ -17,6 +18,7 @@ from backend.reports import pdf, plot, words
 from backend.reports.service import _STATES
 from campaigns.claims import earlier, numbers
 from campaigns.runs import RunState
+from tests.given import declared_traces
 from tests.given.databases import AT_NIGHT, BOTH
 from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
@@ -236,3 +238,41 @@ def test_numbers_as_in_print() -> None:
     )
     assert plot.linear_ticks(-2, 2, 4) == [-2, -1, 0, 1, 2]
     assert words.flowed(f"{'long ' * 18}\nline\nshort\nnext") == f"{'long ' * 18} line\nshort\nnext"
+
+
+@pytest.mark.parametrize(
+    ("frame", "position", "axes"),
+    [
+        ("z_up", ["lon", "lat"], ("lon, m", "lat, m")),
+        ("z_down", ["lat", "lon", "deep"], ("lon, m", "lat, m")),
+        ("z_up", ["lon", 0, "high"], ("lon, m", "high, m")),
+        ("z_down", ["lon", 0, "deep"], ("lon, m", "−deep, m")),
+    ],
+)
+def test_a_simulator_is_drawn_from_the_columns_that_it_declares(
+    bare: Service, frame: str, position: list[object], axes: tuple[str, str]
+) -> None:
+    """In the report and in the picture of summaries; by names that nothing but its scene states."""
+    place = [40, 0, 50] if len(position) == 3 else [40, 0]
+    scene = {
+        "frame": frame,
+        "vehicle": {"position": position},
+        "bodies": [{"name": "kite", "position": position[::-1] if frame == "z_up" else position, "radius": 2}],
+        "obstacles": [
+            {"name": "tower", "shape": "box", "position": place, "size": [4, 6, 30], "angle": 0.5},
+            {"name": "balloon", "shape": "sphere", "position": place, "radius": 3},
+        ],
+    }
+    t = np.linspace(0.0, 20.0, 401)
+    tracks = {"lon": 3.0 * t, "lat": 0.5 * t, "high": 100.0 - 5.0 * t, "deep": 5.0 * t - 100.0}
+    with bare.signed_in() as client:
+        run = declared_traces.declared(bare, client, lambda name: declared_traces.trace(name, scene, **tracks))
+        (file,) = [f for f in client.get(f"/api/v1/runs/{run}/exports").json() if f["name"].endswith("worst-case.svg")]
+        text, picture = report(client, run), client.get(file["href"]).text
+    for drawn in (text, picture):
+        assert axes[0] in drawn
+        assert axes[1] in drawn
+        assert "East" not in drawn
+        for name in ("kite", "tower", "balloon"):
+            assert name in drawn
+    assert 'data-missing="drawing"' not in text

@@ -84,8 +84,8 @@ def test_a_verdict_is_reused(
     [
         (["--baseline", "R-0042"], "baseline: R-0042 cannot be the baseline: there is no such run (given: R-0042)"),
         (["--label", "branch"], "invalid label 'branch': give KEY=VALUE, such as branch=main"),
-        (["--no-wait", "--junit", "x.xml"], "--no-wait does not wait for the verdict"),
-        (["--sweep", "avoider.d_0=1,2", "--reuse"], "--sweep takes none of"),
+        (["--no-wait", "--junit", "x.xml"], "need the verdict: leave --no-wait out"),
+        (["--sweep", "avoider.d_0=1,2", "--reuse"], "--sweep cannot be combined with"),
         (["--junit", "/proc/none/j.xml"], "cannot be written"),
     ],
 )

@@ -84,8 +84,8 @@ MAY: dict[str, tuple[str, ...]] = {
         *("worker.engine.systems.base", "worker.engine.systems.threads", "worker.engine.search.base", "campaigns"),
     ),
     "worker.engine.systems.simulators.declared": ("campaigns",),
-    # The slots know programs and JSON, nothing of campaigns.
-    "worker.engine.systems.simulators.slots": (),
+    # The slots know programs and JSON, nothing of campaigns; what excludes a case is of the standard library alone.
+    "worker.engine.systems.simulators.slots": ("worker.engine.systems.simulators.declared.excluded",),
     "worker.engine.problem": (
         *("worker.engine.systems.base", "worker.engine.systems.threads", "worker.engine.search", "campaigns"),
     ),

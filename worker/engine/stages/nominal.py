@@ -1,15 +1,16 @@
 """Nominal: the evaluation at the nominal values, to which all others are compared.
 
 Of a simulator, this stage also measures whether results repeat (`worker.engine.stages.parts.noise`). Its first
-evaluation is always the nominal one. A simulator that fails at every point ends the run here.
+evaluation is always the nominal one. A simulator that fails at every point, or excludes the nominal case, ends the
+run here.
 """
 
 from __future__ import annotations
 
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.claims.stages import ends
-from campaigns.claims.stages.calls import without_value
-from campaigns.results.base import OK, STATUS
+from campaigns.claims.stages.calls import nominal_excluded, without_value
+from campaigns.results.base import EXCLUDED, OK, STATUS
 from campaigns.stages.nominal import NominalResult
 from worker.engine.stages.parts import noise
 from worker.engine.stages.parts.base import Context, drive, once
@@ -31,6 +32,9 @@ def run(context: Context, position: int) -> Outcome[NominalResult]:
         assert columns is not None
         if not (columns.status == OK).any():
             reason = without_value(len(columns.status), len(points), noise.reasons(columns))
+            raise CampaignUnusable([Wrong("simulator.name", simulator.name, reason)])
+        if columns.status[0] == EXCLUDED:
+            reason = nominal_excluded(columns.reasons.get(0, ""))
             raise CampaignUnusable([Wrong("simulator.name", simulator.name, reason)])
         measured = noise.measured(columns, len(points), problem)
     known = columns.status[0] == OK

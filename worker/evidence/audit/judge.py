@@ -286,7 +286,7 @@ def _charts(run: Run, k: int) -> Tree:
     """What a search shows besides its best."""
     stated = run.claims["results"][k]
     found = charts.front(run, k) | {"minima": charts.minima(run, k, stated["minima"]), "family": _family(run, k)}
-    if stated.get("gap"):
+    if stated.get("gap") and not run.reworded:
         gap = stated["gap"]
         best = gap["lower_bound"] + gap["gap"]  # of the centres alone, as taken
         numbers = (gap["rectangles"], gap["without_value"], run.quantity, gap["lower_bound"], best, run.unit)

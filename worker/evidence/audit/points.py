@@ -97,6 +97,7 @@ def grid(run: Run, k: int) -> Tree:
     stated = None if worst is None else (run.quantity, worst, run.unit)
     violations = int(np.count_nonzero(ok <= run.threshold)) + found["failed"]
     shown = None if worst is None else {"cost": worst, "margin": worst - run.threshold}
+    statement = templates.grid(each, found["evaluations"], stated, violations, found["failed"])
     return {
         "points": each,
         "total": found["evaluations"],
@@ -105,5 +106,4 @@ def grid(run: Run, k: int) -> Tree:
         "violations": violations,
         "failed": found["failed"],
         "excluded": found["excluded"],
-        "statement": templates.grid(each, found["evaluations"], stated, violations, found["failed"]),
-    }
+    } | ({} if run.reworded else {"statement": statement})

@@ -16,6 +16,7 @@ from campaigns.checked.check import parameters, seeded
 from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
+from campaigns.versions import Versions
 from worker.evidence.audit import limits
 from worker.evidence.audit.binomial import cumulative, upper_bound
 from worker.evidence.audit.calls import Calls
@@ -64,7 +65,10 @@ class Run:
     """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
 
     def __init__(self, record: Record) -> None:
-        self.campaign, self.claims, twice, self.stage, self.points, costs, self.status, self.flaky = record
+        self.campaign, self.claims, twice, self.stage, self.points, costs, self.status, self.flaky, _ = record
+        stored = self.claims.get("versions") or self.claims.get("provenance")
+        self.reworded = Versions.of(stored).reworded
+        """Whose templates made the sentences, which are then not made again; empty if it is those of today."""
         self.sealed = SEAL not in twice or not isinstance(twice[SEAL][0], Missing)
         """Whether a version wrote it that states the evidence digest: then nothing of it may be absent."""
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold

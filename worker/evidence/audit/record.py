@@ -6,6 +6,7 @@ Data that the version of the run did not store are absent from the claims.
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,7 +21,7 @@ from campaigns.claims.earlier import throughout
 from campaigns.documents import JsonObject, digest_of
 from campaigns.refusals import Refusal, RefusalCode
 from campaigns.results import earlier
-from campaigns.results.base import FLAKY, OK
+from campaigns.results.base import EXCLUDED, FLAKY, OK
 from campaigns.runs import run_name
 from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.unreadable import UNREADABLE
@@ -45,7 +46,7 @@ class UnreadableError(Refusal):
 class Record(NamedTuple):
     """One run. twice: data stored twice, as stated and as required; for every evaluation the stage (m,), the point of
     the unit cube (m, n), the costs (m, k), and the status (m,): 0 ok, 3 excluded; flaky: how many evaluations are ok
-    only because a call was tried again."""
+    only because a call was tried again; exclusions: how many were excluded for each reason."""
 
     campaign: Campaign
     claims: JsonObject
@@ -55,6 +56,7 @@ class Record(NamedTuple):
     costs: Any
     status: Any
     flaky: Any = MISSING
+    exclusions: Mapping[str, int] = {}
 
 
 def flaky(status: Any, reasons: Mapping[Any, str], first: int = 0) -> int:
@@ -62,6 +64,12 @@ def flaky(status: Any, reasons: Mapping[Any, str], first: int = 0) -> int:
     failure."""
     rows = [int(row) - first for row, why in reasons.items() if why.startswith(FLAKY)]
     return sum(0 <= row < len(status) and status[row] == OK for row in rows)
+
+
+def exclusions(status: Any, reasons: Mapping[Any, str], first: int = 0) -> Counter[str]:
+    """How many of these evaluations (m,), the first of which has this index, are excluded for each reason."""
+    by_row = {int(row) - first: why for row, why in reasons.items()}
+    return Counter(by_row.get(row, "") for row in np.flatnonzero(status == EXCLUDED).tolist())
 
 
 def of_folder(folder: Path) -> Record:
@@ -85,6 +93,7 @@ def of_folder(folder: Path) -> Record:
                 np.concatenate([arrays[f"{name}_{k}"] for k in positions]) for name in ("points", "costs", "status")
             ]
             again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions)
+            left_out = sum((exclusions(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions), Counter[str]())
             columns = [
                 Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions
             ]
@@ -106,6 +115,7 @@ def of_folder(folder: Path) -> Record:
         rows[1],
         rows[2],
         again,
+        left_out,
     )
 
 
@@ -155,8 +165,9 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     whole = {name: b"".join(chunk[name] for chunk in chunks) for name in ("points", "costs", "status")}
     points, costs = (np.frombuffer(whole[k], "<f8").reshape(max(len(stage), 1), -1) for k in ("points", "costs"))
     status = np.frombuffer(whole["status"], np.uint8)
-    again = sum(flaky(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks)
-    return Record(campaign, throughout(claims), twice, stage, points, costs, status, again)
+    reasons = [(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks]
+    again, left_out = sum(flaky(*of) for of in reasons), sum((exclusions(*of) for of in reasons), Counter[str]())
+    return Record(campaign, throughout(claims), twice, stage, points, costs, status, again, left_out)
 
 
 def _digest(campaign: Any, columns: list[Rows], documents: Any) -> str:

@@ -49,20 +49,26 @@ def shown(stated: Any, expected: Spans | Missing) -> tuple[Any, Any]:
 
 def of_sample(run: Run, k: int, sample: Tree) -> Tree:
     """The sentences of a sample that gives a bound; those of any other name what its method drew, as taken."""
-    if sample["upper_bound"] is None:
+    certify = run.campaign.stages.certify
+    if run.reworded and "quantile" in sample and certify is not None:
+        outside = sample["outside"]
+        least = needed(certify.quantile - outside, run.campaign.confidence)
+        return {"quantile": {"share": certify.quantile, "needed": least}}
+    if sample["upper_bound"] is None or run.reworded:
         return {}
     failed, excluded, outside = sample["failed"], sample["excluded"], sample["outside"]
     terms = _terms(run, certify=k not in run.searches)
     # One that is short of samples has the number that was requested, so that another one disagrees.
     size = run.draws(k) - excluded
-    counts = templates.Counts(sample["violations"], size, failed, excluded, outside, run.campaign.confidence, terms)
+    numbers = sample["violations"], size, failed, excluded, outside, run.campaign.confidence
+    counts = templates.Counts(*numbers, terms, run.campaign.simulator is not None)
     statement = counts.bound(sample["upper_bound"])
     if "looks" in sample:
         level = 1.0 - (1.0 - run.campaign.confidence) / (sample["looks"] * (sample["looks"] + 1))
         statement = templates.interim(statement, sample["looks"], level)
     found: Tree = {"statement": statement}
     if "quantile" in sample:
-        certify, quantile = run.campaign.stages.certify, sample["quantile"]
+        quantile = sample["quantile"]
         assert certify is not None
         order, least = quantile["order"] or 0, needed(certify.quantile - outside, run.campaign.confidence)
         told = (certify.quantile, run.quantity, run.unit, order, least, quantile["bound"])
@@ -73,6 +79,8 @@ def of_sample(run: Run, k: int, sample: Tree) -> Tree:
 def of_stage(run: Run, k: int, sample: Tree | None, stop: Any) -> Tree:
     """The sentences of a stage: of a sample as a whole, and how it ended if that is by its budget or a drawn sample."""
     found: Tree = {}
+    if run.reworded:
+        return found
     certify = run.campaign.stages.certify
     if run.plan[k].kind == "certify" and sample is not None and certify is not None and "statement" in sample:
         size = run.draws(k) - sample["excluded"]

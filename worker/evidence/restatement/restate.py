@@ -18,7 +18,6 @@ from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.verdict import Check
 from campaigns.results.verdicts import described
 from campaigns.stages.found import stage_result
-from campaigns.version import VERSION
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
 from worker.evidence.audit.record import MISSING, Missing, Record
@@ -51,8 +50,8 @@ def restated(record: Record) -> dict[str, Sentence] | Missing:
         return Missing(MISSING)
     try:
         versions = Versions.of(claims["versions"] if "versions" in claims else claims["provenance"])
-        if versions.clearance not in (None, VERSION):
-            return Missing(f"clearance {versions.clearance} worded it")
+        if versions.reworded:
+            return Missing(f"{versions.reworded} worded it")
         scope = "".join(str(span.get("text", "")) for span in claims["holds_for"])
         systems = recorded.systems(record.campaign, claims["components"], versions, scope)
         made = [_made(record, Problem(record.campaign, system), versions) for system in systems]
@@ -96,6 +95,7 @@ def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sen
         excluded=int(np.count_nonzero(status == EXCLUDED)),
         lowest=float(ok.min()) if len(ok) else None,
         violating=int(np.count_nonzero(ok <= record.campaign.criterion.threshold)),
+        exclusions=record.exclusions,
         flaky=0 if isinstance(record.flaky, Missing) else record.flaky,
     )
     verdict = conclude(problem, evidence, versions)

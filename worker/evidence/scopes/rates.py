@@ -18,7 +18,7 @@ def unfollowed(campaign: Campaign, catalogue: Catalogue) -> Spans:
     found = list(rates.turning(campaign, catalogue, parameters(campaign, catalogue)))
     for each in (each for each in found if math.isnan(each.rate)):
         return say(
-            f"{_named(each)} moves, and its component declares no rate: it is not known whether the step follows it"
+            f"the rate of {_named(each)} is unknown: declare it in its component, so that the step can be checked"
         )
     fastest = max(found, key=lambda each: each.rate, default=None)
     if fastest is None or fastest.rate * length <= TURN:

@@ -36,7 +36,7 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
 def _nominal(problem: Problem, evidence: Evidence) -> Check:
     nominal, unit = evidence.nominal, problem.unit
     if nominal.status != "ok" or nominal.cost is None or nominal.margin is None:
-        return check(CheckCode.NOMINAL, False, f"the nominal case was not evaluated: {nominal.reason}")
+        return check(CheckCode.NOMINAL, False, f"the nominal case has no value: {nominal.reason}")
     cost, margin = number(nominal.cost, unit, "cost"), signed(nominal.margin, unit, "margin")
     return check(CheckCode.NOMINAL, nominal.margin > 0, "the nominal case has ", cost, ", a margin of ", margin)
 
@@ -87,7 +87,7 @@ def _minimum(problem: Problem, evidence: Evidence) -> Check:
         return check(code, False, "a stored evaluation has ", lowest, ", lower than every finding")
     gathered = evidence.gathered
     if not gathered.complete:
-        return check(code, False, "the worst cases were not fully distinguished: ", gathered.statement)
+        return check(code, False, gathered.statement)
     succeeded = count(evidence.succeeded, "evaluations")
     return check(code, True, finding(worst.label), " is the lowest of all ", succeeded, " evaluations of all stages")
 

@@ -152,12 +152,16 @@ def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
     by, blind = nominal - unseen.cost, number(unseen.cost, unit, "unseen")
     if by <= rules.ROUNDING.value * max(abs(nominal), abs(unseen.cost)):
         return False, say(
-            *("the avoidance makes no difference: if the avoider sees no obstacle, the nominal ", quantity),
-            *(" is ", blind),
-            *(", otherwise ", number(nominal, unit, "nominal"), "; place the obstacle where the vehicle would "),
+            *("the avoidance makes no difference: the nominal ", quantity, " is "),
+            *(
+                blind,
+                " without it and ",
+                number(nominal, unit, "nominal"),
+                " with it; place the obstacle where the vehicle would ",
+            ),
             "come closer without avoidance",
         )
-    return True, say("if the avoider saw no obstacle, the nominal ", quantity, " would be ", blind)
+    return True, say("without avoidance the nominal ", quantity, " is ", blind)
 
 
 def _influence(problem: Problem, evidence: Evidence) -> Condition:
@@ -177,4 +181,4 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
     least = rules.ROUNDING.value * by
     without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= least]
     statement = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
-    return True, say(statement, "; no effect along the slices of ", listed(without)) if without else statement
+    return True, say(statement, "; varying these alone has no effect: ", listed(without)) if without else statement

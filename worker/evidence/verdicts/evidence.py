@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeVar
 
@@ -29,12 +29,15 @@ class Evidence:
     evaluations: int
     failed: int
     excluded: int
+    """By the criterion's precondition, or by a simulator."""
     lowest: float | None = None
     """The lowest cost of all stored evaluations of any stage."""
     violating: int = 0
     """How many stored evaluations violate the criterion."""
     flaky: int = 0
     """How many evaluations succeeded only when a failed call was tried again."""
+    exclusions: Mapping[str, int] = field(default_factory=dict)
+    """How many evaluations were excluded for each reason."""
     others: Sequence[Finding] = ()
     """The findings that are not the worst."""
 

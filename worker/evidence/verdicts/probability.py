@@ -14,6 +14,7 @@ from campaigns.results.sample import Sample
 from campaigns.results.verdict import Check, Statistics
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence, check
+from worker.evidence.verdicts.exclusions import exclusions
 
 
 def statistics(evidence: Evidence) -> Statistics | None:
@@ -40,7 +41,7 @@ def probability(problem: Problem, evidence: Evidence) -> list[Check]:
     """The checks of the noise, the exclusions, the draws outside the bounds, and the bound."""
     return [
         *_noise(problem, evidence),
-        *_excluded(evidence),
+        *exclusions(problem, evidence),
         _sampled(evidence),
         *_outside(problem),
         *_bound(problem, evidence),
@@ -75,25 +76,10 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
         return [check(code, False, hides, "set combine to worst")]
     sample = evidence.sample
     if sample is None or sample.noise != "drawn":
-        only = ("the scenario has noise and only the realisations with seeds ", seeds, " were simulated; ")
+        only = ("only the noise realisations with seeds ", seeds, " were simulated; ")
         return [check(code, False, *only, "add a certify stage, which draws a realisation for every sample")]
     drew = "; the independent sample drew one for every evaluation"
     return [check(code, True, "the searches simulated the noise realisations with seeds ", seeds, drew)]
-
-
-def _excluded(evidence: Evidence) -> list[Check]:
-    drawn = 0.0 if evidence.sample is None else evidence.sample.excluded_fraction
-    evaluated = evidence.excluded / max(evidence.evaluations, 1)
-    if not evidence.excluded:
-        return []
-    much = max(drawn, evaluated)
-    of = "draws of the sample" if drawn >= evaluated else "evaluations"
-    excluded = f" of the {of} start at or below the threshold and were excluded: nothing is known about them"
-    statement = say(percent(much, name="excluded"), excluded)
-    most = rules.EXCLUDED.value
-    if much > most:
-        statement = say(statement, "; narrow the bounds until at most ", percent(most, 6, "most"), " are excluded")
-    return [check(CheckCode.EXCLUSIONS, much <= most, statement)]
 
 
 def _sampled(evidence: Evidence) -> Check:
@@ -108,9 +94,15 @@ def _sampled(evidence: Evidence) -> Check:
             CheckCode.SAMPLE, False, "the independent sample has ", drawn, ", fewer than ", count(least, "least")
         )
     if not certificate.drawn_at_launch:
-        stated = " was stated before the run, so that a sample without a violation could be chosen; "
-        return check(CheckCode.SAMPLE, False, "the seed of the independent sample", stated, "run it with a drawn one")
-    return check(CheckCode.SAMPLE, True, "an independent sample of ", drawn, " was drawn with a seed of the launch")
+        stated = " was stated before the run, so a sample without a violation could have been chosen; "
+        return check(
+            CheckCode.SAMPLE,
+            False,
+            "the seed of the independent sample",
+            stated,
+            "run the campaign without a stated seed",
+        )
+    return check(CheckCode.SAMPLE, True, "an independent sample of ", drawn, " was drawn, with a seed drawn at launch")
 
 
 def _advice(sample: Sample) -> Spans:
@@ -138,5 +130,9 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
         return [check(CheckCode.TARGET, False, bound, f" holds only for {of}; add a certify stage")]
     ok = sample.upper_bound <= required
     meets = (bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
-    loose = ("; the campaign states ", percent(target, 4), ", which does not loosen it") if target > required else ()
+    loose = (
+        ("; the target of the campaign, ", percent(target, 4), ", is looser and does not apply")
+        if target > required
+        else ()
+    )
     return [check(CheckCode.TARGET, ok, *meets, *loose)]

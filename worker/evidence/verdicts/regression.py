@@ -256,7 +256,7 @@ def _statement(problem: Problem, run: str, cases: list[FindingChange], failing: 
     ]
     whole = say(f"Changes of the findings since {run}: ", joined(", ", counts), ".")
     if not failing:
-        return say(whole, " No change fails by the policy of the campaign.")
+        return say(whole, " The policy of the campaign accepts every change.")
     return say(whole, *_clauses(problem, failing))
 
 

@@ -13,6 +13,7 @@ from campaigns.claims.say import (
     listed,
     method,
     number,
+    percent,
     say,
     signed,
     symbol,
@@ -25,7 +26,7 @@ from campaigns.results.finding import Validation
 from campaigns.results.verdict import Check, Statistics, VerdictWord
 from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
-from worker.evidence.verdicts import calls, encounter
+from worker.evidence.verdicts import calls, encounter, exclusions
 from worker.evidence.verdicts.evidence import Evidence
 
 
@@ -41,7 +42,7 @@ def sentence(
     worst = _worst(problem, stated, "found" if stated is found else "confirmed")
     each = calls.each(problem)
     how = say(count(evidence.evaluations, "evaluations"), f" evaluations{each}, searched by ", _searched(evidence))
-    lost = _without_value(evidence)
+    lost = _without_value(problem, evidence)
     if evidence.violation is not None:
         chance = say(_chance(statistics), calls.condition(problem, evidence, checks) if statistics else "")
         shown = _shown(problem, found, evidence.violation)
@@ -50,7 +51,7 @@ def sentence(
         return say(quantity, " falls to or below ", limit, ". ", worst, " ", shown, " in ", how, ".", rest)
     if verdict == "cleared":
         succeeded = count(evidence.succeeded, "evaluations")
-        excluded = say(" ", count(evidence.excluded, "excluded"), " more were excluded.") if evidence.excluded else ()
+        excluded = _excluded(problem, evidence)
         caveat = terms(problem.system).caveat
         caveat = f" {caveat}" if caveat else ""
         intended = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
@@ -68,10 +69,10 @@ def scope(problem: Problem) -> Spans:
     """The scope of the sentence: the system with its conditions, bounds and settings."""
     described, paths = terms(problem.system).scope, problem.symbols
     units = {p.path: p.unit for p in problem.system.parameters}
-    bounds = [say(paths[r.path], " ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
+    bounds = [say(paths[r.path], ": ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
     settings = say("; ", described.settings) if described.settings else ()
     ends = f". This result holds for this model within these bounds; {described.version}."
-    return say(described.what, "; ", joined(", ", bounds), settings, ends)
+    return say(described.what, "; ", joined("; ", bounds), settings, ends)
 
 
 def _reason(check: Check) -> Spans:
@@ -82,7 +83,7 @@ def _reason(check: Check) -> Spans:
 def _worst(problem: Problem, found: Finding, which: str) -> Spans:
     margin = signed(found.granted - problem.threshold, problem.unit, "margin")
     cost = number(found.granted, problem.unit, "worst")
-    by = "" if found.granted == found.cost else " by every evaluation of it"
+    by = "" if found.granted == found.cost else " in every evaluation of it"
     has = say(f"The worst case {which} has ", symbol(problem.quantity), " = ", cost, by)
     return say(has, ", a margin of ", margin, _noise(found.realisation), ".")
 
@@ -95,7 +96,7 @@ def _shown(problem: Problem, found: Finding, violation: Finding) -> Spans:
     if violation is found:
         return say("It was confirmed by validation and found")
     lower = say(finding(found.label), ", evaluated as ", number(found.cost, problem.unit, "lowest"))
-    why = "grants less by its other evaluations" if found.violates else "was not confirmed"
+    why = "violates by less in its other evaluations" if found.violates else "was not confirmed"
     return say("It is ", finding(violation.label), "; ", lower, _noise(found.realisation), f", {why}; both were found")
 
 
@@ -120,14 +121,24 @@ def _counts(evidence: Evidence) -> Spans:
     return say(" ", capital(evidence.violations.statement), ".")
 
 
-def _without_value(evidence: Evidence) -> Spans:
+def _excluded(problem: Problem, evidence: Evidence) -> Spans:
+    """The evaluations beyond those that a cleared verdict rests on; of a simulator with fraction and reasons."""
+    if not evidence.excluded:
+        return ()
+    number, why = count(evidence.excluded, "excluded"), exclusions.reasons(problem, evidence)
+    fraction = say(" (", percent(evidence.excluded / evidence.evaluations), ")") if why else ()
+    return say(" ", number, " more", fraction, " were excluded", why, ".")
+
+
+def _without_value(problem: Problem, evidence: Evidence) -> Spans:
     """How many evaluations failed, were excluded or were tried again; empty if there are none."""
     parts: list[Part] = []
     if evidence.failed:
         parts.append(say(count(evidence.failed, "without_value.failed"), " failed"))
     if evidence.excluded:
         verb = " was excluded" if evidence.excluded == 1 else " were excluded"
-        parts.append(say(count(evidence.excluded, "without_value.excluded"), verb))
+        why = exclusions.reasons(problem, evidence)
+        parts.append(say(count(evidence.excluded, "without_value.excluded"), verb, why))
     if evidence.flaky:
         parts.append(say(count(evidence.flaky, "flaky"), " succeeded only when tried again"))
     return say(" Of these, ", joined(" and ", parts), ".") if parts else ()

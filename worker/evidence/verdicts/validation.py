@@ -60,11 +60,15 @@ def _counts(words: Words, found: Violations) -> Spans:
     if found.stored == 0:
         return say("no stored evaluation violates the criterion")
     all_of = found.checked == found.stored
-    of = say("all") if all_of else say(count(found.checked, "checked"), ", chosen evenly by cost,")
+    of = (
+        say("all of them")
+        if all_of
+        else say(count(found.checked, "checked"), " of them, spread over the range of values,")
+    )
     verb = "evaluation violates" if found.stored == 1 else "evaluations violate"
     many = say(count(found.stored, "violating"), f" stored {verb} the criterion; ", of)
     confirmed = count(found.confirmed, "confirmed")
-    return say(many, f" of them were {words.again}, and ", confirmed, " violate there as well")
+    return say(many, f" were {words.again}, and ", confirmed, " violate there as well")
 
 
 def _apart(words: Words, found: SpotChecks, unit: str, spent: Spent | None) -> Spans:
@@ -76,7 +80,11 @@ def _left_out(spent: Spent | None) -> Spans:
     if spent is None or not spent.left_out.spot_checks:
         return ()
     return say(
-        *("; ", count(spent.left_out.spot_checks, "left_out"), " more were left out, because validation may take "),
+        *(
+            "; ",
+            count(spent.left_out.spot_checks, "left_out"),
+            " more were not compared, because validation is limited to ",
+        ),
         *(count(spent.at_most, "at_most"), " evaluations"),
     )
 
@@ -86,12 +94,12 @@ def _compared(words: Words, found: SpotChecks, unit: str) -> Spans:
     if found.largest is None or found.median is None:
         return say(f"no random evaluation could be compared with {by}")
     statement = say(
-        *(count(found.compared, "compared"), f" random evaluations compared with {by}: differences of at most "),
-        *(number(found.largest, unit, "largest"), ", half of them within ", number(found.median, unit, "median")),
+        *(count(found.compared, "compared"), f" random evaluations differ from {by} by at most "),
+        *(number(found.largest, unit, "largest"), ", half of them by at most ", number(found.median, unit, "median")),
     )
     without = found.checked - found.compared
     if without:
         statement = say(statement, "; ", count(without), " more could not be compared")
     if found.violating:
-        statement = say(statement, "; ", count(found.violating), " of them violate the criterion only there")
+        statement = say(statement, "; ", count(found.violating), f" violate the criterion only with {by}")
     return statement

@@ -21,10 +21,13 @@ _UNPACK = re.compile(r"(?:not enough values to unpack|too many values to unpack)
 
 
 def mistake(error: BaseException, file: Path, doing: str) -> Mistake:
-    """The exception as a mistake at the innermost line of the file; doing: what was done, "it was imported"."""
+    """The exception as a mistake at the innermost line of the file; doing: such as "while importing it"."""
     line, innermost = _line(error.__traceback__, file)
     text = _sentence(error, innermost)
-    return Mistake(f"{text} when {doing}" if doing else text, line)
+    what, colon, then = text.partition(": ")
+    if not doing or " " not in what:  # the type of any other exception, and its message
+        return Mistake(f"{text} ({doing})" if doing else text, line)
+    return Mistake(f"{what} ({doing}){colon}{then}", line)
 
 
 def _line(trace: TracebackType | None, file: Path) -> tuple[int, bool]:
@@ -40,7 +43,7 @@ def _line(trace: TracebackType | None, file: Path) -> tuple[int, bool]:
 def _sentence(error: BaseException, innermost: bool) -> str:
     text = " ".join(str(error).split())[:300].rstrip(".")
     if isinstance(error, SystemExit):
-        return f"sys.exit({error.code!r:.40}) was called: remove it"
+        return f"it calls sys.exit({error.code!r:.40}): remove the call"
     if isinstance(error, ImportError):
         return _imported(error, text)
     if isinstance(error, NameError) and error.name:
@@ -58,14 +61,14 @@ def _sentence(error: BaseException, innermost: bool) -> str:
     if isinstance(error, TypeError):
         return _called(text)
     if isinstance(error, RecursionError):
-        return "endless recursion: a function calls itself without end"
+        return "endless recursion: let the function that calls itself return"
     return f"{type(error).__name__}: {text or 'without a message'}"
 
 
 def _imported(error: ImportError, text: str) -> str:
     module, name = error.name or "", str(getattr(error, "name_from", None) or "")
     if isinstance(error, ModuleNotFoundError):
-        return f"there is no module {module!r}: {_near_module(module)}"
+        return f"module {module!r} does not exist: {_near_module(module)}"
     names = [n for n in vars(sys.modules.get(module, sys)) if not n.startswith("_")] if module in sys.modules else []
     name = name or (found[1] if (found := re.search(r"cannot import name '(\w+)'", text)) else "")
     if name and names:

@@ -51,7 +51,7 @@ def declared_by(source: Source, module: str) -> Component:
     except Mistake:
         raise
     except (Exception, SystemExit) as error:
-        found = mistake(error, source.file, "the file is imported")
+        found = mistake(error, source.file, "while importing it")
         named = re.match(r"\w+ has no field '(\w+)'", found.text)
         raise Mistake(found.text, source.line_of(named[1]) if named else found.line) from None
     check_names(source)
@@ -152,7 +152,7 @@ def _check_parameters(owner: Any, field: str, source: Source) -> None:
     try:
         hints = typing.get_type_hints(owner, include_extras=True)
     except Exception as error:
-        raise mistake(error, source.file, f"the annotations of {owner.__name__} are read") from None
+        raise mistake(error, source.file, f"while reading the annotations of {owner.__name__}") from None
     for name, hint in hints.items():
         at = source.line_of_parameter(owner.__name__, name)
         meta = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Parameter)), None)

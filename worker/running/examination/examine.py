@@ -74,10 +74,10 @@ def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined
         return found
 
     module = f"{PACKAGE}.{file.stem}"
-    with limited(limit, file, "the file is imported"):
+    with limited(limit, file, "while importing it"):
         component = declared_by(source, module)
     purity.check(source, module)
-    with limited(limit, file, "it is simulated with the nominal values"):
+    with limited(limit, file, "while simulating the nominal values"):
         calls = flown(component, source, own)
     compile_each(source, module, calls)
     unknown = isinstance(component, Obstacle) and component.moving and component.rate is None

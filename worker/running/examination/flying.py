@@ -74,7 +74,7 @@ def _fly(component: Component, parts: Parts, source: Source, calls: Calls) -> No
     except UnnamedError as error:
         raise Mistake(str(error).partition(": ")[2] or str(error), source.line_of()) from None
     except Exception as error:
-        found = mistake(error, source.file, "it is simulated with the nominal values")
+        found = mistake(error, source.file, "while simulating the nominal values")
         raise found if found.line else Mistake(found.text, source.line_of()) from None
     if component is parts.vehicle:
         _check_start(parts, loop, trace, watch, extend(tuple(map(float, values[0]))))
@@ -184,7 +184,7 @@ def _check_switches(component: Component, slot: Slot, source: Source) -> None:
     try:
         found = slot.function(owner(), 10.0)
     except Exception as error:
-        raise mistake(error, source.file, "switches is called with the default values") from None
+        raise mistake(error, source.file, "while calling switches with the default values") from None
     if not isinstance(found, list) or not all(isinstance(each, int | float) for each in found):
         raise Mistake(
             f"switches returns {type(found).__name__}, expected a list of instants [s], such as [p.at]",

@@ -20,18 +20,17 @@ class Overdue(Mistake):
 
 @contextlib.contextmanager
 def limited(seconds: float, file: Path, doing: str) -> Iterator[None]:
-    """Raises `Overdue` in the block after this time, 0 for no limit; doing: completes "when ..."."""
+    """Raises `Overdue` in the block after this time, 0 for no limit; doing: such as "while importing it"."""
 
     def ended(number: int, frame: FrameType | None) -> None:
         while frame is not None and frame.f_code.co_filename != str(file):
             frame = frame.f_back
         if frame is None:
-            raise Overdue(f"it took more than {seconds:g} s when {doing}: look for a loop that does not end")
+            raise Overdue(f"the check stopped after {seconds:g} s, {doing}: look for a loop that does not end")
         where = frame.f_code.co_name
-        what = "a loop at the top of the file" if where == "<module>" else where
-        raise Overdue(
-            f"{what} did not end within {seconds:g} s when {doing}: give every loop a number of turns", frame.f_lineno
-        )
+        place = "a loop at the top of the file" if where == "<module>" else where
+        stopped = f"the check stopped after {seconds:g} s in {place}, {doing}"
+        raise Overdue(f"{stopped}: give every loop a maximum number of turns", frame.f_lineno)
 
     if not seconds:
         yield

@@ -14,6 +14,7 @@ from llvmlite import binding
 
 from campaigns.asked.spec import Campaign
 from campaigns.identity.identity import identity_of, simulator_of
+from campaigns.version import WORDING
 from campaigns.versions import Processor, Versions
 from worker.engine.kernels.numba_internals import processor_features
 from worker.engine.stages.parts.store import StageRecord, Store
@@ -43,6 +44,7 @@ def versions(campaign: Campaign, system: System) -> Versions:
     called = None if settings.integrator else slotted(system)
     system_values = {
         "clearance": version("clearance"),
+        "wording": WORDING,
         "system": f"{platform.system()} {platform.machine()}",
         "cpu": _processor(),
         "lanes": settings.lanes,

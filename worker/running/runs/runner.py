@@ -6,6 +6,7 @@ Start reading at `execute`. The order of stages is `campaigns.stages.plan`; what
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
@@ -18,7 +19,7 @@ from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.found import stages
 from worker.engine.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
-from worker.engine.stages.parts.noise import flaky
+from worker.engine.stages.parts.noise import exclusions, flaky
 from worker.engine.stages.parts.store import StagePlan, StageRecord, Store
 from worker.engine.systems.base import CampaignUnusable
 from worker.evidence.verdicts.conclude import conclude
@@ -85,6 +86,7 @@ def _evidence(context: Context) -> Evidence:
     status = np.concatenate([c.status for c in columns])
     costs = np.concatenate([c.costs[:, 0] for c in columns])[status == OK]
     return Evidence(
+        exclusions=sum(map(exclusions, columns), Counter[str]()),
         results=[context.results[at] for at in range(len(context.plan))],
         finding=findings[0] if findings else None,
         others=findings[1:],
@@ -93,5 +95,5 @@ def _evidence(context: Context) -> Evidence:
         excluded=int(np.count_nonzero(status == EXCLUDED)),
         lowest=float(costs.min()) if len(costs) else None,
         violating=int(np.count_nonzero(costs <= context.problem.threshold)),
-        flaky=sum(flaky(c) for _, c in all_columns(context, list(range(len(context.plan))))),
+        flaky=sum(map(flaky, columns)),
     )

@@ -224,7 +224,7 @@ function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: U
 }
 
 function FoundBy({ finding }: { finding: FindingDetail }) {
-  if (finding.found.length === 0) return <span className="sec">reached only by local refinement</span>
+  if (finding.found.length === 0) return <span className="sec">found only by refining the worst cases</span>
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   return (
     <span className={styles.finders}>
@@ -266,9 +266,9 @@ function Gathering({ gathered, kept }: { gathered: Gathered; kept: number }) {
   return (
     <>
       {!gathered.complete && <Spans spans={[...sentence(gathered.statement), words(' ')]} />}
-      {count(gathered.candidates)} low points of all stages were descended from. Two ends are one finding where they are
-      within {percent(gathered.distance)} of every range, or no barrier above {percent(gathered.barrier)} of nominal minus worst
-      is between them.
+      Local searches began at {count(gathered.candidates)} low points. Two results are one finding if no parameter differs by more
+      than {percent(gathered.distance)} of its range, or if no barrier higher than {percent(gathered.barrier)} of nominal minus worst
+      separates them.
       {gathered.left_out > 0 && ` ${count(gathered.left_out)} more were no worse than the nominal case and are omitted.`}
       {kept >= gathered.at_most && ` At most ${gathered.at_most} are stored: there may be more.`}
     </>

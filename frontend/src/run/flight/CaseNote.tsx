@@ -45,7 +45,7 @@ export function CaseNote({ answer, busy, follows, stale, seconds, evaluate, miss
         </p>
       )}
       {answer && stale && !follows && !busy && (
-        <p className="small sec">The result is that of other values; evaluate to update it.</p>
+        <p className="small sec">The result belongs to other values: evaluate to update it.</p>
       )}
       {isCase(answer) && answer.untraced && <p className="small sec">No trace of it: {answer.untraced}.</p>}
       <p className="small mut">One call on the machine of the service. It is not stored and is no evidence.</p>

@@ -69,7 +69,7 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
       <WhatIfButton whatIf={whatIf} flies={flies} />
       <IconButton
         label={panel ? 'Close the panel' : 'Open the panel'}
-        title={`${panel ? 'Close' : 'Open'} the panel: values, search`}
+        title={`${panel ? 'Close' : 'Open'} the details: values and search`}
         icon={panel ? IconLayoutSidebarRightCollapse : IconLayoutSidebarRightExpand}
         off={shown === null}
         act={() => view.steer({ panel: !panel })}

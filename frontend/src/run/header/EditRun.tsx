@@ -82,7 +82,7 @@ function EditForm({ run, onDone }: { run: RunDetail; onDone: () => void }) {
         acceptValueOnBlur={false}
       />
       {wrong.length > 0 && (
-        <p className={fields.ferr}>A tag consists of letters, digits and . _ + -, at most 40 of them: {wrong.join(', ')}</p>
+        <p className={fields.ferr}>A tag has at most 40 characters, letters, digits and . _ + -: {wrong.join(', ')}</p>
       )}
     </Form>
   )

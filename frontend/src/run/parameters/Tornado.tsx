@@ -63,7 +63,7 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
 export function movedBy({ low, high }: Pick<Bar, 'low' | 'high'>, unit: string): string {
   const [least, most] = [Math.min(low, high), Math.max(low, high)]
   const by = (change: number) => `${signed(change, decimalsFor([low, high], 2))} ${unit}`
-  return least < 0 ? `moves it most: ${by(least)} on its worse side.` : `moves it most, by up to ${by(most)}; neither of its bounds is worse than nominal.`
+  return least < 0 ? `has the largest effect: ${by(least)} at its worse bound.` : `has the largest effect: up to ${by(most)}; neither bound is worse than nominal.`
 }
 
 function barsOf({ run, parameters }: RunData, result: SlicesResult): Bar[] {

@@ -89,8 +89,8 @@ function Conclusion({ regression }: { regression: Regression }) {
   return (
     <>
       <Spans spans={regression.statement} /> {lost.map((each, i) => <Spans key={i} spans={[...sentence(each.statement), words(' ')]} />)}
-      {policy ? `The policy fails on: ${policy}.` : 'The policy fails on nothing.'} A finding that is new may also be one that
-      the search of the baseline missed.
+      {policy ? `The policy fails on: ${policy}.` : 'The policy accepts every change.'} The search of the baseline may have
+      missed a finding that is new.
     </>
   )
 }

@@ -62,7 +62,11 @@ export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
         <>
           Mean {fixed(sample.mean, decimals)} {run.unit}, standard deviation {plain(sample.deviation, 3)} {run.unit},
           lowest {fixed(sample.lowest, decimals)} {run.unit}. <Spans spans={sentence(sample.statement)} />
-          {quantile && <Spans spans={[words(' '), ...sentence(quantile.statement)]} />}
+          {quantile && (
+            <span title={quantile.order ? `Value number ${count(quantile.order)} of ${count(sample.samples)}, from the lowest` : undefined}>
+              <Spans spans={[words(' '), ...sentence(quantile.statement)]} />
+            </span>
+          )}
           {grid && <Spans spans={[words(' '), ...sentence(grid.statement)]} />}
         </>
       }

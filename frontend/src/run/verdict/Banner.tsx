@@ -41,7 +41,7 @@ export function Banner({ data }: { data: RunData }) {
           </details>
         )}
         {run.verdict === 'inconclusive' && <NextSteps run={run} />}
-        {run.verdict && summary && summary.checks.length > 0 && <Checks checks={summary.checks} />}
+        {run.verdict && summary && summary.checks.length > 0 && <Checks checks={summary.checks} succeeded={succeededOf(run)} />}
       </div>
     </section>
   )
@@ -51,11 +51,12 @@ export function Banner({ data }: { data: RunData }) {
  * Folded, so that verdict, figures and 3D view fit on one screen; the line that unfolds it names every check that does not
  * hold, and every one that holds only for the evaluations that have a value.
  */
-function Checks({ checks }: { checks: readonly DescribedCheck[] }) {
+function Checks(props: { checks: readonly DescribedCheck[]; succeeded: number }) {
+  const { checks } = props
   return (
     <details className={styles.fold} data-testid="checks">
       <summary>
-        <Tally checks={checks} />
+        <Tally {...props} />
       </summary>
       <ul className={styles.checks} aria-label="Checks">
         {checks.map((check) => (
@@ -72,31 +73,37 @@ function Checks({ checks }: { checks: readonly DescribedCheck[] }) {
   )
 }
 
-function Tally({ checks }: { checks: readonly DescribedCheck[] }) {
+function Tally({ checks, succeeded }: { checks: readonly DescribedCheck[]; succeeded: number }) {
   const of = (standing: DescribedCheck['standing']) => checks.filter((check) => check.standing === standing)
   const [failing, open] = [of('fails'), of('open')]
   return (
     <>
       <b>
-        {failing.length + open.length === 0
-          ? `All ${checks.length} checks hold`
-          : `${of('holds').length} of ${checks.length} checks hold`}
+        {failing.length === 0
+          ? open.length === 0 && `All ${checks.length} checks hold`
+          : `${failing.length} of ${checks.length} checks ${failing.length === 1 ? 'fails' : 'fail'}:`}
       </b>
       {failing.length > 0 && (
         <span>
-          <IconCircleX className="i s bad-t" aria-hidden /> not: {titles(failing)}
+          <IconCircleX className="i s bad-t" aria-hidden /> {titles(failing)}
         </span>
       )}
       {open.length > 0 && (
         <span>
-          <IconHelpCircle className="i s unk-t" aria-hidden /> only for evaluations with a value: {titles(open)}
+          <IconHelpCircle className="i s unk-t" aria-hidden /> Holds for the {count(succeeded)} evaluations that did not fail:{' '}
+          {titles(open)}
         </span>
       )}
     </>
   )
 }
 
-const titles = (checks: readonly DescribedCheck[]): string => checks.map(({ title }) => title).join(', ')
+/** The titles of checks; that of the violations as what was found, because the absence of one is what it requires. */
+const titles = (checks: readonly DescribedCheck[]): string =>
+  checks.map(({ name, title, standing }) => (name === 'no violation' && standing === 'fails' ? 'a violation was found' : title)).join(', ')
+
+/** The evaluations that have a value. */
+const succeededOf = (run: RunDetail): number => run.evaluations - run.failed_evaluations - run.excluded_evaluations
 
 /** Green only if no evaluation failed: failed ones have no value for which the check could hold. */
 export function Standing({ check }: { check: Pick<DescribedCheck, 'standing'> }) {

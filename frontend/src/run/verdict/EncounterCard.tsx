@@ -42,7 +42,7 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
           <>
             <dt>Path of the nominal case</dt>
             <dd>{moved === null ? NONE : `${plain(moved, 4)} m`}</dd>
-            <dt>Nominal {quantity} if no obstacle were seen</dt>
+            <dt>Nominal {quantity} without avoidance</dt>
             <dd data-testid="unseen">
               {unseen.cost === null ? `no value: ${unseen.reason}` : `${plain(unseen.cost)} ${run.unit}`}
               {run.nominal_cost !== null && (
@@ -59,12 +59,12 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
             ? NONE
             : `${plain(spread.lowest)} to ${plain(spread.highest)} ${run.unit} over ${count(spread.evaluations)} evaluations`}
         </dd>
-        <dt>Largest change on a slice</dt>
+        <dt>Largest change by one parameter alone</dt>
         <dd>
           {Object.entries(influence).map(([path, by], i) => (
             <span key={path}>
               {i > 0 && '; '}
-              <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} path={path} />{' '}
+              <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} path={path} />:{' '}
               {fixed(by, decimalsFor([largest], 3))} {run.unit}
             </span>
           ))}

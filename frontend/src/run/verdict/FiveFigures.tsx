@@ -1,5 +1,5 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
-import { lostOf, unknownOf, withoutValue } from '../../format/counts'
+import { unknownOf, violatedOf, withoutValue } from '../../format/counts'
 import { count, decimalsFor, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
@@ -73,7 +73,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           unit={statistics ? '%' : undefined}
           note={
             statistics
-              ? `${count(statistics.violations)} of ${count(statistics.samples)} samples${lostOf(statistics)}${target === null ? '' : `; target ${percent(target)}`}`
+              ? `${violatedOf(statistics)}${target === null ? '' : `; target ${percent(target)}`}`
               : 'no random sample in this campaign'
           }
         />

@@ -113,7 +113,7 @@ def test_every_outcome_has_its_sentence() -> None:
         "available: allow more time",
         "One call took 2 s (R-0001, 15 evaluations) and the start of a process 3 s; an evaluation of 5 calls takes "
         "about 6 s, on 4 slots; 2 more, each in a fresh process, confirm results.",
-        "One evaluation took 2 s (R-0001, 15 evaluations, 3 of them failed), on 1 slot.",
+        "One evaluation took 2 s (R-0001, 15 evaluations, of which 3 failed), on 1 slot.",
         "In 10 min on 4 slots: about 800 evaluations. Proposed: lq-CMA-ES and TuRBO with 396 each, about 9.9 min in "
         "all",
     ]  # fmt: skip

@@ -16,6 +16,8 @@ NAMES = (
     "worker.kernels.component",
     "worker.kernels.maths",
     "worker.kernels.views",
+    "worker.kernels.space",
+    "worker.kernels.shapes",
     "worker.physics.space",
     "worker.components.avoiders.closest_approach",
     "worker.search.base",

@@ -266,7 +266,7 @@ def test_a_run_of_a_command_that_is_not_as_it_was_is_not_extended(
     (ended / "simulator.yaml").write_text(description)
     result = json.loads((ended / "result.json").read_text())
     for given, why in (
-        ({"command_given": {"file": "x", "folder": str(tmp_path / "gone")}}, "is not there any more"),
+        ({"command_given": {"file": "x", "folder": str(tmp_path / "gone")}}, "no longer exists"),
         ({"command_given": {"file": "x"}}, "does not state where its campaign file was"),
         ({"command_given": [1]}, "does not state where its campaign file was"),
     ):

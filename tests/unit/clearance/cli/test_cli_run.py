@@ -181,7 +181,7 @@ def test_json_is_one_object_with_the_documented_keys(file: Write, capsys: pytest
     assert (found["verdict"], found["digest"], found["seed"]) == ("cleared", asked.digest, 1)
     assert set(found["nominal"]) == {"cost", "margin"}
     assert set(found["worst"]) == {"cost", "margin", "evaluated", "parameters", "method"}
-    assert set(found["versions"]) == {"clearance", "code", "python", "packages", "cpu", "loop"}
+    assert set(found["versions"]) == {"clearance", "wording", "code", "python", "packages", "cpu", "loop"}
     assert found["worst"]["parameters"] == {"vehicle.m": 6.0, "vehicle.J": 0.06}
     assert found["worst"]["cost"] == pytest.approx(0.9417402, abs=2e-6)
     assert [(s["kind"], s["method"]) for s in found["stages"]] == [

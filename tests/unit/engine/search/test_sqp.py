@@ -61,7 +61,7 @@ def test_sqp_finds_the_valley_of_every_start() -> None:
         assert np.abs(minimum.point - minimum.start).max() < 0.1
     assert len({round(m.cost, 6) for m in found.minima}) == 4
     assert found.text is not None
-    assert found.text.startswith("every start ended: ")
+    assert found.text.startswith("all starts ")
 
 
 def test_sqp_asks_for_a_point_and_its_differences_of_all_starts_as_one_batch() -> None:

@@ -99,7 +99,7 @@ def test_a_finding_is_evaluated_at_its_own_bits() -> None:
     [
         ({"vehicle.m": 6.5}, "vehicle.m = 6.5 is outside the bounds 4 to 6 of this campaign"),
         ({"vehicle.wheels": 4.0}, "there is no parameter vehicle.wheels"),
-        ({"avoider.d_0": 1.0}, "avoider.d_0 = 1 is not uncertain any more, it is 2"),
+        ({"avoider.d_0": 1.0}, "avoider.d_0 = 1 is no longer uncertain: it is 2"),
         ({"vehicle.m": 3.0, "vehicle.q": 1.0}, "vehicle.m = 3 is outside the bounds 4 to 6 of this campaign; there is"),
     ],
 )

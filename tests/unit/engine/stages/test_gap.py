@@ -88,4 +88,4 @@ def test_a_search_stage_reports_it_as_an_estimate() -> None:
     assert found is not None
     assert found.lower_bound == pytest.approx(0.3)
     assert [fact for fact in facts(found.statement) if isinstance(fact, str)] == ["d_min"]
-    assert facts(found.statement)[2] == pytest.approx(0.3)
+    assert facts(found.statement)[1] == pytest.approx(0.3)

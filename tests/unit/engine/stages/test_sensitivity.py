@@ -68,7 +68,7 @@ def test_the_sobol_indices_of_ishigami() -> None:
     assert [row.total for row in found.indices] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.02)
     assert all(row.total_confidence is not None and 0 < row.total_confidence < 0.1 for row in found.indices)
     assert (found.samples, found.evaluations, found.failed, found.excluded) == (4096, 4096 * 5, 0, 0)
-    assert found.text.startswith(f"largest total indices: {paths[0]} 0.5")
+    assert found.text.startswith(f"largest total indices: {paths[0]}: 0.5")
 
 
 def test_the_effects_of_a_plane_and_of_a_product() -> None:

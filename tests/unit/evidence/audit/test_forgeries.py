@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -98,6 +99,32 @@ def test_forged_calls_are_rejected(name: str, change: Callable[[Folder], Any], t
     write_called(tmp_path, name)
     folder = Folder(tmp_path)
     change(folder)
+    assert not accepted(folder)
+
+
+OTHER = {
+    "A search can miss a worse case": "A search may miss a worse one",
+    " samples drawn from": " flights drawn from",
+    "nothing is claimed between these points": "between these points nothing is known",
+    ", the worst case found has": ", the worst one found has",
+}
+"""Words of a verdict, a sample and a grid as other templates write them."""
+
+
+def test_a_record_of_an_earlier_version_of_the_templates_is_not_forged(tmp_path: Path) -> None:
+    """Its sentences cannot be made again, which the audit states; its numbers are judged."""
+    folder = Folder(written(tmp_path / "out", "cleared"))
+    for name in ("result", "evidence"):
+        text = json.dumps(vars(folder)[name])
+        for today, earlier in OTHER.items():
+            text = text.replace(today, earlier)
+        setattr(folder, name, json.loads(text))
+    assert not accepted(folder)
+    del folder.result["versions"]["wording"]
+    assert accepted(folder)
+    (words,) = [item for item in folder.items() if item.name == "words"]
+    assert words.agrees is None
+    folder.result["statistics"]["upper_bound"] /= 2
     assert not accepted(folder)
 
 

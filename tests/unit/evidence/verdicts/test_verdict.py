@@ -50,7 +50,7 @@ def test_cleared_when_everything_holds() -> None:
 def test_the_sentence_states_bounds_methods_evaluations_margin_bound_and_doubt() -> None:
     statement = concluded().reason
     for part in (
-        "vehicle.m 4 to 6 kg", "vehicle.J 0.04 to 0.06 kg m2",
+        "vehicle.m: 4 to 6 kg", "vehicle.J: 0.04 to 0.06 kg m2",
         "DIRECT (1\u202f000), SQP multistart (1\u202f000) and Monte",
         "3\u202f343 evaluations", "a margin of +0.34 m", "d_min = 0.84 m", "0 of 1000 violate",
         "A search can miss a worse case", "horizon 15 s, step 0.005 s", "1 obstacle;",
@@ -209,12 +209,12 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
         CheckCode.SEARCH,
         {"searches": [search("direct"), search("sqp"), search("monte_carlo", 0.85, stop=None, sample=sample())]},
         ["direct", "sqp"],
-        "not every search ended: DIRECT used its budget of 1000 evaluations, SQP multistart every start ended",
+        "not every search ended: DIRECT used its budget of 1000 evaluations, SQP multistart all starts converged",
     ),
     "a failed evaluation": (CheckCode.EVALUATIONS, {"failed": 1}, [1, 3343], "1 of 3\u202f343 evaluations failed"),
     "a validation that disagrees": (
         CheckCode.VALIDATION, {"validation": validation(ok=False, text=DISAGREES)}, [],
-        f"{DISAGREES}; 200 random evaluations compared",
+        f"{DISAGREES}; 200 random evaluations differ",
     ),
     "one method alone": (CheckCode.AGREEMENT, {"searches": [search("direct")]}, ["direct"], ONE_METHOD),
     "two stages of one method": (
@@ -283,8 +283,8 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
     ),
     "a sample with a chosen seed": (
         CheckCode.SAMPLE, {"certificate": changed(certificate(), drawn_at_launch=False)}, [],
-        "the seed of the independent sample was stated before the run, so that a sample without a violation could be "
-        "chosen; run it with a drawn one",
+        "the seed of the independent sample was stated before the run, so a sample without a violation could have "
+        "been chosen; run the campaign without a stated seed",
     ),
     "fewer samples than the least": (
         CheckCode.SAMPLE, {"certificate": certificate(samples=58, upper_bound=0.01)}, [58, 59],
@@ -300,7 +300,8 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
     ),
     "a target that seems to permit more": (
         CheckCode.TARGET, {"target": 0.9, "certificate": certificate(2, 100)}, [0.0616, 0.05, 0.9],
-        "the bound of 6.16 % does not meet the target of 5 %; the campaign states 90 %, which does not loosen it",
+        "the bound of 6.16 % does not meet the target of 5 %; the target of the campaign, 90 %, is "
+        "looser and does not apply",
     ),
     "an evaluation lower than every finding": (
         CheckCode.MINIMUM, {"lowest": WORST - 1e-9}, [0.84],
@@ -308,7 +309,7 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
     ),
     "findings that were not distinguished": (
         CheckCode.MINIMUM, {"validation": validation(findings=gathered(complete=False, text="used its budget"))}, [],
-        "the worst cases were not fully distinguished: used its budget",
+        "used its budget",
     ),
     "methods that found nothing below nominal": (
         CheckCode.AGREEMENT,

@@ -205,7 +205,8 @@ def test_a_noisy_scenario_needs_a_sample_that_draws_its_noise() -> None:
     conclusion = conclude(noisy(), evidence(searches=searches, certificate=None), VERSIONS)
     assert conclusion.verdict == "inconclusive"
     assert (
-        "only the realisations with seeds 0 were simulated; add a certify stage" in check_of("noise", conclusion).text
+        "only the noise realisations with seeds 0 were simulated; add a certify stage"
+        in check_of("noise", conclusion).text
     )
     assert conclude(noisy(), evidence(certificate=drawn()), VERSIONS).verdict == "cleared"
 

@@ -162,7 +162,7 @@ IMPURE = [
 """Found by name."""
 
 AT = "{} for {}, expected a finite number at t = {}"
-SLOW = "steer did not end within 3 s when it is simulated"
+SLOW = "the check stopped after 3 s in steer, while simulating"
 LATER = [
     Bad("NaN after 5 s", "", "x = (1e400 - 1e400 if t > 5.0 else x)", "return (x, y)", AT.format("NaN", "x", 5)),
     Bad(
@@ -215,7 +215,7 @@ ENDLESS = [
         "while True:\n    pass",
         "",
         "pass|while True",
-        "a loop at the top of the file did not end within 3 s",
+        "the check stopped after 3 s in a loop at the top of the file",
     ),
 ]
 """Found by the time that they take."""

@@ -90,7 +90,7 @@ WORDS = {
     "campaigns.claims.stages.ends": b"used its budget of",
     "campaigns.claims.stages.sample": b"P(violation) is at most",
     "campaigns.claims.stages.calls": b"repeats bit by bit",
-    "campaigns.claims.stages.surroundings": b"the nearest boundary along a single parameter",
+    "campaigns.claims.stages.surroundings": b"varying one parameter alone",
     "campaigns.claims.stages.earlier_run": b"was not evaluated",
     "worker.engine.search.methods.direct": b"completed the {iterations} iterations",
     "worker.engine.search.methods.monte_carlo": b"drew all {samples} samples",

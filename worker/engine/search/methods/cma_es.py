@@ -69,7 +69,7 @@ def _descend(space: Space, population: int, deviation: float, most: float = np.i
                 best.text = ending(stopped)
                 break
         else:
-            best.text = "its share of the evaluations is used up"
+            best.text = "used its share of the evaluations"
     return best.evaluations
 
 

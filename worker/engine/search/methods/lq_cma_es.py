@@ -60,7 +60,7 @@ LATELY = 6
 """Evaluations per parameter over which the improvement of a descent is measured."""
 SETTLED = 1e-5
 """An improvement by less than this fraction of the spread of the costs does not count."""
-BEHIND = Ended("converged", "it would not come below the lowest cost found")
+BEHIND = Ended("converged", "no improvement of the lowest cost was predicted")
 AROUND = 2.0
 """Radius, in deviations of a first generation, within which earlier evaluations enter a new model."""
 

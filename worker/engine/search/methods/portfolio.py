@@ -263,6 +263,6 @@ method = Method(
     family="portfolio",
     whole_budget=True,
     parallel="every member on its own",
-    suits="a criterion of which nothing is known",
+    suits="a criterion about which nothing is known",
     look=MethodLook(colour="#1b2733", dark="#f2f5f8", marker="asterisk"),
 )

@@ -46,7 +46,9 @@ def search(space: Space, options: Options) -> Parallel:
     if len(starts) == 1:
         return endings[0]
     ends = {f"end{i}": end for i, end in enumerate(sorted(set(endings)))}
-    return Ended("members", f"every start ended: {', '.join(f'{{{name}}}' for name in ends)}", **ends)
+    if all(isinstance(end, Ended) and end.code == "converged" for end in endings):
+        return Ended("members", "all starts converged", **ends)
+    return Ended("members", f"all starts ended: {', '.join(f'{{{name}}}' for name in ends)}", **ends)
 
 
 def _descend(space: Space, options: Options, start: Floats) -> Search:

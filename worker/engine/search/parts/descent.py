@@ -105,7 +105,7 @@ def _run(ask: Ask, start: Floats, settings: Settings) -> End:
 
 CHANGES = Ended("converged", "the cost no longer changes")
 HOLDS = Ended("optimal", "the optimality conditions hold")
-ITERATIONS = Ended("iterations", "the iterations are used up")
+ITERATIONS = Ended("iterations", "used all iterations")
 FAILED = Ended("rounding", "the line search failed")
 
 

@@ -15,12 +15,12 @@ STEP = 1e-9
 
 # pycma's stopping conditions and their sentences; the first that holds is reported.
 STOPS = {
-    "tolflatfitness": Ended("converged", "the cost is the same everywhere around"),
+    "tolflatfitness": Ended("converged", "the cost is constant around the best point"),
     "tolfun": Ended("converged", "the cost no longer changes"),
     "tolfunrel": Ended("converged", "the cost no longer changes"),
     "tolfunhist": Ended("converged", "the cost no longer changes"),
     "tolx": Ended("converged", "the step is within its tolerance"),
-    "tolstagnation": Ended("converged", "the cost has not improved for long"),
+    "tolstagnation": Ended("converged", "the cost stopped improving"),
     "tolxstagnation": Ended("converged", "the step is within its tolerance"),
     "tolconditioncov": Ended("rounding", "the valley is too narrow for floating-point numbers"),
 }

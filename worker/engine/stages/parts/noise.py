@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 
 from campaigns.claims.stages import calls as sentences
@@ -119,8 +121,19 @@ def start_seconds(columns: Columns, chosen: int, slots: int, calls: int) -> floa
 
 
 def reasons(columns: Columns) -> list[str]:
-    """The distinct reasons of evaluations that failed."""
+    """The distinct reasons of evaluations that failed or were excluded."""
     return list(dict.fromkeys(why for row, why in sorted(columns.reasons.items()) if columns.status[row] != OK))
+
+
+def failures(columns: Columns) -> list[str]:
+    """The distinct reasons of evaluations that failed."""
+    failed = {row: why for row, why in columns.reasons.items() if columns.status[row] != EXCLUDED}
+    return reasons(columns._replace(reasons=failed))
+
+
+def exclusions(columns: Columns) -> Counter[str]:
+    """How many evaluations were excluded for each reason."""
+    return Counter(columns.reasons.get(int(row), "") for row in np.flatnonzero(columns.status == EXCLUDED))
 
 
 def flaky(columns: Columns) -> int:

@@ -69,6 +69,8 @@ class Sample:
     """The probability beyond the bounds, or an upper bound on it."""
     confidence: float
     noise: Noise = Noise()
+    simulator: bool = False
+    """Whether it is of a simulator, which may exclude draws for reasons of its own."""
 
     @staticmethod
     def of(columns: Columns, problem: Problem, confidence: float, noise: Noise | None = None) -> Sample:
@@ -78,7 +80,8 @@ class Sample:
         failed = len(columns.status) - excluded - len(costs)
         noise = noise or Noise.stated(problem.realisations)
         outside = problem.distributions.outside
-        return Sample(costs, failed, excluded, problem.threshold, outside, confidence, noise)
+        simulator = problem.campaign.simulator is not None
+        return Sample(costs, failed, excluded, problem.threshold, outside, confidence, noise, simulator)
 
     @property
     def size(self) -> int:
@@ -91,9 +94,8 @@ class Sample:
     @property
     def counts(self) -> sentences.Counts:
         """What its sentences state."""
-        return sentences.Counts(
-            self.violations, self.size, self.failed, self.excluded, self.outside, self.confidence, self.noise.terms
-        )
+        numbers = self.violations, self.size, self.failed, self.excluded, self.outside, self.confidence
+        return sentences.Counts(*numbers, self.noise.terms, self.simulator)
 
     def statement(self, level: float | None = None) -> Statement:
         """Counts, moments, histogram and the bound on P(violation), whose own `level` may be stricter."""

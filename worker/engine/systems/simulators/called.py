@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -16,11 +17,14 @@ from worker.engine.systems.simulators.pooled import batch_of, gathered
 from worker.engine.systems.simulators.simulated import Simulated
 
 LOST = "the call failed"
+UNLIKE = "excluded ({reason}), other calls of the same case are not: a case must be excluded by its parameters alone"
+AGAIN = "{before}; tried again, it was excluded ({reason}), which does not replace a failure"
 
 
 class Called(Simulated):
     """Evaluates by `calls` calls of a simulator, each tried again up to `retries` times, combined as the campaign
-    states. One failed call makes the evaluation fail."""
+    states. One failed call makes the evaluation fail; so does one that is excluded while others are not. Only a case
+    that all calls exclude is excluded, and never one of which a call failed before."""
 
     def __init__(self, inner: System, request: Simulator, borrowed: bool = False) -> None:
         inner = slotted(inner)
@@ -82,17 +86,15 @@ class Called(Simulated):
         """Evaluate each vector by one call; what failed or timed out is tried again, up to the number of retries."""
         batch, reasons = self.inner.evaluate(vectors)
         costs, status, first = batch.costs.copy(), batch.status.copy(), dict(reasons)
+        left = np.flatnonzero(_lost(status))
         for _ in range(self.request.retries):
-            lost = np.flatnonzero((status == FAILED) | (status == TIMEOUT))
-            if not len(lost):
+            if not len(left):
                 break
-            again, why = self.inner.evaluate(vectors[lost])
-            costs[lost], status[lost] = again.costs, again.status
-            for i, row in enumerate(lost.tolist()):
-                if again.status[i] in (OK, EXCLUDED):
-                    reasons[row] = FLAKY + first.get(row, LOST)
-                else:
-                    reasons[row] = why.get(i, LOST)
+            again, why = self.inner.evaluate(vectors[left])
+            for i, row in enumerate(left.tolist()):
+                one = Evaluated(again.costs[i], int(again.status[i]), why.get(i, LOST))
+                costs[row], status[row], reasons[row] = _again(one, first.get(row, LOST))
+            left = left[_lost(again.status)]
         return Batch(costs, status), reasons
 
     def _attempt(self, vector: Floats) -> Future[Evaluated]:
@@ -102,13 +104,11 @@ class Called(Simulated):
         def ended(future: Future[Evaluated], left: int, before: str) -> None:
             try:
                 one = future.result()
-                if left and one.status in (FAILED, TIMEOUT):
+                if left and _lost(one.status):
                     again = self.inner.submit(vector)
                     again.add_done_callback(partial(ended, left=left - 1, before=before or one.reason or LOST))
                     return
-                if before and one.status in (OK, EXCLUDED):
-                    one = one._replace(reason=FLAKY + before)
-                found.set_result(one)
+                found.set_result(_again(one, before) if before else one)
             except Exception as error:  # such as of closed slots: reaches whoever waits for this evaluation
                 found.set_exception(error)
 
@@ -118,16 +118,24 @@ class Called(Simulated):
     def _combined(self, calls: Sequence[Evaluated]) -> Evaluated:
         """The calls of one evaluation as one: of the worst call all results, else each result on its own.
 
-        The reason is that of the first call that failed, or that succeeded only when tried again.
+        The reason is that of the first call that failed, that was excluded, or that succeeded only when tried again.
         """
         if len(calls) == 1:
             return calls[0]
-        lost = next((k for k, one in enumerate(calls) if one.status != OK), None)
-        marked = next((k for k, one in enumerate(calls) if one.reason), None) if lost is None else lost
-        reason = "" if marked is None else _numbered(calls[marked].reason or LOST, marked + 1, len(calls))
-        if lost is not None:
-            return Evaluated(np.full_like(calls[0].costs, np.nan), calls[lost].status, reason)
-        return Evaluated(self._cost(np.array([one.costs for one in calls])), OK, reason)
+        status = np.array([one.status for one in calls])
+        found = [*np.flatnonzero(_lost(status)), *np.flatnonzero(status == EXCLUDED)]
+        if not found:
+            marked = next((k for k, one in enumerate(calls) if one.reason), None)
+            reason = "" if marked is None else _numbered(calls[marked].reason, marked + 1, len(calls))
+            return Evaluated(self._cost(np.array([one.costs for one in calls])), OK, reason)
+        first = int(found[0])
+        one, nothing = calls[first], np.full_like(calls[0].costs, np.nan)
+        if (status == EXCLUDED).all():
+            return Evaluated(nothing, EXCLUDED, one.reason)
+        why, lost = one.reason or LOST, one.status
+        if one.status == EXCLUDED:
+            why, lost = UNLIKE.format(reason=why), FAILED
+        return Evaluated(nothing, lost, _numbered(why, first + 1, len(calls)))
 
     def _cost(self, costs: Floats) -> Floats:
         """The costs (calls, k) of one evaluation as one row (k,)."""
@@ -142,3 +150,15 @@ class Called(Simulated):
 def _numbered(reason: str, call: int, calls: int) -> str:
     text = f"call {call} of {calls}: {reason.removeprefix(FLAKY)}"
     return FLAKY + text if reason.startswith(FLAKY) else text
+
+
+def _lost(status: Any) -> Any:
+    """What is tried again: an excluded evaluation is not."""
+    return (status == FAILED) | (status == TIMEOUT)
+
+
+def _again(one: Evaluated, before: str) -> Evaluated:
+    """An evaluation after a failure, which another value only marks, and which its exclusion does not undo."""
+    if one.status == EXCLUDED:
+        return Evaluated(one.costs, FAILED, AGAIN.format(before=before, reason=one.reason))
+    return one._replace(reason=FLAKY + before) if one.status == OK else one

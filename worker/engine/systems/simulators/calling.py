@@ -25,14 +25,15 @@ LONGEST = 300
 
 
 class Answer(TypedDict, total=False):
-    """Either the numbers by name, or the reason why there are none."""
+    """The numbers by name, why there are none, or why the case does not count."""
 
     results: dict[str, float]
     failed: str
+    excluded: str
 
 
 class Traced(TypedDict, total=False):
-    """An answer, and unless it failed the columns of its trace by name, as returned."""
+    """An answer, and if it has results the columns of its trace by name, as returned."""
 
     results: Answer
     trace: dict[str, object]
@@ -43,20 +44,32 @@ class Evaluate:
 
     def __call__(self, /, **parameters: float) -> Answer:
         call, names, vectorized = _named()
-        return called(call, parameters, names, vectorized)
+        return _counting(called(call, parameters, names, vectorized))
 
     def traced(self, /, **parameters: float) -> Traced:
         call, names, vectorized = _named()
-        return traced(call, parameters, names, vectorized)
+        found = traced(call, parameters, names, vectorized)
+        _counting(found["results"])
+        return found
 
 
 evaluate = Evaluate()
 
 
+def _counting(answer: Answer) -> Answer:
+    """The answer, unless the case does not count: the process of the slot reports that in place of an answer."""
+    if "excluded" in answer:
+        from worker.engine.systems.simulators.declared.excluded import Excluded
+
+        raise Excluded(answer["excluded"])
+    return answer
+
+
 def called(
     call: Callable[..., Any], parameters: Mapping[str, float], names: Sequence[str], vectorized: bool = False
 ) -> Answer:
-    """`{"results": numbers by name}` or `{"failed": sentence}`; whatever the function raises, except an interrupt."""
+    """`{"results": numbers by name}`, `{"failed": sentence}` or `{"excluded": reason}`; whatever the function raises,
+    except an interrupt."""
     try:
         if not vectorized:
             return read(call(**parameters), names)
@@ -71,14 +84,22 @@ def called(
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # whatever a function raises fails its evaluation alone
-        return {"failed": failure(error, call)}
+        reason = excluded(error)
+        return {"excluded": reason} if reason else {"failed": failure(error, call)}
+
+
+def excluded(error: BaseException) -> str:
+    """Why the case does not count, if that is what the function raised; empty otherwise."""
+    from worker.engine.systems.simulators.declared.excluded import Excluded  # the path of a slot is set by now
+
+    return error.excluded if isinstance(error, Excluded) else ""
 
 
 def traced(
     call: Callable[..., Any], parameters: Mapping[str, float], names: Sequence[str], vectorized: bool = False
 ) -> Traced:
     """`{"results": as from `called`, "trace": columns by name}` of a function that is asked for its trace; without
-    `trace` if it failed."""
+    `trace` unless it has results."""
     returned: list[dict[str, object]] = []
 
     @functools.wraps(call)  # a reason then names the line of the function
@@ -93,7 +114,7 @@ def traced(
         return value[0]
 
     results = called(with_trace, parameters, names, vectorized)
-    return {"results": results} if "failed" in results else {"results": results, "trace": returned[0]}
+    return {"results": results, "trace": returned[0]} if "results" in results else {"results": results}
 
 
 def read(value: Any, names: Sequence[str]) -> Answer:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from campaigns.catalogue import SimulatorEntry
 from campaigns.identity.identity import unread as unidentified
-from campaigns.results.base import FAILED, OK
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.scene import Scene
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Floats, NoResult, Reasons, Seeds, Trace
@@ -58,14 +58,15 @@ class _OfFunction(Simulated):
     def digest(self) -> str:
         return self.files_digest
 
-    def _batch(self, values: ArrayLike, failed: Reasons) -> tuple[Batch, Reasons]:
+    def _batch(self, values: ArrayLike, failed: Reasons, excluded: Reasons | None = None) -> tuple[Batch, Reasons]:
         costs = np.array(values, dtype=np.float64)[:, None]
         status = np.full(len(costs), OK, dtype=np.uint8)
-        if failed:
-            rows = list(failed)
-            status[rows] = FAILED
-            costs[rows] = np.nan
-        return Batch(costs if self.results[0].worse == "low" else -costs, status), failed
+        for code, reasons in ((FAILED, failed), (EXCLUDED, excluded or {})):
+            if reasons:
+                rows = list(reasons)
+                status[rows] = code
+                costs[rows] = np.nan
+        return Batch(costs if self.results[0].worse == "low" else -costs, status), {**failed, **(excluded or {})}
 
 
 class InProcess(_OfFunction):
@@ -103,24 +104,27 @@ class InProcess(_OfFunction):
         own = dict(zip(self.names_given, parameters.values(), strict=True))
         answer = calling.traced(self.call, own, self.every, self.of.vectorized)
         results = answer["results"]
-        if "failed" in results:
-            raise NoResult(results["failed"], timeout=False)
+        if "results" not in results:
+            raise NoResult(results.get("failed") or results["excluded"], timeout=False)
         head = traced.head(self.results[0], results["results"][self.results[0].name], parameters, self.scene)
         return traced.read(name, self.columns, child.plain(answer), head)
 
     def _each(self, vectors: Floats) -> tuple[Batch, Reasons]:
         names, every, result, call = self.names_given, self.every, self.results[0].name, self.call
-        values, failed = [np.nan] * len(vectors), Reasons()
+        values, failed, excluded = [np.nan] * len(vectors), Reasons(), Reasons()
         for k, row in enumerate(vectors.tolist()):
             answer = calling.called(call, dict(zip(names, row, strict=True)), every)
             if "failed" in answer:
                 failed[k] = answer["failed"]
+            elif "excluded" in answer:
+                excluded[k] = answer["excluded"]
             else:
                 values[k] = answer["results"][result]
-        return self._batch(values, failed)
+        return self._batch(values, failed, excluded)
 
     def _together(self, vectors: Floats) -> tuple[Batch, Reasons]:
-        """Evaluate all rows by one call, or one by one if that raises, so that only the rows at fault fail."""
+        """Evaluate all rows by one call, or one by one if that raises, so that only the rows at fault fail or are
+        excluded."""
         m = len(vectors)
         columns = {name: np.array(column) for name, column in zip(self.names_given, vectors.T, strict=True)}
         try:
@@ -128,12 +132,14 @@ class InProcess(_OfFunction):
         except KeyboardInterrupt:
             raise
         except BaseException as error:
-            returned, reason = None, calling.failure(error, self.call)
+            returned, reason, why = None, calling.failure(error, self.call), calling.excluded(error)
             if m > 1:
                 parts = [self._together(row[None]) for row in vectors]
                 costs = np.concatenate([batch.costs for batch, _ in parts])
                 status = np.concatenate([batch.status for batch, _ in parts])
-                return Batch(costs, status), {k: why[0] for k, (_, why) in enumerate(parts) if why}
+                return Batch(costs, status), {k: reasons[0] for k, (_, reasons) in enumerate(parts) if reasons}
+            if why:
+                return self._batch([np.nan], {}, {0: why})
         if returned is None:
             return self._batch([np.nan] * m, dict.fromkeys(range(m), reason))
         lost = np.flatnonzero(~np.isfinite(returned))

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.scene import Scene
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Evaluated, Floats, NoResult, Reasons, Seeds, Trace
@@ -30,6 +30,9 @@ from worker.engine.systems.simulators.unchanged import Unchanged
 
 if TYPE_CHECKING:
     from worker.engine.systems.simulators.cluster.pool import DaskPool
+
+WITHOUT_VALUE = {"timeout": TIMEOUT, "excluded": EXCLUDED}
+"""The status of an evaluation without a value by the kind of its outcome; of all others it is failed."""
 
 One = TypeVar("One")
 Made = TypeVar("Made", bound="Pooled")
@@ -148,7 +151,7 @@ class Pooled(Simulated):
         (outcome,) = outcomes
         value, reason = self._read(outcome)
         if reason:
-            return Evaluated(np.array([np.nan]), TIMEOUT if outcome.kind == "timeout" else FAILED, reason)
+            return Evaluated(np.array([np.nan]), WITHOUT_VALUE.get(outcome.kind, FAILED), reason)
         return Evaluated(np.array([value if self.results[0].worse == "low" else -value]), OK, "")
 
 

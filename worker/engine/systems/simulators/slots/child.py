@@ -69,7 +69,8 @@ def serve(evaluate: Any, requests: IO[bytes], answers: IO[bytes], begun: mmap.mm
 
 
 def answered(evaluate: Any, request: dict[str, Any]) -> dict[str, Any]:
-    """The answer of one evaluation: results, or the error in one line; the traceback goes to standard error.
+    """The answer of one evaluation: results, why it is excluded, or the error in one line, whose traceback goes to
+    standard error.
 
     An error may carry its own line, `sentence`, and end the process after the answer, `retire`.
     """
@@ -81,6 +82,8 @@ def answered(evaluate: Any, request: dict[str, Any]) -> dict[str, Any]:
         traceback.print_exc()
         return {"error": "it ran out of memory", "retire": True}
     except Exception as error:
+        if excluded := getattr(error, "excluded", None):  # raised by what calls a user's function, never by that
+            return {"excluded": str(excluded)}
         if sentence := getattr(error, "sentence", None):  # an error that was expected, in words for the user
             return {"error": str(sentence), "retire": getattr(error, "retire", False)}
         traceback.print_exc()

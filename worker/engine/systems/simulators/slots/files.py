@@ -52,7 +52,14 @@ def _run(parameters: dict[str, float], trace: str) -> Any:
         raise RuntimeError(f"the program ended with {how}")
     if not written.exists():
         raise RuntimeError(f"the program wrote no {RESULTS}")
-    return json.loads(written.read_text(encoding="utf-8"))
+    results = json.loads(written.read_text(encoding="utf-8"))
+    if isinstance(results, dict) and "excluded" in results and isinstance(results["excluded"], str):
+        if len(results) > 1:
+            raise RuntimeError(f"{RESULTS} has both results and `excluded`; write one of them")
+        from worker.engine.systems.simulators.declared.excluded import Excluded  # rarely needed, and not to start
+
+        raise Excluded(results["excluded"])
+    return results
 
 
 def _placed(word: str, places: dict[str, str]) -> str:

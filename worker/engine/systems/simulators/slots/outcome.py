@@ -8,7 +8,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any, Literal, Self
 
-Kind = Literal["ok", "error", "timeout", "crash", "not started", "wrong answer"]
+Kind = Literal["ok", "excluded", "error", "timeout", "crash", "not started", "wrong answer"]
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,8 @@ class Limits:
 @dataclass(frozen=True)
 class Outcome:
     """One evaluation: its kind, the answer where it is ok, the reason and the last lines of output where it is not.
+
+    An excluded one has the reason alone, so that equal reasons can be counted.
 
     duration [s]; answer: the JSON value that the simulator returned, not yet checked.
     """

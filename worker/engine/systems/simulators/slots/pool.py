@@ -17,7 +17,8 @@ from collections.abc import Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 
-from worker.engine.systems.simulators.slots.outcome import Limits, Outcome, Request, Slots
+from worker.engine.systems.simulators.declared.excluded import misstated, stated
+from worker.engine.systems.simulators.slots.outcome import Kind, Limits, Outcome, Request, Slots
 from worker.engine.systems.simulators.slots.program import Program, TooLong, misidentified
 from worker.engine.systems.simulators.slots.slot import Slot
 
@@ -242,6 +243,10 @@ class SlotPool(Slots):
             slot.retire = True
         if "error" in fields:
             outcome = Outcome("error", None, str(fields["error"]), slot.last_words(), duration)
+        elif fields.get("excluded") not in (None, False):
+            wrong = misstated(fields)
+            kind: Kind = "wrong answer" if wrong else "excluded"
+            outcome = Outcome(kind, None, wrong or stated(fields["excluded"]), duration=duration)
         else:
             outcome = Outcome("ok", message, duration=duration)
         slot.forget_output()
@@ -323,7 +328,7 @@ class SlotPool(Slots):
 
 
 def _is_answer(message: object) -> bool:
-    return isinstance(message, dict) and ("results" in message or "error" in message)
+    return isinstance(message, dict) and any(key in message for key in ("results", "error", "excluded"))
 
 
 def _death(code: int) -> str:

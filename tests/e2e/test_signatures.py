@@ -21,6 +21,7 @@ from tests.e2e.looking import looks
 from tests.e2e.stored import served
 from tests.given.code_versions import edited
 from tests.given.joined_users import joined
+from tests.given.printed_words import printed_words
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
@@ -79,9 +80,10 @@ def seen(visit: Visit, name: str, run: str, text: str) -> None:
                 visit.page.emulate_media(color_scheme=theme)
                 visit.shot(f"signature-{name}-card-{theme}", of=part)
             visit.page.emulate_media(color_scheme="light")
+    printed = visit.page.request.get(f"{visit.address}/api/v1/runs/{run}/report.pdf").body()
     if pictured():
-        printed = visit.page.request.get(f"{visit.address}/api/v1/runs/{run}/report.pdf")
-        (SCREENSHOTS / f"signature-{name}.pdf").write_bytes(printed.body())
+        (SCREENSHOTS / f"signature-{name}.pdf").write_bytes(printed)
+    assert "".join(text.split()).lower() in printed_words(printed).lower()
 
 
 @contextmanager
@@ -97,10 +99,12 @@ def test_the_standing_of_a_sign_off_is_on_every_page(service: Service, browser: 
         with changed(service.engine, sa.update(CatalogueDocument).values(document=edited())):
             (one,) = client.get(f"/api/v1/runs/{SIGNED}/signoffs").json()["items"]
             assert one["standing"] == "suspect"
-            seen(visit, "suspect", SIGNED, one["reasons"][0])
+            assert one["sentence"].startswith(f"suspect: {one['reasons'][0]}")
+            seen(visit, "suspect", SIGNED, one["sentence"])
         ran(service, client)
         (one,) = client.get(f"/api/v1/runs/{REPEATED}/signoffs").json()["items"]
         assert (one["run"], one["standing"]) == (SIGNED, "carried on")
+        assert f"repeated by {REPEATED}, bit by bit" in one["sentence"]
         seen(visit, "carried", REPEATED, one["sentence"][1:])
         ran(service, client)
         with service.engine.begin() as writer:

@@ -374,7 +374,7 @@ def test_the_trend_names_the_file_where_it_changed(home: Home) -> None:
 
 
 def test_the_pages_name_the_file(home: Home, browser: Browser) -> None:
-    kind, (first, second), name = home.case.file.partition(".")[0], home.runs, home.case.name
+    kind, (first, second), name = "-".join(Path(home.case.file).with_suffix("").parts[-2:]), home.runs, home.case.name
     digest = home.get(f"/runs/{first}").json()["campaign_digest"]
     with visiting(browser, home.service.link().partition("/login")[0]) as visit:
         page = visit.page

@@ -17,8 +17,9 @@ import sqlalchemy as sa
 import typer
 
 from backend.db.engine import connect, default_url, migrate, read
-from campaigns.refusals import RefusalCode
+from campaigns.refusals import Refusal, RefusalCode
 from campaigns.runs import run_name, run_number
+from campaigns.unreadable import UNREADABLE
 from clearance.cli import WrongInputError
 from clearance.cli._service import PATIENCE, numbered
 from clearance.cli._service import opened as opened_service
@@ -79,17 +80,28 @@ RECORD = "record.sqlite3"
 
 @dataclass(frozen=True)
 class StoredRun:
-    """A run where it is stored: the folder, or the database with its number."""
+    """A run where it is stored: the folder, or the database with its number; sent: the service that has sent it."""
 
     place: Path | str
     run_id: int = 0
+    sent: str = ""
 
     def load(self, of_folder: Callable[[Path], Loaded], of_database: Callable[[sa.Connection, int], Loaded]) -> Loaded:
         """Read it; a database is only read."""
         if isinstance(self.place, Path):
             return of_folder(self.place)
-        with reading(self.place) as connection:
-            return of_database(connection, self.run_id)
+        try:
+            with reading(self.place) as connection:
+                return of_database(connection, self.run_id)
+        except (WrongInputError, Refusal):
+            raise
+        except (sa.exc.SQLAlchemyError, *UNREADABLE) as error:
+            if not self.sent:
+                raise
+            why = getattr(error, "orig", error)
+            raise WrongInputError(
+                f"{self.sent} has sent a record that cannot be read: {why}", RefusalCode.UNREADABLE
+            ) from None
 
 
 @contextmanager
@@ -106,7 +118,7 @@ def stored_in(
         with TemporaryDirectory(prefix="clearance-record-", ignore_cleanup_errors=True) as folder:
             with opened_service(service, token_file, PATIENCE) as client:
                 (file,) = client.export(name, Path(folder), (RECORD,))
-            yield StoredRun(f"sqlite:///{file}", run_number(name) or 0)
+            yield StoredRun(f"sqlite:///{file}", run_number(name) or 0, service)
         return
     yield StoredRun(Path(run)) if known is None else StoredRun(existing_url_of(data, database), known)
 

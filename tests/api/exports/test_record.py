@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import httpx
@@ -14,6 +15,8 @@ import sqlalchemy as sa
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, read
 from backend.db.tables import Base, Campaign, EvaluationChunk, Run
+from backend.exports import endpoints
+from backend.exports.formats import record_sqlite3
 from backend.exports.formats.record_sqlite3 import PRIVATE, TABLES
 from backend.settings import Settings
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
@@ -124,6 +127,26 @@ def test_what_cannot_be_had_is_a_sentence(
     monkeypatch.delenv("CLEARANCE_TOKEN")
     assert invoke([command, RUN, "--service", served.url]) == WRONG_INPUT
     assert "no API token" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["audit", "replay"])
+@pytest.mark.parametrize("content", [b"", b"<html>" * 999, "a column", "an array"], ids=str)
+def test_a_record_that_is_none_is_a_sentence(
+    command: str, content: bytes | str, served: Service, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Whatever a service sends."""
+    record = b"".join(record_sqlite3.record(served.engine, 1)) if isinstance(content, str) else content
+    if content == "a column":
+        record = record.replace(b"campaign_digest", b"campaign_digesX")
+    elif content == "an array":
+        with served.engine.begin() as writer:
+            writer.execute(sa.update(EvaluationChunk).values(points=b"short"))
+        record = b"".join(record_sqlite3.record(served.engine, 1))
+    made = replace(record_sqlite3.export, streamed=lambda engine, run_id: iter([record]))
+    monkeypatch.setattr(endpoints, "named", lambda file: (made, ""))
+    assert invoke([command, RUN, "--service", served.url]) == WRONG_INPUT
+    assert "has sent a record that cannot be read" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("database", [KINDS[0], pytest.param(KINDS[1], marks=pytest.mark.nightly)], indirect=True)

@@ -39,7 +39,7 @@ def compared(
     found |= {f"files.{name}": ("no such file", _digest(folder / name)) for name in beside}
     expected = {TABLE, *(f"trace-{name}.csv" for name in ("nominal", *(f["label"] for f in evidence["findings"])))}
     found["files.others"] = (sorted(known.keys() - expected), [])
-    found["others"] = (sorted(evidence.keys() - PARTS), [])
+    found["files.names"] = (sorted(evidence.keys() - PARTS), [])
     found |= {f"identity.{name}": pair for name, pair in _identity(evidence, campaign).items()}
     if isinstance(evidence.get("components"), Catalogue):
         found["files.rows"] = (len(stage), _rows(folder / TABLE, campaign, evidence, arrays, stage))
@@ -67,7 +67,8 @@ def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: S
     low, high = (np.array(ends) for ends in zip(*bounds, strict=True))
     values = cube.natural(points, [known[name][1] for name in campaign.uncertain], low, high)
     index = np.concatenate([np.arange(n) for n in np.unique(stage, return_counts=True)[1]])
-    plan, criteria = evidence["stages"], next(r["criteria"] for r in evidence["results"] if r and "criteria" in r)
+    plan = dict(enumerate(evidence["stages"]))
+    criteria = next((r["criteria"] for r in evidence.get("results", ()) if r and "criteria" in r), [])
     further = [f"{one['name']} [{one['unit']}]" if one["unit"] else one["name"] for one in criteria[1:]]
     header = ["stage", "kind", "method", "index", "status", "cost", *further, *campaign.uncertain, "reason"]
     same = 0
@@ -79,10 +80,10 @@ def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: S
             if k >= len(stage):
                 same -= 1
                 continue
-            of, ok = plan[stage[k]], status[k] == OK
-            found = [str(stage[k]), of["kind"], of["method"] or "", str(index[k]), dict(enumerate(STATUS))[status[k]]]
-            cells = [*(repr(v) if ok else "" for v in costs[k, : 1 + len(further)].tolist())]
-            # The signs of further criteria are theirs, and the last column has what the arrays have as reasons.
-            fits = row[:6] == [*found, cells[0]] and row[6 + len(further) : -1] == [*map(repr, values[k].tolist())]
+            of, ok = plan.get(stage[k], {"kind": None, "method": None}), status[k] == OK
+            state, cost = dict(enumerate(STATUS)).get(status[k]), repr(float(costs[k, 0])) if ok else ""
+            begin = [str(stage[k]), of["kind"], of["method"] or "", str(index[k]), state, cost]
+            fits = row[:6] == begin and row[6 + len(further) : -1] == [*map(repr, values[k].tolist())]
+            # What succeeded has no reason, but that of an earlier call that failed.
             same += fits and len(row) == len(header) and (not ok or not row[-1] or row[-1].startswith(FLAKY))
     return same

@@ -1,4 +1,5 @@
-"""The order of test files, slow ones first, so that all processes finish at the same time; and garbage collection."""
+"""The order of test files, slow ones first, so that all processes finish at the same time; garbage collection; and
+properties, which have no deadline, because no test depends on time, and the same examples in every run."""
 
 from __future__ import annotations
 
@@ -10,6 +11,7 @@ import re
 from importlib import import_module
 
 import pytest
+from hypothesis import HealthCheck, settings
 from numba.core.registry import cpu_target
 
 from tests import statements
@@ -75,6 +77,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def pytest_configure() -> None:
     """Collecting makes hardly any garbage."""
+    slow = [HealthCheck.too_slow]
+    settings.register_profile("clearance", deadline=None, derandomize=True, database=None, suppress_health_check=slow)
+    settings.load_profile("clearance")
     gc.disable()
     statements.share()
 

@@ -115,7 +115,7 @@ def derived(service: Service, visitor: str, path: str, method: str, examples: in
     with service.visitor(**cookie(service, visitor)) as client:
 
         @settings(
-            max_examples=examples, deadline=None, derandomize=True, database=None,
+            max_examples=examples,
             suppress_health_check=list(HealthCheck),
         )  # fmt: skip
         @given(st.one_of(kinds) if examples > 1 else kinds[-1])

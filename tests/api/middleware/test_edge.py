@@ -59,9 +59,6 @@ def test_whatever_is_sent_is_answered_as_described(
 ) -> None:
     @settings(
         max_examples=examples if operation.get("parameters") or "requestBody" in operation else 2,
-        deadline=None,
-        derandomize=True,
-        database=None,
         suppress_health_check=list(HealthCheck),
     )
     @given(requests(path, method, operation))

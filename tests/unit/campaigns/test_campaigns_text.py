@@ -121,20 +121,20 @@ def read_or_refused(place: str, value: Any) -> None:
         assert load_text(to_yaml(found)).digest == load_text(found.canonical()).digest == found.digest
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(st.sampled_from(PLACES), PLAIN)
 def test_any_value_anywhere_gives_a_campaign_or_a_campaign_error(place: str, value: Any) -> None:
     read_or_refused(place, value)
 
 
 @pytest.mark.nightly
-@settings(max_examples=1000, deadline=None, derandomize=True)
+@settings(max_examples=1000)
 @given(st.sampled_from(PLACES), values(st.text(max_size=8)))
 def test_many_values_somewhere(place: str, value: Any) -> None:
     read_or_refused(place, value)
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=150)
 @given(st.text("{}[]:,-&*!|>?%@#'\"\\ \n\t\r~0123456789.eExXan\u00e9\ufeff\0", max_size=40))
 def test_any_other_text_gives_a_campaign_error(text: str) -> None:
     with pytest.raises(CampaignError):
@@ -142,14 +142,14 @@ def test_any_other_text_gives_a_campaign_error(text: str) -> None:
 
 
 @pytest.mark.nightly
-@settings(max_examples=1000, deadline=None, derandomize=True)
+@settings(max_examples=1000)
 @given(st.text(max_size=40))
 def test_any_characters_give_a_campaign_error(text: str) -> None:
     with pytest.raises(CampaignError):
         load_text(text)
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@settings(max_examples=80)
 @given(PLAIN)
 def test_any_other_document_gives_a_campaign_error(value: Any) -> None:
     with pytest.raises(CampaignError):

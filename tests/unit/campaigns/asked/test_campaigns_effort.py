@@ -165,7 +165,7 @@ WORDS += ["|\n", ">\n", "%", "@", "---\n", "\\", "\u00e9", "~", "\u2028", "\u008
 SENTENCES = st.lists(st.sampled_from(WORDS), max_size=12).map("".join)
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=150)
 @given(SENTENCES)
 def test_both_readers_read_the_same(text: str) -> None:
     """libyaml and PyYAML read the same values; errors have PyYAML's text."""
@@ -173,7 +173,7 @@ def test_both_readers_read_the_same(text: str) -> None:
 
 
 @pytest.mark.nightly
-@settings(max_examples=4000, deadline=None, derandomize=True)
+@settings(max_examples=4000)
 @given(SENTENCES)
 def test_both_readers_read_many_texts_the_same(text: str) -> None:
     read_by_both(text)

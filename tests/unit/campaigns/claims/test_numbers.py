@@ -99,7 +99,7 @@ ONE = st.one_of(
 )  # fmt: skip
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(cases=st.lists(ONE, min_size=1, max_size=40))
 def test_random_numbers_are_written_as_on_the_pages(pages: Ask, cases: list[tuple[Any, ...]]) -> None:
     assert pages([list(case) for case in cases]) == [WRITTEN[name](*rest) for name, *rest in cases]

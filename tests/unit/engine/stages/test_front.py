@@ -28,7 +28,7 @@ from worker.running.runs.store import MemoryStore
 TABLES = arrays(np.float64, st.tuples(st.integers(0, 30), st.integers(1, 4)), elements=st.integers(0, 5).map(float))
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(TABLES)
 def test_it_agrees_with_the_definition(costs: Any) -> None:
     found = front.undominated(costs)

@@ -94,7 +94,7 @@ def test_a_violation_that_does_not_repeat_is_reported_as_such() -> None:
 COST = st.floats(-0.5, 0.7)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given_(st.lists(st.tuples(COST, COST, COST, st.booleans()), min_size=1, max_size=4))
 def test_what_is_stated_of_a_violation_is_granted_by_every_integration(
     cases: list[tuple[float, float, float, bool]],

@@ -127,7 +127,9 @@ def _from_service(ctx: typer.Context, run_id: int | None, service: str) -> bool:
     """Whether a run is read from the service; `WrongInputError` if a database is stated, too."""
     stated, *known = (_source(ctx, option) for option in ("service", "data", "database"))
     if stated == "COMMANDLINE" and "COMMANDLINE" in known:
-        raise WrongInputError("--service reads the run from a service: leave --data and --database out")
+        raise WrongInputError(
+            "--service reads the run from a service: leave --data and --database out", RefusalCode.OPTIONS
+        )
     usual = known == ["DEFAULT"] * 2
     return bool(service) and (stated == "COMMANDLINE" or (usual and run_id is not None))
 

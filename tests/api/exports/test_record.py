@@ -19,10 +19,12 @@ from backend.exports import endpoints
 from backend.exports.formats import record_sqlite3
 from backend.exports.formats.record_sqlite3 import PRIVATE, TABLES
 from backend.settings import Settings
+from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.given.corrupted_records import stored
 from tests.given.databases import KINDS
 from tests.given.finished_runs import finish
+from tests.given.refused_commands import refused
 from tests.given.service import Service
 from tests.given.submissions import submit
 from worker.engine.stages.parts import offered
@@ -93,7 +95,7 @@ def test_a_service_with_a_forged_cost_is_found_out(served: Service, capsys: pyte
         writer.execute(sa.update(EvaluationChunk).where(*of).values(costs=costs[8:16] + costs[8:]))
     assert printed(capsys, "audit", RUN, "--service", served.url)[0] == VIOLATED
     code, text = printed(capsys, "replay", RUN, "direct:0", "--service", served.url)
-    assert (code, text.splitlines()[-1].endswith("1 of 1 do not agree.")) == (VIOLATED, True)
+    assert (code, "differs" in text) == (VIOLATED, True)
 
 
 @pytest.mark.parametrize("command", ["audit", "replay"])
@@ -116,17 +118,14 @@ def test_a_stated_place_is_preferred_to_the_environment(
 def test_what_cannot_be_had_is_a_sentence(
     command: str, served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for options, words in (
-        ((RUN, "--data", "."), "leave --data and --database out"),
-        (("out",), "invalid run number 'out': give one such as R-0001"),
-        (("R-0042",), "there is no run 'R-0042' [not-found]"),
-    ):
-        capsys.readouterr()
-        assert invoke([command, *options, "--service", served.url]) == WRONG_INPUT
-        assert words in capsys.readouterr().err
+    there = ("--service", served.url)
+    assert refused(capsys, command, RUN, "--data", ".", *there) == RefusalCode.OPTIONS
+    assert refused(capsys, command, "R-0042", *there) == "not-found"
+    assert invoke([command, "out", *there]) == WRONG_INPUT
+    assert "R-0001" in capsys.readouterr().err
     monkeypatch.delenv("CLEARANCE_TOKEN")
-    assert invoke([command, RUN, "--service", served.url]) == WRONG_INPUT
-    assert "no API token" in capsys.readouterr().err
+    assert invoke([command, RUN, *there]) == WRONG_INPUT
+    assert "CLEARANCE_TOKEN" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["audit", "replay"])
@@ -145,8 +144,7 @@ def test_a_record_that_is_none_is_a_sentence(
         record = b"".join(record_sqlite3.record(served.engine, 1))
     made = replace(record_sqlite3.export, streamed=lambda engine, run_id: iter([record]))
     monkeypatch.setattr(endpoints, "named", lambda file: (made, ""))
-    assert invoke([command, RUN, "--service", served.url]) == WRONG_INPUT
-    assert "has sent a record that cannot be read" in capsys.readouterr().err
+    assert refused(capsys, command, RUN, "--service", served.url) == RefusalCode.UNREADABLE
 
 
 @pytest.mark.parametrize("database", [KINDS[0], pytest.param(KINDS[1], marks=pytest.mark.nightly)], indirect=True)

@@ -319,7 +319,12 @@ PUBLISHED = {"components", "matrix", "sign-off"}
 """Where what is installed is what workers have published."""
 
 
-@pytest.fixture(scope="module", params=CASES)
+AT_NIGHT = {"helper elsewhere"}
+
+
+@pytest.fixture(
+    scope="module", params=[pytest.param(one, marks=[pytest.mark.nightly] * (one in AT_NIGHT)) for one in CASES]
+)
 def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Home]:
     case, place = CASES[request.param], tmp_path_factory.mktemp("identity")
     folder = place / "own"
@@ -356,6 +361,8 @@ def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 def test_two_versions_are_told_apart(home: Home, place: str) -> None:
     if place in PUBLISHED and not home.case.published:
         pytest.skip("workers publish its digest when they start")
+    if place == "report.pdf" and home.case is not CASES["component"]:
+        pytest.skip("it is printed from report.html, which takes seconds")
     if place in ("3D view", "recording") and home.case.what_if == "cases":
         pytest.skip("it has no positions to draw")
     first, second = (PLACES[place](home, run) for run in home.runs)

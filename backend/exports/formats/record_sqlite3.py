@@ -19,9 +19,9 @@ from backend.exports.format import Format, words
 
 PRIVATE = {"owner", "token", "worker", "notes", "removed_by", "removed_reason", "purged_by"}
 """Columns of the run that are left out: who had it run, and what was written on it."""
-ROWS = (tables.Stage, tables.EvaluationChunk, tables.Finding, tables.Trace)
+ROWS: tuple[Any, ...] = (tables.Stage, tables.EvaluationChunk, tables.Finding, tables.Trace)
 """Tables of rows that belong to one run."""
-TABLES = (Campaign, CatalogueSnapshot, CodeVersion, Run, *ROWS)
+TABLES: tuple[Any, ...] = (Campaign, CatalogueSnapshot, CodeVersion, Run, *ROWS)
 PIECE = 2**20
 """How much is sent at a time [bytes]."""
 
@@ -31,7 +31,7 @@ def record(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
     with tempfile.TemporaryDirectory(prefix="clearance-record-", ignore_cleanup_errors=True) as folder:
         file = Path(folder) / "record.sqlite3"
         target = sa.create_engine(f"sqlite:///{file}", poolclass=sa.NullPool)
-        Base.metadata.create_all(target, tables=[table.__table__ for table in TABLES])  # type: ignore[misc]
+        Base.metadata.create_all(target, tables=[table.__table__ for table in TABLES])
         with read(engine) as reader, target.begin() as writer:
             _copy(reader, writer, run_id)
         with file.open("rb") as content:

@@ -1,13 +1,6 @@
 # One image for the backend and the workers. Every step is in tools/image.sh, which also runs without an engine.
 
-FROM node:22-slim AS pages
-WORKDIR /app
-COPY tools tools
-COPY docs docs
-COPY frontend frontend
-RUN tools/image.sh pages
-
-FROM python:3.11-slim
+FROM python:3.11-slim AS app
 WORKDIR /app
 COPY tools tools
 COPY requirements.lock ./
@@ -18,6 +11,17 @@ COPY clearance clearance
 COPY backend backend
 COPY worker worker
 RUN tools/image.sh app
+
+FROM node:22-slim AS pages
+WORKDIR /app
+COPY tools tools
+COPY docs docs
+COPY frontend frontend
+COPY --from=app /app/frontend/src/generated frontend/src/generated
+RUN tools/image.sh pages
+
+FROM app
+RUN rm -r frontend/src
 COPY --from=pages /app/frontend/dist frontend/dist
 
 # Not root, and nothing of /app is writable; /data is the one place that is.

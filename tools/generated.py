@@ -1,14 +1,15 @@
-"""Writes the files that follow from the code: `python -m tools.generated`; tests check that they are as it writes them.
+"""Writes the files that follow from the code: `python -m tools.generated`; those in git are tested to be up to date.
 
-The API's description, the looks of the shipped methods and the rules of a claim, which the pages are built with, the
-types of the client's answers, and the tables of the guides between `<!-- generated: NAME -->` and `<!-- end -->`. Start
-reading at `FILES`.
+In git are the API's description, the types of the client's answers, and the tables of the guides between
+`<!-- generated: NAME -->` and `<!-- end -->`. The looks of the shipped methods and the rules of a claim are not:
+`python -m tools.generated pages` writes these alone, before the pages are built. Start reading at `FILES`.
 """
 
 from __future__ import annotations
 
 import json
 import re
+import sys
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -16,7 +17,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from backend import openapi
-from campaigns.documents import JsonObject
 from campaigns.rules import LIMITS, RULES
 from worker.engine.search.base import Method
 from worker.evidence.audit.trusted import TRUSTED
@@ -44,7 +44,7 @@ def _looks() -> str:
 
 def _rules() -> str:
     """The limits of `campaigns.rules` by name, and the checks in their order."""
-    checks: list[JsonObject] = [
+    checks = [
         {"code": rule.code, "title": rule.title, "requires": rule.requires, "intended": rule.intended} for rule in RULES
     ]
     limits = {name.lower(): limit.value for name, limit in LIMITS.items()}
@@ -260,16 +260,21 @@ def _type(schema: Schema, known: Schema) -> str | None:
 
 FILES: Mapping[str, Callable[[], str]] = {
     "frontend/openapi.json": openapi.text,
-    "frontend/src/ui/shipped.json": _looks,
-    "frontend/src/api/rules.json": _rules,
     "clearance/client/answers.py": lambda: answers(json.loads(openapi.text())),
     "docs/methods.md": lambda: _guide("docs/methods.md"),
     "docs/evidence.md": lambda: _guide("docs/evidence.md"),
 }
 
 
+PAGES: Mapping[str, Callable[[], str]] = {
+    "frontend/src/generated/methods.json": _looks,
+    "frontend/src/generated/rules.json": _rules,
+}
+
+
 def main() -> None:
-    for name, text in FILES.items():
+    for name, text in {**({} if sys.argv[1:] == ["pages"] else FILES), **PAGES}.items():
+        (ROOT / name).parent.mkdir(parents=True, exist_ok=True)
         (ROOT / name).write_text(text(), encoding="utf-8")
 
 

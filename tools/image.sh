@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The steps of the container image, one by one, so that they can be run without a container engine too:
-#   image.sh pages      builds the pages in frontend/ (needs Node)
 #   image.sh packages   makes .venv from the lock file, without what only tests and development need
-#   image.sh app        installs this project into it
+#   image.sh app        installs this project into it, and writes what the pages are built with
+#   image.sh pages      builds the pages in frontend/ (needs Node)
 # `tools/image.sh check FOLDER` runs all of them in FOLDER, on those files of the last commit that the Dockerfile copies,
 # and starts what came out.
 
@@ -26,6 +26,7 @@ app() {
     .venv/bin/python -m pip install --no-cache-dir --quiet --no-deps --no-build-isolation -e .
     .venv/bin/python -m compileall -q backend campaigns clearance worker
     .venv/bin/clearance --help >/dev/null
+    .venv/bin/python -m tools.generated pages
 }
 
 check() {
@@ -34,7 +35,7 @@ check() {
     mkdir -p "$folder"
     git archive HEAD backend campaigns clearance worker tools frontend docs pyproject.toml requirements.lock README.md |
         tar -x -C "$folder"
-    for step in packages pages app; do
+    for step in packages app pages; do
         say "== $step"
         "$folder/tools/image.sh" "$step"
     done

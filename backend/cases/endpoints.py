@@ -53,7 +53,7 @@ def _work(
     request: Request, engine: Engine, run: str, case: CaseRequest, viewer: Viewer | None, turn: Turn
 ) -> CaseAnswer:
     with read(engine) as reader:
-        wanted = service.asked(reader, run, case)
+        wanted = service.requested_case(reader, run, case)
     answer = service.evaluated(request.app.state.cases, wanted, case.rows)
     drawn = case.view if drew(viewer, answer, None, turn) else None
     with read(engine) as reader:

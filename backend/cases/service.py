@@ -43,7 +43,7 @@ def process() -> Live:
     return Live(COMMAND, LIMIT, FIRST_LIMIT, GRACE)
 
 
-def asked(reader: sa.Connection, run: str, request: CaseRequest) -> Evaluable:
+def requested_case(reader: sa.Connection, run: str, request: CaseRequest) -> Evaluable:
     """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
     found = _simulated(reader, number(run))
     wanted = flights.case(reader, number(run), found, request.like, request.parameters)

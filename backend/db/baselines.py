@@ -29,7 +29,7 @@ class Resolved(NamedTuple):
     run_id: int | None
     """None if no run has the label; the campaign has no baseline then."""
     sentence: str
-    given: str = ""
+    request: str = ""
     """What was asked for."""
 
 

@@ -259,9 +259,9 @@ def waiting_order(at: float) -> sa.Select[int]:
 
 
 def _order(at: float) -> tuple[Any, ...]:
-    active = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
+    active = sa.select(Run.owner, sa.func.count().label("active")).where(Run.state.in_(HELD), Run.lease_until >= at)
     share = active.group_by(Run.owner).subquery()
-    fewest = sa.func.coalesce(sa.select(share.c.held).where(share.c.owner == Run.owner).scalar_subquery(), 0)
+    fewest = sa.func.coalesce(sa.select(share.c.active).where(share.c.owner == Run.owner).scalar_subquery(), 0)
     return (Run.priority.desc(), fewest, Run.created, Run.id)
 
 

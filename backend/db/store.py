@@ -26,7 +26,7 @@ from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import values_changed
 from campaigns.identity.identity import differences, identity_of, simulator_of
-from campaigns.results import Finding, NominalResult, StageResult, Verdict
+from campaigns.results import Finding, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.runs import RunState, StageState
 from campaigns.sample_seed import SampleSeed
@@ -128,8 +128,8 @@ class RunStore:
 
         def work(connection: sa.Connection) -> None:
             values: dict[str, object] = {"attempts": 1, "error": None}
-            if isinstance(result, NominalResult):
-                values["nominal_cost"] = plain(result.cost)
+            if result.at_nominal is not None:
+                values["nominal_cost"] = plain(result.at_nominal.cost)
             fenced(connection, self.claim, **values)
             ended = {"state": StageState.DONE, "finished": now(connection), "seconds": seconds, "result": plain(result)}
             connection.execute(self._stage(position).values(**ended))

@@ -59,7 +59,7 @@ class SimulatorMeasurement(Base):
     """When [s since 1970]."""
     host: orm.Mapped[str] = orm.mapped_column(sa.String(120))
     result: orm.Mapped[JsonObject]
-    """See `campaigns.results.nominal.Measured`."""
+    """See `campaigns.results.measured.Measured`."""
 
 
 class WebhookTarget(Base):

@@ -130,7 +130,7 @@ def _permit(campaign: Campaign, catalogue: Catalogue | None, values: Mapping[str
     unknown = [path for path in values if path not in known]
     if unknown:
         errors = [
-            Problem(f"parameters.{path}", texts.given(values[path]), f"no such parameter; {texts.known(path, known)}")
+            Problem(f"parameters.{path}", texts.number(values[path]), f"no such parameter; {texts.known(path, known)}")
             for path in unknown
         ]
         what = "simulator" if campaign.scenario is None else "scenario"
@@ -138,6 +138,6 @@ def _permit(campaign: Campaign, catalogue: Catalogue | None, values: Mapping[str
         raise RefusedError(422, "unknown-parameter", detail, errors)
     outside = [path for path, value in values.items() if not known[path][0].low <= value <= known[path][0].high]
     if outside:
-        errors = [Problem(f"parameters.{p}", texts.given(values[p]), texts.limits(known[p][0])) for p in outside]
-        detail = f"{outside[0]} is given as {texts.given(values[outside[0]])}: {texts.limits(known[outside[0]][0])}"
+        errors = [Problem(f"parameters.{p}", texts.number(values[p]), texts.limits(known[p][0])) for p in outside]
+        detail = f"{outside[0]} is given as {texts.number(values[outside[0]])}: {texts.limits(known[outside[0]][0])}"
         raise RefusedError(422, "outside-limits", detail, errors)

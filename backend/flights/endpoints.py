@@ -40,7 +40,7 @@ def _work(
     request: Request, engine: Engine, run: str, flight: FlightRequest, viewer: Viewer | None, turn: Turn
 ) -> FlightAnswer:
     with read(engine) as reader:
-        wanted = service.asked(reader, run, flight)
+        wanted = service.requested_case(reader, run, flight)
     answer = service.simulated(request.app.state.live, wanted, flight.rows)
     drawn = flight.view if drew(viewer, answer, wanted.seed, turn) else None
     with read(engine) as reader:

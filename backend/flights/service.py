@@ -15,7 +15,7 @@ from campaigns.runs import run_name
 from campaigns.stored.replies import FlightReply
 
 
-def asked(reader: sa.Connection, run: str, request: FlightRequest) -> Case:
+def requested_case(reader: sa.Connection, run: str, request: FlightRequest) -> Case:
     """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
     run_id = number(run)
     found = campaign(reader, run_id)

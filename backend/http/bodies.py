@@ -16,6 +16,12 @@ from campaigns.asked.reading import LONGEST_KEY, repeated
 MOST_CONTAINERS = 100_000
 """Lists and objects of a body in JSON; each costs half a microsecond, and a campaign has some hundred."""
 
+LAUNCH = (
+    *("unsupported-media-type", "unreadable", "invalid-campaign", "idempotency-key-reused"),
+    *("no-catalogue", "busy", "quota-reached"),
+)
+"""The problems of a request that queues runs of a campaign."""
+
 Described = TypeVar("Described", bound=BaseModel)
 JSON_TYPES = frozenset({"application/json"})
 YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml"})

@@ -7,7 +7,7 @@ from markupsafe import Markup
 from backend.reports import figures, plan_view, plot, words
 from backend.reports.record import Record
 from campaigns.claims import numbers
-from campaigns.results import CertifyResult, SearchResult, SensitivityResult
+from campaigns.results import SearchResult
 from campaigns.results.sample import Sample
 from campaigns.results.slices import Curve
 
@@ -78,8 +78,7 @@ def _convergence(record: Record) -> Markup | None:
 
 
 def _curves(record: Record) -> list[Curve]:
-    study = record.result(SensitivityResult)
-    return [] if study is None else study.curves
+    return [curve for result in record.every for curve in result.slices]
 
 
 def _slices(record: Record) -> dict[str, Curve]:
@@ -132,9 +131,9 @@ def _tornado(record: Record) -> Markup | None:
 
 def sample(record: Record) -> Sample | None:
     """The independent sample behind the statistical statement: that of certify, else of the first random search."""
-    certified = record.result(CertifyResult)
-    if certified is not None:
-        return certified.sample
+    certified = [result.certificate.sample for result in record.every if result.certificate is not None]
+    if certified:
+        return certified[0]
     searched = [result.sample for _, result in record.results(SearchResult)]
     return next((s for s in searched if s is not None and s.upper_bound is not None), None)
 

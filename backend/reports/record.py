@@ -68,6 +68,11 @@ class Record:
     def verdict(self) -> RunVerdict | None:
         return self.run.summary
 
+    @property
+    def every(self) -> list[StageResult]:
+        """The results of all stages that have one."""
+        return [stage.result for stage in self.stages if stage.result is not None]
+
     def results(self, kind: type[R]) -> list[tuple[StageDetail, R]]:
         return [(stage, stage.result) for stage in self.stages if isinstance(stage.result, kind)]
 

@@ -19,7 +19,7 @@ from backend.reports.record import Record, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
 from campaigns.identity.identity import Identity
-from campaigns.results import SensitivityResult, TraceHead, ValidateResult
+from campaigns.results import TraceHead, ValidateResult
 from campaigns.results.verdict import headline
 from campaigns.runs import RunState
 from campaigns.stages.plan import most
@@ -114,7 +114,7 @@ def _context(record: Record, at: float) -> dict[str, object]:
         "limits": limits.conditions(record),
         "checks": [] if verdict is None else verdict.checks,
         "sample": charts.sample(record),
-        "sensitivity": record.result(SensitivityResult),
+        "studies": [study for result in record.every for study in result.studies.items()],
         "fig": charts.drawn(record),
         "doubts": sections.doubts(record),
         "signoffs": sections.signoffs(record),

@@ -13,7 +13,7 @@ from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import count, joined, number, say, symbol
 from campaigns.claims.spans import Spans
-from campaigns.results import NominalResult, ValidateResult, verdicts
+from campaigns.results import ValidateResult, verdicts
 from campaigns.results.finding import ClosestApproach, Validation
 from campaigns.results.validate import Beyond, Encounter, Unseen
 
@@ -63,9 +63,8 @@ def again(record: Record) -> list[Spans]:
     result = record.result(ValidateResult)
     if result is None:
         return []
-    first = record.result(NominalResult)
-    measured = [] if first is None or first.measured is None else [say("the simulator ", first.measured.statement)]
-    found = measured + [
+    measured = [result.repeatability for result in record.every if result.repeatability is not None]
+    found = [say("the simulator ", one.statement) for one in measured] + [
         part.statement for part in (result.violations, result.spot_checks) if part is not None and part.statement
     ]
     at = None if result.spot_checks is None else result.spot_checks.at

@@ -20,7 +20,7 @@ from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
 from backend.http.schema import RunName, Seconds
 from backend.runs import edits, listing, onward, removal, reuse, service, submission, texts
-from backend.runs.asked import Asked, AskedFor
+from backend.runs.address import AddressParts, FromAddress
 from backend.runs.code import changes
 from backend.runs.components import components
 from backend.runs.facets import facets
@@ -56,19 +56,10 @@ Word = Annotated[str, Field(max_length=200)]
     "/runs",
     status_code=status.HTTP_201_CREATED,
     openapi_extra=bodies.of("RunSubmit"),
-    responses=LOCATION
-    | problems(
-        "unsupported-media-type",
-        "unreadable",
-        "invalid-campaign",
-        "idempotency-key-reused",
-        "no-catalogue",
-        "busy",
-        "quota-reached",
-    ),
+    responses=LOCATION | problems(*bodies.LAUNCH),
 )
 async def submit_run(
-    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, parts: AskedFor, key: Key = None
+    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, parts: FromAddress, key: Key = None
 ) -> RunSubmitted:
     """Queue a run of a campaign, given as JSON or as YAML; labels, baseline and reuse in the address or in the JSON."""
     yaml = bodies.is_yaml(request)
@@ -82,7 +73,7 @@ async def submit_run(
     return run
 
 
-def _submission(body: bytes, yaml: bool, parts: Asked) -> submission.Submission:
+def _submission(body: bytes, yaml: bool, parts: AddressParts) -> submission.Submission:
     try:
         if yaml:
             return submission.from_yaml(body, parts)

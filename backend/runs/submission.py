@@ -17,7 +17,7 @@ from backend.db.tables import Run, RunText
 from backend.http import bodies, keys
 from backend.http.keys import Keyed
 from backend.runs import reuse
-from backend.runs.asked import Asked
+from backend.runs.address import AddressParts
 from backend.runs.quota import Quota, refuse_beyond
 from backend.runs.requests import RunSubmit
 from backend.runs.schemas import RunBaseline, RunSubmitted
@@ -51,14 +51,14 @@ class Submission:
     group: str | None
 
 
-def from_yaml(body: bytes, parts: Asked) -> Submission:
+def from_yaml(body: bytes, parts: AddressParts) -> Submission:
     """A submission whose body is the campaign itself."""
     campaign = bodies.yaml_campaign(body)  # first: text that is a campaign can be stored
     request = parts.with_body(RunSubmit(campaign={}, text=bodies.text(body)))
     return _submission(campaign, request, parts.digest(body))
 
 
-def from_json(body: bytes, request: RunSubmit, parts: Asked) -> Submission:
+def from_json(body: bytes, request: RunSubmit, parts: AddressParts) -> Submission:
     """A submission from JSON; raises `CampaignError`, also if its text describes another campaign."""
     campaign = load_document(request.campaign, "request")
     if request.text is not None and load_text(request.text, "text").digest != campaign.digest:
@@ -187,8 +187,8 @@ def _answer(reader: sa.Connection, run_id: int, at: float, resolved: Resolved | 
     earlier = found.finished is not None and found.finished <= at
     reused = reuse.sentence(reader, run_id) if earlier else None
     compared = baseline(reader, run_id)
-    if compared is None and resolved is not None and resolved.given:  # the run that is reused was launched without it
-        compared = RunBaseline(asked=resolved.given, run=None, sentence=resolved.sentence)
+    if compared is None and resolved is not None and resolved.request:  # the run that is reused was launched without it
+        compared = RunBaseline(asked=resolved.request, run=None, sentence=resolved.sentence)
     others = [run_name(other) for other in groups.superseded(reader, run_id)]
     return RunSubmitted(**dict(found), reused=reused, baseline=compared, superseded=others)
 

@@ -64,11 +64,11 @@ def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing
     for row in reader.execute(query.where(live)):
         known = Doing.of(row.doing, row.run_id) if row.name == row.worker else None
         if known is not None:
-            found[row.run_id] = told(known)
+            found[row.run_id] = doing_of(known)
     return found
 
 
-def told(known: Doing) -> RunDoing:
+def doing_of(known: Doing) -> RunDoing:
     about = "" if known.seconds is None else f", about {max(1, math.ceil(known.seconds))} s"
     return RunDoing(sentence=_COMPILING.format(about=about), since=known.since, seconds=known.seconds)
 

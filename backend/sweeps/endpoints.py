@@ -28,16 +28,7 @@ LOCATION = located("The sweep that was launched, now or earlier with the same ke
     "/sweeps",
     status_code=status.HTTP_201_CREATED,
     openapi_extra=bodies.of("SweepSubmit", yaml=False),
-    responses=LOCATION
-    | problems(
-        "unsupported-media-type",
-        "unreadable",
-        "invalid-campaign",
-        "idempotency-key-reused",
-        "no-catalogue",
-        "busy",
-        "quota-reached",
-    ),
+    responses=LOCATION | problems(*bodies.LAUNCH),
 )
 async def submit_sweep(
     request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, key: Key = None

@@ -35,7 +35,7 @@ class Submission:
     """A sweep to launch, parsed but not yet checked against the catalogue."""
 
     campaign: Campaign
-    given: SweepSubmit
+    request: SweepSubmit
     body: bytes
 
     @property
@@ -57,7 +57,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
     with read(engine) as reader:
         catalogue = required(reader)
     try:
-        campaigns = variants(submission.campaign, submission.given.path, submission.given.values, catalogue)
+        campaigns = variants(submission.campaign, submission.request.path, submission.request.values, catalogue)
     except CampaignError as error:
         raise bodies.invalid(error) from None
     keyed = Keyed(key, visitor.user, "submit_sweep", submission.digest)
@@ -80,7 +80,7 @@ def _launch(
     visitor: Visitor,
     catalogue: Catalogue,
 ) -> int:
-    options, base = submission.given, submission.campaign
+    options, base = submission.request, submission.campaign
     entry, nominal = described(base, options.path, catalogue)
     name = options.name or base.name
     row = {

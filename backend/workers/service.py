@@ -47,7 +47,7 @@ def _out(row: Any, at: float, stages: dict[int, str]) -> WorkerOut:
         state="silent" if silent else "idle" if row.run_id is None else "busy",
         run=None if row.run_id is None else run_name(row.run_id),
         stage=None if silent or row.run_id is None else stages.get(row.run_id),
-        doing=None if known is None else waiting.told(known),
+        doing=None if known is None else waiting.doing_of(known),
         simulators=sorted(version.partition("@")[0] for version in row.simulators),
     )
 

@@ -44,8 +44,8 @@ def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
     """
     findings, stated = campaign.stages.findings, campaign.stages.validate_.evaluations
     confirming, needed = _confirming(campaign, noisy), least(campaign, noisy)
-    asked = findings.evaluations if findings.evaluations != FINDINGS else 0
-    total = max(searches(campaign), asked) if stated is None else stated
+    requested = findings.evaluations if findings.evaluations != FINDINGS else 0
+    total = max(searches(campaign), requested) if stated is None else stated
     each = campaign.stages.validate_.neighbours + SLICE * len(campaign.uncertain) + boundary(campaign)
     most = findings.evaluations + 2 * findings.at_most * each
     total = max(needed, min(total, most + confirming + CASE * VIOLATIONS))

@@ -255,7 +255,7 @@ def _started(
     elif path in known:
         low, high = campaign.uncertain[path].interval(known[path][1])
         if not texts.within(value, low, high):
-            yield Problem(field, texts.given(value), f"a start must be within the bounds {low:g} to {high:g}")
+            yield Problem(field, texts.number(value), f"a start must be within the bounds {low:g} to {high:g}")
 
 
 def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Problem]:

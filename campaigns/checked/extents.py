@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue, ParameterEntry, ReachEntry
-from campaigns.checked.texts import given
+from campaigns.checked.texts import number
 
 Known = Mapping[str, tuple[ParameterEntry, float]]
 
@@ -25,10 +25,10 @@ def centres(campaign: Campaign, catalogue: Catalogue, known: Known) -> Iterator[
         yield Problem("criterion.from_centre", "true", text)
     if measured_to == "surface" and criterion.threshold < 0:
         text = "below 0 a vehicle inside an obstacle would count as clear; give 0 or more"
-        yield Problem("criterion.threshold", given(criterion.threshold), text)
+        yield Problem("criterion.threshold", number(criterion.threshold), text)
     inside = within(campaign, catalogue, known)
     if measured_to == "centre" and inside and not criterion.from_centre:
-        yield Problem("criterion.threshold", given(criterion.threshold), _sentence(catalogue, inside))
+        yield Problem("criterion.threshold", number(criterion.threshold), _sentence(catalogue, inside))
 
 
 def within(campaign: Campaign, catalogue: Catalogue, known: Known) -> dict[str, float]:

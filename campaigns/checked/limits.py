@@ -14,9 +14,9 @@ def refused(field: str, entries: list[ParameterEntry], values: Mapping[str, floa
     known = {e.name: e for e in entries}
     for name, value in values.items():
         if name not in known:
-            yield Problem(f"{field}.{name}", texts.given(value), f"no such parameter; {texts.known(name, known)}")
+            yield Problem(f"{field}.{name}", texts.number(value), f"no such parameter; {texts.known(name, known)}")
         elif not known[name].low <= value <= known[name].high:
-            yield Problem(f"{field}.{name}", texts.given(value), texts.limits(known[name]))
+            yield Problem(f"{field}.{name}", texts.number(value), texts.limits(known[name]))
     for name, entry in known.items():
         if entry.default is None and name not in values:
             yield Problem(f"{field}.{name}", "", f"this parameter is required: {entry.text} [{entry.unit}]")

@@ -12,7 +12,6 @@ from typing import Any
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, SimulatorEntry
 from campaigns.checked.check import parameters, parts
-from campaigns.documents import JsonObject
 from campaigns.documents import digest_of as digest_of
 
 _WORDS = {
@@ -127,7 +126,7 @@ def _parameter(called: str, then: ParameterEntry, now: ParameterEntry) -> Iterat
 
 def _method(called: str, then: MethodEntry, now: MethodEntry) -> Iterator[str]:
     yield from _fields(called, then, now, ("name", "options", "look", *_ADVICE))
-    before, after = _options(then), _options(now)
+    before, after = (entry.options.get("properties", {}) for entry in (then, now))
     for name in {**before, **after}:
         if name not in after or name not in before:
             yield f"{called} has {'no' if name in before else 'one more'} option {name} here"
@@ -166,11 +165,6 @@ def _gone(called: str) -> str:
 
 def _by_name(entry: ComponentEntry | SimulatorEntry, group: str) -> dict[str, ParameterEntry]:
     return {p.name: p for p in getattr(entry, group)}
-
-
-def _options(entry: MethodEntry) -> dict[str, JsonObject]:
-    found: dict[str, JsonObject] = entry.options.get("properties", {})
-    return found
 
 
 def _value(value: float | None, unit: str) -> str:

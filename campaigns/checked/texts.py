@@ -14,7 +14,7 @@ def within(value: float, low: float, high: float) -> bool:
     return low - slack <= value <= high + slack
 
 
-def given(value: float) -> str:
+def number(value: float) -> str:
     return f"{value:.15g}"
 
 

@@ -35,7 +35,7 @@ def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parameter
     for name, bound in (("low", low), ("high", high)):
         if not entry.low <= bound <= entry.high:
             key = name if uncertain.plus_minus is None else "plus_minus"
-            yield Problem(f"{field}.{key}", texts.given(bound), f"{name} bound: {texts.limits(entry)}")
+            yield Problem(f"{field}.{key}", texts.number(bound), f"{name} bound: {texts.limits(entry)}")
     if not low <= nominal <= high:
         yield Problem(
             field,
@@ -52,7 +52,7 @@ def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> I
         middle = {"mean": distribution.mean}
     for name, value in middle.items():
         if not texts.within(value, low, high):
-            yield Problem(f"{field}.distribution.{name}", texts.given(value), f"must be within {low:g} to {high:g}")
+            yield Problem(f"{field}.distribution.{name}", texts.number(value), f"must be within {low:g} to {high:g}")
 
 
 def correlated(campaign: Campaign) -> Iterator[Problem]:

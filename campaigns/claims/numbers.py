@@ -2,7 +2,7 @@
 
 Plain: significant digits, a full space before the unit, as on the command line. In print: true minus sign, narrow space
 before the unit, units with dots and superscripts, as in reports and on the pages. `frontend/src/format` writes the same
-texts: `numbers.json` has the cases that both are tested with. Start reading at `written`.
+texts: `frontend/tests/numbers.json` has the cases of both tests. Start reading at `written`.
 """
 
 from __future__ import annotations

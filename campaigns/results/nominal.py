@@ -1,19 +1,17 @@
-"""The result of the nominal stage."""
+"""The evaluation at the nominal values of the parameters."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from campaigns.documented import UNLESS_NONE
-from campaigns.results.base import Status, Untraced, Values
+from campaigns.results.base import Result, Status, Values
 from campaigns.results.measured import Measured
-from campaigns.results.stage import StageResult
 
 
-class NominalResult(StageResult):
+class NominalCase(Result):
     """The evaluation at the nominal values."""
 
-    stage: Literal["nominal"] = "nominal"
     cost: float | None
     """In the criterion's unit; null where it has none."""
     margin: float | None
@@ -23,8 +21,3 @@ class NominalResult(StageResult):
     parameters: Values = {}
     measured: Annotated[Measured | None, UNLESS_NONE] = None
     """Of a simulator; omitted for a closed loop, which repeats by construction."""
-    untraced: Untraced = {}
-
-    @property
-    def repeatability(self) -> Measured | None:
-        return self.measured

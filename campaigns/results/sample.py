@@ -1,12 +1,10 @@
-"""The statement of an independent random sample, and the result of the certify stage."""
+"""The statement of an independent random sample and its seed, and of a full grid."""
 
 from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Described, Result, Stop, Values
-from campaigns.results.stage import StageResult
-from campaigns.sample_seed import SampleSeed
+from campaigns.results.base import Described, Result, Values
 
 Noise = Literal["none", "drawn", "stated"]
 
@@ -92,32 +90,11 @@ class GridResult(Described):
     excluded: int
 
 
-class CertifyResult(StageResult, Described):
-    """The sample that supports a claim on probability, and the grid if requested."""
+class Certificate(Described):
+    """The independent sample that supports a claim on probability, and where it came from."""
 
-    stage: Literal["certify"] = "certify"
     sample: Sample
-    grid: GridResult | None
     seed: int | None = None
     """From which its points and noise follow; null in results of earlier versions: the campaign's."""
     drawn_at_launch: bool = False
     """Whether the seed was drawn when the run was launched, so that nobody has chosen it."""
-    drawn_realisations: int = 0
-    """How many of the stage's first evaluations each drew their own noise realisation."""
-    evaluations: int = 0
-    failed: int = 0
-    excluded: int = 0
-    seconds: float = 0.0
-    stop: Stop | None = None
-
-    @property
-    def drawn(self) -> int:
-        return self.drawn_realisations
-
-    @property
-    def sample_seed(self) -> SampleSeed | None:
-        return None if self.seed is None else SampleSeed(self.seed, stated=not self.drawn_at_launch)
-
-    @property
-    def ended(self) -> Stop | None:
-        return self.stop

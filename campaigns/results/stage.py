@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from campaigns.results.base import Result, Status, Stop, Values
+from campaigns.results.indices import IndexStudy
 from campaigns.results.measured import Measured
+from campaigns.results.nominal import NominalCase
+from campaigns.results.sample import Certificate
 from campaigns.results.slices import Curve
 from campaigns.sample_seed import SampleSeed
 
@@ -55,6 +58,16 @@ class StageResult(Result):
         return None
 
     @property
+    def at_nominal(self) -> NominalCase | None:
+        """The evaluation at the nominal values, if it made that."""
+        return None
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """The independent sample that it drew to support a claim on probability, if any."""
+        return None
+
+    @property
     def sample_seed(self) -> SampleSeed | None:
         """The seed of its independent sample; None without one, and in results of earlier versions."""
         return None
@@ -69,6 +82,11 @@ class StageResult(Result):
     def slices(self) -> Sequence[Curve]:
         """Its slices through the nominal point, which show the influence of each parameter."""
         return ()
+
+    @property
+    def studies(self) -> Mapping[str, IndexStudy]:
+        """Its studies of the influence of the parameters on the whole region, by the name of the method."""
+        return {}
 
     @property
     def repeatability(self) -> Measured | None:

@@ -2,10 +2,45 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from campaigns.asked.spec import Campaign
 from campaigns.limits import DRAWS
-from campaigns.results.sample import CertifyResult
+from campaigns.results.base import Stop
+from campaigns.results.sample import Certificate, GridResult
+from campaigns.results.stage import StageResult
+from campaigns.sample_seed import SampleSeed
 from campaigns.stages.declared import Declared
+
+
+class CertifyResult(Certificate, StageResult):
+    """The sample that supports a claim on probability, and the grid if requested."""
+
+    stage: Literal["certify"] = "certify"
+    grid: GridResult | None
+    drawn_realisations: int = 0
+    """How many of the stage's first evaluations each drew their own noise realisation."""
+    evaluations: int = 0
+    failed: int = 0
+    excluded: int = 0
+    seconds: float = 0.0
+    stop: Stop | None = None
+
+    @property
+    def certificate(self) -> Certificate:
+        return self
+
+    @property
+    def drawn(self) -> int:
+        return self.drawn_realisations
+
+    @property
+    def sample_seed(self) -> SampleSeed | None:
+        return None if self.seed is None else SampleSeed(self.seed, stated=not self.drawn_at_launch)
+
+    @property
+    def ended(self) -> Stop | None:
+        return self.stop
 
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:

@@ -5,12 +5,32 @@ Of a simulator, this and further points are evaluated several times, to measure 
 
 from __future__ import annotations
 
+from typing import Literal
+
 from campaigns.asked.spec import Campaign
-from campaigns.results.nominal import NominalResult
+from campaigns.results.base import Untraced
+from campaigns.results.measured import Measured
+from campaigns.results.nominal import NominalCase
+from campaigns.results.stage import StageResult
 from campaigns.stages.declared import Declared
 
 POINTS, TIMES = 5, 3
 """Of a simulator: how many points are evaluated, and how often each."""
+
+
+class NominalResult(NominalCase, StageResult):
+    """The evaluation at the nominal values."""
+
+    stage: Literal["nominal"] = "nominal"
+    untraced: Untraced = {}
+
+    @property
+    def at_nominal(self) -> NominalCase:
+        return self
+
+    @property
+    def repeatability(self) -> Measured | None:
+        return self.measured
 
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:

@@ -2,9 +2,31 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from campaigns.asked.spec import Campaign
-from campaigns.results.sensitivity import SensitivityResult
+from campaigns.results.indices import IndexStudy, MorrisStudy, SobolStudy
+from campaigns.results.slices import Curve
+from campaigns.results.stage import StageResult
 from campaigns.stages.declared import Declared
+
+
+class SensitivityResult(StageResult):
+    """One parameter at a time through the nominal point, and the indices if requested."""
+
+    stage: Literal["sensitivity"] = "sensitivity"
+    points: int
+    curves: list[Curve]
+    morris: MorrisStudy | None = None
+    sobol: SobolStudy | None = None
+
+    @property
+    def slices(self) -> list[Curve]:
+        return self.curves
+
+    @property
+    def studies(self) -> dict[str, IndexStudy]:
+        return {name: study for name, study in (("Morris", self.morris), ("Sobol", self.sobol)) if study is not None}
 
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:

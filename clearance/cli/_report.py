@@ -16,7 +16,7 @@ from campaigns.claims.numbers import NONE, count, number, signed
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
 from campaigns.identity.identity import identity_of, simulator_of
-from campaigns.results import NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
+from campaigns.results import SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.regression import Regression, Standing
 from campaigns.results.verdict import Counts, NominalCost, headline
@@ -119,8 +119,8 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
 def _ended(result: StageResult | None) -> str:
     if result is not None and result.ended is not None:
         return result.ended.text
-    if isinstance(result, NominalResult):
-        return "" if result.measured is None else result.measured.text
+    if result is not None and result.repeatability is not None:
+        return result.repeatability.text
     return result.text if isinstance(result, ValidateResult) else ""
 
 
@@ -161,7 +161,7 @@ def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
 def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table:
     """Nominal and every finding, a column each; a mark if a parameter is at a bound."""
     first = store.stages[0].result
-    nominal = first.parameters if isinstance(first, NominalResult) else {}
+    nominal = first.at_nominal.parameters if first is not None and first.at_nominal is not None else {}
     table = Table("Parameter")
     table.add_column("Nominal", justify="right")
     for finding in store.findings:

@@ -210,15 +210,15 @@ class Interrupted(KeyboardInterrupt):
 
 def of(origin: Origin, verdict: Concluded) -> Result:
     """The result of a run that has ended."""
-    from campaigns.results import NominalResult
     from campaigns.results.verdicts import described
 
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
     checks = [
         Check(c.title, c.standing, f"{c.text}; {c.but}" if c.but else c.text) for c in described(verdict.checks, failed)
     ]
-    first = origin.store.stages[0].result
-    assert isinstance(first, NominalResult)
+    result = origin.store.stages[0].result
+    first = None if result is None else result.at_nominal
+    assert first is not None
     nominal = Nominal(_by_name(origin, first.parameters), first.cost, first.margin, first.reason)
     return Result(
         **vars(evaluations(origin)),

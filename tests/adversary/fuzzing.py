@@ -28,7 +28,7 @@ from backend.db.tables import CatalogueDocument
 from backend.http.errors import RefusedError, respond
 from backend.middleware.frame import LARGEST_BODY
 from backend.runs import submission
-from backend.runs.asked import Asked
+from backend.runs.address import AddressParts
 from backend.runs.endpoints import _submission
 from backend.runs.quota import Quota
 from tests.adversary.mutations import document
@@ -72,7 +72,7 @@ def checked(engine: sa.Engine, content: bytes, yaml: bool) -> bool:
 
 def submitted(engine: sa.Engine, content: bytes, yaml: bool) -> bool:
     """POST /runs: queued."""
-    submission.submit(engine, _submission(content, yaml, Asked({})), VISITOR, None, QUOTA)
+    submission.submit(engine, _submission(content, yaml, AddressParts({})), VISITOR, None, QUOTA)
     return True
 
 

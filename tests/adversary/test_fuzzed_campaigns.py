@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from backend.runs import submission
-from backend.runs.asked import Asked
+from backend.runs.address import AddressParts
 from campaigns import CampaignError
 from tests.adversary.mutations import GROWING, document
 from worker.running.catalogue.installed import catalogue
@@ -71,4 +71,4 @@ def test_a_document_is_found_again_by_its_seed() -> None:
 def test_what_cannot_be_stored_is_refused_as_a_campaign(body: bytes) -> None:
     """It was stored as text before it was read, and ended in an internal error."""
     with pytest.raises(CampaignError):
-        submission.from_yaml(body, Asked({}))
+        submission.from_yaml(body, AddressParts({}))

@@ -22,8 +22,6 @@ ALLOWED = {
     "worker/running/reproduce",
     # The statement of a random search reads the options of one; they are to become a property of the method.
     "worker/engine/stages/parts/sample.py",
-    # Data of tests.
-    "frontend/src/api/fixtures.ts",
 }
 WALK = '''"""Corner walk: evaluates the corners of the box.
 
@@ -59,7 +57,7 @@ from backend.scenes.base.palette import DARK, LIGHT
 from campaigns import check
 from campaigns.asked.load import load_document
 from campaigns.checked.expected import expected
-from tools.generated import FILES
+from tools.generated import FILES, PAGES
 from worker.running.catalogue.installed import catalogue
 
 document = json.loads(sys.argv[1])
@@ -76,7 +74,7 @@ print(json.dumps({
     "problems": [str(problem) for problem in check(campaign, api)],
     "expected": next(stage for stage in expected(campaign, api) if stage.kind == "search"),
     "colours": [LIGHT.method(look), DARK.method(look)],
-    "pages": FILES["frontend/src/ui/shipped.json"](),
+    "pages": PAGES["frontend/src/generated/methods.json"](),
     "guide": FILES["docs/methods.md"](),
 }))
 """

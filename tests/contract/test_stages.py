@@ -112,7 +112,7 @@ Path(described).write_text(openapi.text(), encoding="utf-8")
 
 def test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api(tmp_path: Path) -> None:
     source = tmp_path / "source"
-    for folder in ("backend", "campaigns", "worker"):
+    for folder in ("backend", "campaigns", "clearance", "worker"):
         shutil.copytree(REPOSITORY / folder, source / folder)
     (source / "campaigns" / "stages" / "corners.py").write_text(DECLARED, encoding="utf-8")
     (source / "worker" / "engine" / "stages" / "corners.py").write_text(RUN, encoding="utf-8")

@@ -10,9 +10,10 @@ import pytest
 from campaigns.asked.load import load_document
 from campaigns.claims.stages import calls
 from campaigns.claims.stages.sample import CALLED
-from campaigns.results import NominalResult, ValidateResult, Verdict
+from campaigns.results import ValidateResult, Verdict
 from campaigns.results.base import FAILED, FLAKY, OK, TIMEOUT
 from campaigns.results.measured import Measured
+from campaigns.stages.nominal import NominalResult
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
 from tests.simulators.noisy import REPEATS, campaign, ran
 from worker.running.runs.runner import CampaignUnusable, Cancelled, execute

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 import yaml
 
-from campaigns.results import NominalResult, TraceHead, ValidateResult
+from campaigns.results import TraceHead, ValidateResult
 from campaigns.results.trace import TraceColumn
+from campaigns.stages.nominal import NominalResult
 from campaigns.stored.records import Trace
 from tests.simulators.adversaries import adversary
 from tests.simulators.noisy import REPEATS, campaign, ran

@@ -10,12 +10,14 @@ import numpy as np
 
 from backend.db.queue import Queue
 from backend.db.store import RunStore
-from campaigns.results import CertifyResult, Finding, SensitivityResult, ValidateResult
+from campaigns.results import Finding, ValidateResult
 from campaigns.results.finding import FoundBy
 from campaigns.results.sample import Histogram, QuantileBound, Sample
 from campaigns.results.slices import Curve, Slices
 from campaigns.results.validate import Compared
 from campaigns.results.verdict import Check, Provenance, Statistics
+from campaigns.stages.certify import CertifyResult
+from campaigns.stages.sensitivity import SensitivityResult
 from campaigns.stored.records import StagePlan, Trace
 from campaigns.versions import Processor
 from tests import results

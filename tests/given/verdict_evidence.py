@@ -7,13 +7,15 @@ from typing import Any, TypeVar
 
 from campaigns import Campaign
 from campaigns.claims.say import say
-from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, ValidateResult, Verdict
+from campaigns.results import Finding, SearchResult, ValidateResult, Verdict
 from campaigns.results.base import MethodKind, Result, Stop
 from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost, Validation
 from campaigns.results.sample import QuantileBound, Sample
 from campaigns.results.search import Best
 from campaigns.results.validate import Compared, Encounter, Gathered, SpotChecks, Spread, Unseen, Violations
 from campaigns.results.verdict import Check
+from campaigns.stages.certify import CertifyResult
+from campaigns.stages.nominal import NominalResult
 from campaigns.versions import Versions
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import case1

@@ -12,8 +12,8 @@ from backend.exports.sheet import headings, sheet
 from backend.http.written import headed, lines
 from backend.results import service as results
 from backend.runs import service as runs
-from campaigns.results import NominalResult
 from campaigns.results.base import Status
+from campaigns.results.nominal import NominalCase
 
 
 def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
@@ -51,11 +51,10 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
         yield lines([[name, *criterion_values, margin, *at, ok, by, *(of.get(p) for p in paths), evaluated, units]])
 
 
-def _nominal(reader: sa.Connection, run_id: int) -> NominalResult:
-    """The result of the nominal stage; without a cost until the stage is done."""
-    first = next(iter(runs.stages(reader, run_id)), None)
-    found = None if first is None else first.result
-    return found if isinstance(found, NominalResult) else NominalResult(cost=None, margin=None, status=Status.FAILED)
+def _nominal(reader: sa.Connection, run_id: int) -> NominalCase:
+    """The nominal case; without a cost until its stage is done."""
+    found = (stage.result.at_nominal for stage in runs.stages(reader, run_id) if stage.result is not None)
+    return next(filter(None, found), NominalCase(cost=None, margin=None, status=Status.FAILED))
 
 
 export = Format(

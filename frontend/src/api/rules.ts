@@ -1,5 +1,5 @@
-// The rules of a claim: the limits by name, and the checks in their order, as `python -m tools.generated` wrote them.
-import rules from './rules.json'
+// The rules of a claim: the limits by name, and the checks in their order, as `python -m tools.generated pages` wrote them.
+import rules from '../generated/rules.json'
 
 export const LIMITS = rules.limits
 export const CHECKS = rules.checks

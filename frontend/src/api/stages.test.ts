@@ -1,7 +1,7 @@
 // A stage's result by its kind.
 import { expect, it } from 'vitest'
-import { search, stage, validated } from './fixtures'
-import { resultOf } from './stages'
+import { search, stage, validated } from '../../tests/fixtures'
+import { resultOf, resultWith } from './stages'
 
 it('gives the result of a stage of that kind, and of no other', () => {
   const searched = stage(search({ title: 'CMA-ES' }))
@@ -13,4 +13,10 @@ it('gives the result of a stage of that kind, and of no other', () => {
 it('gives none while there is none', () => {
   expect(resultOf(stage(null, { kind: 'search' }), 'search')).toBeNull()
   expect(resultOf(undefined, 'search')).toBeNull()
+})
+
+it('finds a result by what it has', () => {
+  const stages = [stage(null), stage(search({ title: 'CMA-ES' })), stage(validated({ tolerance: 0.01 }))]
+  expect(resultWith(stages, 'tolerance')?.tolerance).toBe(0.01)
+  expect(resultWith(stages, 'curves')).toBeNull()
 })

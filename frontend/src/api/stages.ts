@@ -1,5 +1,5 @@
-// The result of a stage by its kind: the API's results are a union whose members `stage` distinguishes.
-import type { StageDetail } from '../client'
+// The result of a stage, by its kind or by what it has: the API's results are a union whose members `stage` distinguishes.
+import type { Sample, StageDetail } from '../client'
 
 type Result = NonNullable<StageDetail['result']>
 type Kind = Result['stage']
@@ -12,3 +12,22 @@ export function resultOf<K extends Kind>(stage: Pick<StageDetail, 'result'> | un
   const result = stage?.result ?? null
   return result !== null && isOf(result, kind) ? result : null
 }
+
+type Having<P extends string, R = Result> = R extends unknown ? (P extends keyof R ? R : never) : never
+
+/** A result with slices through the nominal point. */
+export type SlicesResult = Having<'curves'>
+
+const has = <P extends string>(result: Result, property: P): result is Having<P> => property in result
+
+/** The first result that has this property, of whatever kind of stage; null if there is none yet. */
+export function resultWith<P extends string>(stages: readonly Pick<StageDetail, 'result'>[], property: P): Having<P> | null {
+  for (const { result } of stages) if (result && has(result, property)) return result
+  return null
+}
+
+/** The independent sample of a run: that of its certificate, else that of the first random search. */
+export const independentSample = (stages: readonly Pick<StageDetail, 'result'>[]): Sample | null =>
+  resultWith(stages, 'grid')?.sample ??
+  stages.flatMap(({ result }) => (result && has(result, 'sample') && result.sample) || [])[0] ??
+  null

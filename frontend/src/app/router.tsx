@@ -1,5 +1,5 @@
 // The routes of the pages; the state of a page is in its address.
-import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from '@tanstack/react-router'
+import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect, type RouteComponent } from '@tanstack/react-router'
 import { readAudit, readUsers } from '../access/search'
 import { readCompare } from '../compare/search'
 import { readChosen } from '../run/data/chosen'
@@ -13,7 +13,16 @@ import { Shell } from './Shell'
 import { Loading, NotFound, Trouble } from '../page/Trouble'
 import { ROOT } from '../format/root'
 
+type Search = Record<string, unknown>
+
 const root = createRootRoute({ component: Shell, notFoundComponent: NotFound })
+
+const page = <P extends string>(path: P, component: RouteComponent) =>
+  createRoute({ getParentRoute: () => root, path, component })
+
+/** A page whose address states what it shows. */
+const statedPage = <P extends string, S extends object>(path: P, component: RouteComponent, read: (search: Search) => S) =>
+  createRoute({ getParentRoute: () => root, path, component, validateSearch: onlyKnown(read) })
 
 const start = createRoute({
   getParentRoute: () => root,
@@ -24,12 +33,7 @@ const start = createRoute({
   },
 })
 
-const runs = createRoute({
-  getParentRoute: () => root,
-  path: '/runs',
-  validateSearch: onlyKnown(readSearch),
-  component: lazyRouteComponent(lazy.runs, 'RunsPage'),
-})
+const runs = statedPage('/runs', lazyRouteComponent(lazy.runs, 'RunsPage'), readSearch)
 
 interface LaunchSearch {
   /** A campaign of the library. */
@@ -45,18 +49,15 @@ interface LaunchSearch {
 
 const word = (value: unknown): string | undefined => (typeof value === 'string' && value ? value : undefined)
 
-const launch = createRoute({
-  getParentRoute: () => root,
-  path: '/launch',
-  validateSearch: onlyKnown((search): LaunchSearch => ({
-    case: word(search.case),
-    from: word(search.from),
-    remedy: word(search.remedy),
-    draft: word(search.draft),
-    tab: search.tab === 'yaml' ? 'yaml' : undefined,
-  })),
-  component: lazyRouteComponent(lazy.launch, 'LaunchPage'),
+const readLaunch = (search: Search): LaunchSearch => ({
+  case: word(search.case),
+  from: word(search.from),
+  remedy: word(search.remedy),
+  draft: word(search.draft),
+  tab: search.tab === 'yaml' ? 'yaml' : undefined,
 })
+
+const launch = statedPage('/launch', lazyRouteComponent(lazy.launch, 'LaunchPage'), readLaunch)
 
 const run = createRoute({
   getParentRoute: () => root,
@@ -77,107 +78,22 @@ const flight = createRoute({
   component: lazyRouteComponent(lazy.flight, 'FlightPage'),
 })
 
-const docs = createRoute({
-  getParentRoute: () => root,
-  path: '/docs',
-  component: lazyRouteComponent(lazy.docs, 'ApiPage'),
-})
-
-const verdicts = createRoute({
-  getParentRoute: () => root,
-  path: '/help',
-  component: lazyRouteComponent(lazy.verdicts, 'VerdictsPage'),
-})
-
-const evidence = createRoute({
-  getParentRoute: () => root,
-  path: '/help/evidence',
-  component: lazyRouteComponent(lazy.evidence, 'EvidencePage'),
-})
-
-const methods = createRoute({
-  getParentRoute: () => root,
-  path: '/help/methods',
-  component: lazyRouteComponent(lazy.methods, 'MethodsPage'),
-})
-
-const components = createRoute({
-  getParentRoute: () => root,
-  path: '/help/components',
-  component: lazyRouteComponent(lazy.components, 'ComponentsPage'),
-})
-
-const guide = createRoute({
-  getParentRoute: () => root,
-  path: '/help/guides/$name',
-  component: lazyRouteComponent(lazy.guide, 'GuidePage'),
-})
-
-const compare = createRoute({
-  getParentRoute: () => root,
-  path: '/compare',
-  validateSearch: onlyKnown(readCompare),
-  component: lazyRouteComponent(lazy.compare, 'ComparePage'),
-})
-
-const trends = createRoute({
-  getParentRoute: () => root,
-  path: '/trends',
-  validateSearch: onlyKnown(readTrend),
-  component: lazyRouteComponent(lazy.trends, 'TrendsPage'),
-})
-
-const sweeps = createRoute({
-  getParentRoute: () => root,
-  path: '/sweeps',
-  component: lazyRouteComponent(lazy.sweeps, 'SweepsPage'),
-})
-
-const sweep = createRoute({
-  getParentRoute: () => root,
-  path: '/sweeps/$id',
-  component: lazyRouteComponent(lazy.sweep, 'SweepPage'),
-})
-
-const reports = createRoute({
-  getParentRoute: () => root,
-  path: '/reports',
-  validateSearch: onlyKnown(readReports),
-  component: lazyRouteComponent(lazy.reports, 'ReportsPage'),
-})
-
-const requirements = createRoute({
-  getParentRoute: () => root,
-  path: '/requirements',
-  validateSearch: onlyKnown(readRequirements),
-  component: lazyRouteComponent(lazy.requirements, 'RequirementsPage'),
-})
-
-const users = createRoute({
-  getParentRoute: () => root,
-  path: '/access/users',
-  validateSearch: onlyKnown(readUsers),
-  component: lazyRouteComponent(lazy.users, 'UsersPage'),
-})
-
-const tokens = createRoute({
-  getParentRoute: () => root,
-  path: '/access/tokens',
-  component: lazyRouteComponent(lazy.tokens, 'TokensPage'),
-})
-
-const sessions = createRoute({
-  getParentRoute: () => root,
-  path: '/access/sessions',
-  component: lazyRouteComponent(lazy.sessions, 'SessionsPage'),
-})
-
-const audit = createRoute({
-  getParentRoute: () => root,
-  path: '/access/audit',
-  validateSearch: onlyKnown(readAudit),
-  component: lazyRouteComponent(lazy.audit, 'AuditPage'),
-})
+const docs = page('/docs', lazyRouteComponent(lazy.docs, 'ApiPage'))
+const verdicts = page('/help', lazyRouteComponent(lazy.verdicts, 'VerdictsPage'))
+const evidence = page('/help/evidence', lazyRouteComponent(lazy.evidence, 'EvidencePage'))
+const methods = page('/help/methods', lazyRouteComponent(lazy.methods, 'MethodsPage'))
+const components = page('/help/components', lazyRouteComponent(lazy.components, 'ComponentsPage'))
+const guide = page('/help/guides/$name', lazyRouteComponent(lazy.guide, 'GuidePage'))
+const compare = statedPage('/compare', lazyRouteComponent(lazy.compare, 'ComparePage'), readCompare)
+const trends = statedPage('/trends', lazyRouteComponent(lazy.trends, 'TrendsPage'), readTrend)
+const sweeps = page('/sweeps', lazyRouteComponent(lazy.sweeps, 'SweepsPage'))
+const sweep = page('/sweeps/$id', lazyRouteComponent(lazy.sweep, 'SweepPage'))
+const reports = statedPage('/reports', lazyRouteComponent(lazy.reports, 'ReportsPage'), readReports)
+const requirements = statedPage('/requirements', lazyRouteComponent(lazy.requirements, 'RequirementsPage'), readRequirements)
+const users = statedPage('/access/users', lazyRouteComponent(lazy.users, 'UsersPage'), readUsers)
+const tokens = page('/access/tokens', lazyRouteComponent(lazy.tokens, 'TokensPage'))
+const sessions = page('/access/sessions', lazyRouteComponent(lazy.sessions, 'SessionsPage'))
+const audit = statedPage('/access/audit', lazyRouteComponent(lazy.audit, 'AuditPage'), readAudit)
 
 export const router = createRouter({
   basepath: ROOT || '/',

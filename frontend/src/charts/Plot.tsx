@@ -54,7 +54,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
     spec.xLog,
     spec.height,
     spec.sync,
-    spec.xSplits !== undefined,
+    spec.xTime,
     ...spec.lines.map((line) => `${line.key} ${line.colour} ${hidden.has(line.key)}`),
   ].join('|')
 

@@ -5,6 +5,15 @@ import { colour, drawCriteria, drawEnds, drawPoints, drawRules, drawTint, font }
 import type { PlotSpec } from './spec'
 import { labelWidth, linearTicks, logTicks, padded, tickText } from './ticks'
 
+/** Labels of times: the step from which on they apply [s], the usual one, and those where year, month or day change. */
+const TIMES: uPlot.Axis.Values = [
+  [365 * 86_400, '{YYYY}', null, null, null, null, null, null, 0],
+  [28 * 86_400, '{MMM}', '{MMM} {YYYY}', null, null, null, null, null, 0],
+  [86_400, '{D} {MMM}', '{D} {MMM} {YYYY}', null, null, null, null, null, 0],
+  [60, '{HH}:{mm}', null, null, '{D} {MMM} {HH}:{mm}', null, null, null, 0],
+  [0.001, '{HH}:{mm}:{ss}', null, null, '{D} {MMM} {HH}:{mm}:{ss}', null, null, null, 0],
+]
+
 const stepped = uPlot.paths.stepped?.({ align: 1 })
 
 /** The range of y: what is visible, and the criterion. */
@@ -35,7 +44,7 @@ export function optionsFor(
     width,
     height: spec.height,
     // Ticks at the ends of an axis need room for their labels.
-    padding: [8, spec.xSplits ? 34 : spec.xTicks ? 22 : 14, 0, 0],
+    padding: [8, spec.xTime ? 34 : spec.xTicks ? 22 : 14, 0, 0],
     legend: { show: false },
     cursor: {
       y: false,
@@ -44,7 +53,7 @@ export function optionsFor(
       sync: spec.sync ? { key: spec.sync, setSeries: false, scales: ['x', null] } : undefined,
     },
     scales: {
-      x: { time: false, distr: spec.xLog ? 3 : 1, range: () => domainOf(read()) },
+      x: { time: spec.xTime ?? false, distr: spec.xLog ? 3 : 1, range: () => domainOf(read()) },
       y: { range: () => rangeOf(read(), hidden()) },
     },
     axes: [axis(read, 'x'), axis(read, 'y')],
@@ -69,9 +78,6 @@ export function optionsFor(
   }
 }
 
-/** Ticks with longer labels than numbers have. */
-const splitsOf = (spec: PlotSpec, u: uPlot, low: number, high: number) => spec.xSplits?.(low, high, Math.max(2, u.width / 110)) ?? []
-
 /** The width of the left axis [px]: as requested, unless its labels would be cut. */
 function leftOf(width: number | undefined, labels: readonly string[]): number {
   if (width === undefined) return 14 + 6.4 * Math.max(2, ...labels.map((label) => label.length))
@@ -88,25 +94,22 @@ function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
     grid: { show: side === 'y' || log(), stroke: () => colour('--c-grid'), width: 1 },
     ticks: { show: side === 'x', stroke: () => colour('--c-axis'), width: 1, size: 4 },
     border: { show: side === 'x', stroke: () => colour('--c-axis'), width: 1 },
+    ...(side === 'x' && read().xTime ? { values: TIMES, space: 110 } : ticks(read, side, log)),
+  }
+}
+
+function ticks(read: () => PlotSpec, side: 'x' | 'y', log: () => boolean): uPlot.Axis {
+  return {
     splits: (u, _, low, high) => {
       const spec = read()
       if (side === 'x' && spec.xTicks) return [...spec.xTicks]
-      if (side === 'x' && spec.xSplits) return splitsOf(spec, u, low, high).map(({ at }) => at)
       if (log()) return logTicks(low, high)
       const about = side === 'x' ? Math.max(3, u.width / 95) : (spec.yTicks ?? Math.max(3, u.height / 44))
-      const ticks = linearTicks(low, high, about)
+      const found = linearTicks(low, high, about)
       // A single tick does not show the scale.
-      return ticks.length > 1 ? ticks : linearTicks(low, high, 2 * about)
+      return found.length > 1 ? found : linearTicks(low, high, 2 * about)
     },
     filter: (_, splits) => splits,
-    values: (u, splits) => {
-      const spec = read()
-      if (side === 'x' && spec.xSplits) {
-        const { min = 0, max = 1 } = u.scales.x ?? {}
-        const labels = new Map(splitsOf(spec, u, min, max).map(({ at, label }) => [at, label]))
-        return splits.map((tick) => labels.get(tick) ?? '')
-      }
-      return splits.map(log() || (side === 'x' && spec.xTicks) ? (tick) => plain(tick) : tickText(splits))
-    },
+    values: (_, splits) => splits.map(log() || (side === 'x' && read().xTicks) ? (tick) => plain(tick) : tickText(splits)),
   }
 }

@@ -39,7 +39,7 @@ export function commonOf(points: readonly At[]): { quantity: string; unit: strin
 }
 
 /** The horizontal axis; `rules` mark changes between runs. */
-export type Axis = Pick<PlotSpec, 'xTitle' | 'xText' | 'xTicks' | 'xSplits' | 'rules'>
+export type Axis = Pick<PlotSpec, 'xTitle' | 'xText' | 'xTicks' | 'xTime' | 'rules'>
 
 /** The ends of the horizontal axis, with room beyond the outermost runs. */
 function rangeOf(points: readonly At[]): [number, number] {

@@ -43,8 +43,8 @@ export interface PlotSpec {
   yRange?: [number, number]
   /** Custom ticks of x. */
   xTicks?: readonly number[]
-  /** Custom ticks of x with their labels, for the range and about so many of them. */
-  xSplits?: (low: number, high: number, about: number) => { at: number; label: string }[]
+  /** Whether x is a time in seconds since 1970, with ticks at round times of the reader's zone. */
+  xTime?: boolean
   criterion?: { value: number; label?: string; tint?: boolean; right?: boolean }
   /** Further criteria, if runs with different ones are compared. */
   criteria?: readonly { value: number; label?: string; right?: boolean }[]

@@ -1,5 +1,5 @@
 // One-at-a-time ranges: the values over the bounds of each parameter, with the others nominal.
-import { resultOf } from '../api/stages'
+import { resultWith } from '../api/stages'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
@@ -69,12 +69,8 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
 
 /** The lowest and highest value of each curve, without failed evaluations. */
 function spansOf({ stages }: Compared): Map<string, [number, number]> {
-  const result = resultOf(
-    stages.find(({ kind }) => kind === 'sensitivity'),
-    'sensitivity',
-  )
   const found = new Map<string, [number, number]>()
-  for (const { path, costs } of result?.curves ?? []) {
+  for (const { path, costs } of resultWith(stages, 'curves')?.curves ?? []) {
     const known = costs.filter((cost): cost is number => cost !== null)
     if (known.length > 0) found.set(path, [Math.min(...known), Math.max(...known)])
   }

@@ -1,11 +1,12 @@
 // The results of the runs side by side, with the difference for two runs.
 import type { ReactNode } from 'react'
+import { independentSample } from '../api/stages'
 import { count, decimalsFor, fixed, NONE, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
-import { boundOf, type Compared, sampleOf, unitOf } from './data'
+import { boundOf, type Compared, unitOf } from './data'
 import { apartColumn, runColumns } from './Picks'
 
 interface Line {
@@ -72,7 +73,7 @@ function linesOf(runs: Compared[]): Line[] {
   const quantity = unitOf(runs) === null ? 'value' : (runs[0]?.run.quantity ?? 'value')
   const costs = runs.flatMap(({ run }) => [run.worst_cost, run.nominal_cost])
   const decimals = decimalsFor(costs)
-  const samples = runs.map(sampleOf)
+  const samples = runs.map(({ stages }) => independentSample(stages))
   const statistics = runs.map(({ run }) => run.summary?.statistics ?? null)
   const sizes = [...new Set(statistics.flatMap((sample) => (sample ? [sample.samples] : [])))]
   const bounds = runs.map((compared) => {

@@ -1,5 +1,6 @@
 // The independent samples of the runs on one axis, each as a density, so that samples of different size can be compared.
 import { clsx } from 'clsx'
+import { independentSample } from '../api/stages'
 import type { Sample } from '../client'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, padded, tickText } from '../charts/ticks'
@@ -7,7 +8,7 @@ import { violatedOf } from '../format/counts'
 import { plain } from '../format/numbers'
 import { SvgSign } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
-import { type Compared, sampleOf, unitOf } from './data'
+import { type Compared, unitOf } from './data'
 import { RunKeys } from './Overlays'
 import figures from '../ui/figures.module.css'
 
@@ -22,7 +23,7 @@ interface Drawn {
 /** The independent samples of all runs; none where the runs have different units. */
 export const samplesIn = (runs: Compared[]): Drawn[] =>
   (unitOf(runs) === null ? [] : runs).flatMap((of): Drawn[] => {
-    const sample = sampleOf(of)
+    const sample = independentSample(of.stages)
     const { edges = [], counts = [] } = sample?.histogram ?? {}
     const total = counts.reduce((sum, n) => sum + n, 0)
     if (!sample || total === 0) return []

@@ -2,8 +2,7 @@
 import { useQueries } from '@tanstack/react-query'
 import { asCampaign, hasScenario } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
-import { resultOf } from '../api/stages'
-import type { Catalogue, Evaluations, FindingDetail, RunDetail, Sample, StageDetail, TraceData } from '../client'
+import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, TraceData } from '../client'
 import { uncertainOf, type UncertainParameter } from '../run/data/data'
 import { DASHES, LETTERS } from './search'
 
@@ -76,13 +75,6 @@ export function useCompared(ids: readonly string[]): Comparison {
 const traceOf = (id: string, name: string, traced: boolean) => {
   const query = traceQuery(id, name)
   return { ...query, enabled: traced, retry: false, throwOnError: false }
-}
-
-/** The independent sample of a run: the certify stage's, else that of the first random search. */
-export function sampleOf({ stages }: Compared): Sample | null {
-  const [certified] = stages.flatMap((stage) => resultOf(stage, 'certify') ?? [])
-  const [searched] = stages.flatMap((stage) => resultOf(stage, 'search')?.sample ?? [])
-  return certified?.sample ?? searched ?? null
 }
 
 export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null

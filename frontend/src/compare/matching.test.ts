@@ -1,6 +1,6 @@
 // Matching findings of several runs.
 import { expect, it } from 'vitest'
-import * as fixtures from '../api/fixtures'
+import * as fixtures from '../../tests/fixtures'
 import type { FindingDetail } from '../client'
 import type { UncertainParameter } from '../run/data/data'
 import { type Case, matched, type Searched } from './matching'

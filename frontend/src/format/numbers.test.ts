@@ -1,6 +1,6 @@
 // What numbers look like on the pages.
 import { describe, expect, it } from 'vitest'
-import cases from '../../../campaigns/claims/numbers.json'
+import cases from '../../tests/numbers.json'
 import type { Quantity } from '../client'
 import { count, decimalsApart, decimalsFor, duration, field, fixed, parse, percent, plain, signed, thinned } from './numbers'
 import { quantityText } from './quantity'

@@ -1,5 +1,5 @@
 // Formats all numbers: true minus sign, narrow space between thousands, a dot for decimals, percent after a narrow space.
-// The same texts as `campaigns/claims/numbers.py`, by the cases of `campaigns/claims/numbers.json`. Start reading at `fixed`.
+// The same texts as `campaigns/claims/numbers.py`, by the cases of `frontend/tests/numbers.json`. Start reading at `fixed`.
 
 export const MINUS = '\u2212'
 export const NARROW = '\u202f'

@@ -1,7 +1,7 @@
 // What a run has to show, and how much room that needs: the conditions of the sections of its page.
 import { hasScenario } from '../api/campaign'
-import { resultOf } from '../api/stages'
-import type { CertifyResult, Sample, SearchResult, SensitivityResult, ValidateResult } from '../client'
+import { resultOf, resultWith, independentSample, type SlicesResult } from '../api/stages'
+import type { GridResult, Sample, SearchResult, ValidateResult } from '../client'
 import { type Best, bestOf, hasSpace, type RunData, stageOf } from './data/data'
 import { hasView } from './flight/declared'
 import { overTime } from './flight/flown'
@@ -19,8 +19,8 @@ export interface Facts {
   timed: boolean
   /** Shown without a validated finding, labelled as not validated. */
   lowest: Best | null
-  sensitivity: SensitivityResult | null
-  certified: CertifyResult | null
+  sensitivity: SlicesResult | null
+  grid: GridResult | null
   validation: ValidateResult | null
   /** The searches that found minima from their starts; null if none did. */
   minima: { position: number; search: SearchResult }[] | null
@@ -48,8 +48,7 @@ export function factsOf(data: RunData): Facts {
   const flown = flies && nominalTrace !== undefined
   const lowest = findings.length > 0 ? null : bestOf(data)
   const shown = flown || findings.length > 0 || lowest !== null
-  const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
-  const certified = resultOf(stageOf(data, 'certify'), 'certify')
+  const sensitivity = resultWith(data.stages, 'curves')
   const searches = data.stages.flatMap((stage) => {
     const search = resultOf(stage, 'search')
     return search ? [{ position: stage.position, search }] : []
@@ -63,13 +62,13 @@ export function factsOf(data: RunData): Facts {
     timed: overTime(nominalTrace ?? (flies ? undefined : findingTrace)).length > 0,
     lowest,
     sensitivity,
-    certified,
+    grid: resultWith(data.stages, 'grid')?.grid ?? null,
     validation: resultOf(stageOf(data, 'validate'), 'validate'),
     minima: minima.length > 0 ? minima : null,
     front: searches.some(({ search }) => search.front?.length),
     searched: run.stages.some((stage) => stage.method !== null && stage.evaluations > 0),
     methods: run.stages.filter((stage) => stage.method !== null).length,
-    sample: certified?.sample ?? searches.find(({ search }) => search.sample)?.search.sample ?? null,
+    sample: independentSample(data.stages),
     space: hasSpace(data),
     published: run.verdict ? (campaign.published?.length ?? 0) : 0,
     few: sensitivity !== null && sensitivity.curves.length <= 2 && flown,

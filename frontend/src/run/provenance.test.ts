@@ -1,6 +1,6 @@
 // Provenance of a run, from its verdict and from what was stored at its start.
 import { expect, it } from 'vitest'
-import { verdict } from '../api/fixtures'
+import { verdict } from '../../tests/fixtures'
 import type { Catalogue, Versions } from '../client'
 import { originOf, titleOf } from './provenance/Provenance'
 

@@ -1,7 +1,7 @@
 // The sections of a run that has ended: which there are, in which order, and where the sensitivity stands.
 import { expect, it, vi } from 'vitest'
 import { asCampaign } from '../api/campaign'
-import { finding, flight, progress, run, search, stage, validated } from '../api/fixtures'
+import { finding, flight, progress, run, search, stage, validated } from '../../tests/fixtures'
 import type { SensitivityResult } from '../client'
 import type { RunData } from './data/data'
 import { factsOf } from './facts'

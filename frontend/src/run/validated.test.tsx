@@ -1,7 +1,7 @@
 // Validated cases: the nominal case from the stage's result, each finding's from the finding.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
-import { finding, run, validated, validation } from '../api/fixtures'
+import { finding, run, validated, validation } from '../../tests/fixtures'
 import type { FindingDetail, ValidateResult } from '../client'
 import { NONE } from '../format/numbers'
 import { basinText } from './search/MethodsTable'

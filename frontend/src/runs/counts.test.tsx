@@ -2,7 +2,7 @@
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { asCampaign } from '../api/campaign'
-import * as fixtures from '../api/fixtures'
+import * as fixtures from '../../tests/fixtures'
 import type { DescribedCheck, RunDetail, StageProgress } from '../client'
 import { withoutValue } from '../format/counts'
 import { COLUMNS } from '../runs/columns'

@@ -1,6 +1,5 @@
 // The horizontal axis of a trend: the time of submission, or the order.
 import type { At, Axis } from '../charts/outcomes'
-import { timeTicks } from '../charts/timeTicks'
 import type { TrendRun } from '../client'
 import { rfc3339, zone } from '../format/time'
 
@@ -36,7 +35,7 @@ export function axisOf(runs: readonly TrendRun[], along: Along): Drawn {
     points: runs.map((outcome, i) => ({ x: x[i] as number, run: outcome.id, outcome })),
     axis: {
       ...(along === 'time'
-        ? { xTitle: `Time of submission, ${zone()}`, xSplits: timeTicks }
+        ? { xTitle: `Time of submission, ${zone()}`, xTime: true }
         : { xTitle: 'Runs in the order of submission, the oldest first', xTicks: ticksOf(runs.length) }),
       rules,
       xText: (value: number) => {

@@ -2,9 +2,10 @@
 import { readFileSync } from 'node:fs'
 import { expect, it } from 'vitest'
 import type { Catalogue, MethodEntry } from '../client'
-import { learnMethods, METHODS, methodLook, requestBy, OUTLINE, variables } from './methods'
-import shipped from './shipped.json'
+import shipped from '../generated/methods.json'
+import { learnMethods, methodLook, requestBy, OUTLINE, variables } from './methods'
 
+const METHODS = shipped.map(({ name }) => name)
 const CSS = readFileSync(new URL('../theme/tokens.css', import.meta.url), 'utf8')
 const [LIGHT = '', DARK = ''] = CSS.split(':root[data-theme="dark"]')
 

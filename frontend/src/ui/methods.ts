@@ -1,7 +1,7 @@
 // The colours and marker of every search method, from the catalogue. Those of the shipped methods are built in; a loaded
 // catalogue adds those of other packages. Each method has a CSS variable of its own. Start reading at `methodLook`.
 import type { Catalogue, MethodEntry } from '../client'
-import shipped from './shipped.json'
+import shipped from '../generated/methods.json'
 import { storeOf } from './store'
 
 export type Shape = NonNullable<MethodEntry['look']>['marker']
@@ -125,6 +125,3 @@ export const OUTLINE: Record<Shape, string> = {
 const OPEN: readonly Shape[] = ['cross', 'ring', 'box', 'asterisk']
 
 export const isOpen = (shape: Shape): boolean => OPEN.includes(shape)
-
-/** Every shipped method. */
-export const METHODS: readonly string[] = SHIPPED.map(({ name }) => name)

@@ -17,7 +17,7 @@ from backend.db.workers import Doing
 from backend.events import roster
 from backend.events.roster import Roster
 from backend.events.watch import Watch
-from backend.runs.waiting import SOON, no_worker, told
+from backend.runs.waiting import SOON, doing_of, no_worker
 from tests.given.event_streams import streaming
 from tests.given.finished_runs import Work
 from tests.given.openapi_document import conforms
@@ -81,7 +81,7 @@ def test_every_worker_with_its_run_and_stage(service: Service, client: httpx.Cli
     assert (found["alive"], found["queued"]) == (2, 1)
     busy, idle = sorted(found["items"], key=lambda w: w["state"])
     assert (busy["state"], busy["run"], busy["stage"], idle["state"], idle["run"]) == ("busy", run, None, "idle", None)
-    assert busy["doing"]["sentence"] == told(Doing("compiling", 1, 0.0, 14.2)).sentence
+    assert busy["doing"]["sentence"] == doing_of(Doing("compiling", 1, 0.0, 14.2)).sentence
     assert " 15 s, " in busy["doing"]["sentence"]
     work.search(0, 10)
     assert {w["name"]: w["stage"] for w in asked(client)["items"]} == {"w1": "Search, direct", "w2": None}
@@ -96,7 +96,7 @@ def test_a_run_says_that_its_loop_is_compiled(service: Service, client: httpx.Cl
     with service.engine.begin() as connection:
         workers.doing(connection, "w1", 1, "compiling")
     doing = listed(client, run)["doing"]
-    assert doing["sentence"] == told(Doing("compiling", 1, 0.0, None)).sentence
+    assert doing["sentence"] == doing_of(Doing("compiling", 1, 0.0, None)).sentence
     assert not re.search(r"\d", doing["sentence"]), "no number is invented"
     with service.engine.begin() as connection:
         workers.doing(connection, "w1", 2, "compiling")  # of another run

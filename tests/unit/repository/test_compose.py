@@ -43,7 +43,7 @@ def test_the_image_runs_as_an_unprivileged_user() -> None:
     assert re.fullmatch(r"USER [1-9]\d+:[1-9]\d+", next(line for line in lines if line.startswith("USER")))
     steps = [line.removeprefix("RUN tools/image.sh ") for line in lines if line.startswith("RUN tools/")]
     script = (REPOSITORY / "tools" / "image.sh").read_text()
-    assert steps == ["pages", "packages", "app"]
+    assert steps == ["packages", "app", "pages"]
     assert all(f"\n{step}() {{" in script for step in steps)
 
 

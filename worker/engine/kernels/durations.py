@@ -42,14 +42,14 @@ class Watched:
         self._name = _UNSAFE.sub("_", _DIGEST.sub("", name))[:200]
         self._folder = cache / "seconds" / _UNSAFE.sub("_", socket.gethostname())
         self._compiling: float | None = None
-        self._told: list[tuple[Begun, Ended]] = []
+        self._listeners: list[tuple[Begun, Ended]] = []
 
     def wait(self) -> None:
         """Another process compiles it."""
-        if not self._told:
-            self._told = list(_reported)
-            expected = self.expected() if self._told else None
-            for begun, _ in self._told:
+        if not self._listeners:
+            self._listeners = list(_reported)
+            expected = self.expected() if self._listeners else None
+            for begun, _ in self._listeners:
                 begun(expected)
 
     def compile(self) -> None:
@@ -61,9 +61,9 @@ class Watched:
         """Note that the loop can be called, or could not be compiled."""
         if self._compiling is not None and succeeded:
             self._store(time.monotonic() - self._compiling)
-        for _, ended in self._told:
+        for _, ended in self._listeners:
             ended()
-        self._compiling, self._told = None, []
+        self._compiling, self._listeners = None, []
 
     def expected(self) -> float | None:
         """How long the last compilation took [s], else the median of others from the same template; None if unknown."""

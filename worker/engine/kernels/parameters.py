@@ -93,3 +93,9 @@ def in_space(planar: Any, **defaults: float) -> Any:
     made: Any = namedtuple(planar.__name__, hints, defaults=defaulted)  # type: ignore[misc]
     made.__annotations__ = hints
     return made
+
+
+def text_in_space(planar: str | None, more: str = "") -> str:
+    """The text of a planar component for the one that is derived from it, with a last line of its own."""
+    text = (planar or "").replace("in the plane", "in space").replace("Circle", "Sphere")
+    return f"{text.rstrip()}\n{more}".rstrip() + "\n"

@@ -17,10 +17,10 @@ from campaigns.asked.stages import Certify
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as sentences
 from campaigns.limits import DRAWS
-from campaigns.results import CertifyResult
 from campaigns.results.base import EXCLUDED
 from campaigns.results.draws import of_draws
 from campaigns.results.sample import GridPoint, GridResult
+from campaigns.stages.certify import CertifyResult
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.stages.parts import noise

@@ -9,8 +9,8 @@ from __future__ import annotations
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.claims.stages import ends
 from campaigns.claims.stages.calls import without_value
-from campaigns.results import NominalResult
 from campaigns.results.base import OK, STATUS
+from campaigns.stages.nominal import NominalResult
 from worker.engine.stages.parts import noise
 from worker.engine.stages.parts.base import Context, drive, once
 from worker.engine.stages.parts.outcome import Outcome, Stage

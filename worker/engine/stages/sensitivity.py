@@ -10,7 +10,7 @@ from collections.abc import Generator
 
 from campaigns.asked.stages import Sensitivity
 from campaigns.claims.stages import ends
-from campaigns.results import SensitivityResult
+from campaigns.stages.sensitivity import SensitivityResult
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages.parts import indices
 from worker.engine.stages.parts.base import Context, drive

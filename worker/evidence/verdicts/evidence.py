@@ -10,8 +10,9 @@ from typing import TypeVar
 from campaigns import rules
 from campaigns.claims.say import Part, say
 from campaigns.codes import CheckCode
-from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, StageResult, ValidateResult
-from campaigns.results.sample import Sample
+from campaigns.results import Finding, SearchResult, StageResult, ValidateResult
+from campaigns.results.nominal import NominalCase
+from campaigns.results.sample import Certificate, Sample
 from campaigns.results.validate import Encounter, Gathered, SpotChecks, Violations
 from campaigns.results.verdict import Check
 
@@ -38,9 +39,9 @@ class Evidence:
     """The findings that are not the worst."""
 
     @cached_property
-    def nominal(self) -> NominalResult:
+    def nominal(self) -> NominalCase:
         """The nominal case, with which every run begins."""
-        return self._of(NominalResult)[0]
+        return next(r.at_nominal for r in self.results if r.at_nominal is not None)
 
     @cached_property
     def searches(self) -> list[SearchResult]:
@@ -48,9 +49,9 @@ class Evidence:
         return self._of(SearchResult)
 
     @cached_property
-    def certificate(self) -> CertifyResult | None:
+    def certificate(self) -> Certificate | None:
         """The independent sample, if the campaign requests one."""
-        return next(iter(self._of(CertifyResult)), None)
+        return next((r.certificate for r in self.results if r.certificate is not None), None)
 
     @cached_property
     def validation(self) -> ValidateResult:

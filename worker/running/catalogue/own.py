@@ -161,8 +161,8 @@ def _examined(file: Path, vehicles: dict[str, str]) -> dict[str, Any]:
     longest = float(os.environ.get(TIMEOUT) or LONGEST)
     mark = f"examined {secrets.token_hex(8)} "  # what the file prints is no answer
     try:
-        given = [str(file), json.dumps(vehicles), mark, f"{longest / PHASES:g}"]
-        answer: dict[str, Any] = answer_of(PROCESS, given, mark, environment, longest)
+        arguments = [str(file), json.dumps(vehicles), mark, f"{longest / PHASES:g}"]
+        answer: dict[str, Any] = answer_of(PROCESS, arguments, mark, environment, longest)
         return answer if not answer.pop("overdue") else {**answer, "until": time.time() + AGAIN}
     except NoAnswer as error:
         if not error.started:

@@ -1,6 +1,6 @@
 // Choices in the address, and the fallback for missing ones.
 import { expect, it } from 'vitest'
-import { finding } from '../../api/fixtures'
+import { finding } from '../../../tests/fixtures'
 import { calledOf, chosenOf, readChosen } from './chosen'
 
 const found = (...labels: string[]) => labels.map((label) => finding(label))

@@ -2,7 +2,7 @@
 import { expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
-import { finding, flight, head, progress, run } from '../../api/fixtures'
+import { finding, flight, head, progress, run } from '../../../tests/fixtures'
 import { finderOf, leavesGround, rateOf, uncertainOf } from './data'
 
 const parameter = (name: string, symbol: string) => ({

@@ -1,6 +1,6 @@
 // The Pareto front over several searches.
 import { expect, it } from 'vitest'
-import * as fixtures from '../../api/fixtures'
+import * as fixtures from '../../../tests/fixtures'
 import type { FrontCriterion, SearchResult } from '../../client'
 import { criteriaOf, frontOf, someOf } from './front'
 

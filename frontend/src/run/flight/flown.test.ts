@@ -1,6 +1,6 @@
 // Stored flights as curves over time, and thumbnails of findings.
 import { expect, it } from 'vitest'
-import * as fixtures from '../../api/fixtures'
+import * as fixtures from '../../../tests/fixtures'
 import type { TraceColumn, TraceData, TraceHead } from '../../client'
 import { aboveOf, acrossOf, curveOf, extentOf, overTime, shownColumns, spanOf, valueAt, wordsOf } from './flown'
 

@@ -1,6 +1,6 @@
 // Plan view of flights: world axes, rows of the encounter, equal scales.
 import { describe, expect, it } from 'vitest'
-import * as fixtures from '../../api/fixtures'
+import * as fixtures from '../../../tests/fixtures'
 import type { TraceData, TraceHead } from '../../client'
 import { encounterOf, placeOf, scaleOf, trackOf } from './places'
 

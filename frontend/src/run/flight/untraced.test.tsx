@@ -1,7 +1,7 @@
 // Texts on the traces of a simulator, and which of its columns are shown.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
-import { flight } from '../../api/fixtures'
+import { flight } from '../../../tests/fixtures'
 import { asCampaign } from '../../api/campaign'
 import { callsOf } from '../../launch/form/Calls'
 import type { RunData } from '../data/data'

@@ -1,5 +1,5 @@
 // Global sensitivity: Morris' elementary effects and Sobol indices, one row per parameter.
-import type { SensitivityResult } from '../../client'
+import type { SlicesResult } from '../../api/stages'
 import { count, NONE, percent, plain } from '../../format/numbers'
 import { words } from '../../format/spans'
 import { Card } from '../../ui/Card'
@@ -10,7 +10,7 @@ import type { RunData, UncertainParameter } from '../data/data'
 
 interface IndicesCardProps {
   data: RunData
-  result: SensitivityResult
+  result: SlicesResult
   className: string | undefined
 }
 

@@ -1,6 +1,7 @@
 // Sensitivity: each parameter over its bounds, the others nominal or as in the chosen finding; all curves share the
 // vertical axis.
 import { useMemo } from 'react'
+import type { SlicesResult } from '../../api/stages'
 import { ChartCard } from '../../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../../charts/Legend'
 import { Plot } from '../../charts/Plot'
@@ -8,7 +9,7 @@ import { useReach } from '../../charts/reach'
 import { linesOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
-import type { Curve, SensitivityResult, Slices, ValidateResult } from '../../client'
+import type { Curve, Slices, ValidateResult } from '../../client'
 import { decimalsFor, fixed } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Sign, symbolText } from '../../ui/Sign'
@@ -18,7 +19,7 @@ import styles from './parameters.module.css'
 
 interface SensitivityCardProps {
   data: RunData
-  result: SensitivityResult
+  result: SlicesResult
   /** Whether slices of all findings were simulated. */
   validation: ValidateResult | null
   className: string | undefined
@@ -107,7 +108,7 @@ function footerOf(curves: readonly Curve[], absent: string) {
   return absent || gaps ? absent + gaps : undefined
 }
 
-function tableOf({ run }: RunData, result: SensitivityResult, slices: Slices | null, called: string) {
+function tableOf({ run }: RunData, result: SlicesResult, slices: Slices | null, called: string) {
   const rows = (curves: readonly Curve[], others: string) =>
     curves.flatMap((curve) =>
       curve.values.map((value, i) => [curve.path, others, value, curve.costs[i] ?? null, curve.status[i] ?? '']),

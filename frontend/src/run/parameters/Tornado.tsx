@@ -1,6 +1,6 @@
 // Tornado chart: change of the value from nominal at the low and the high bound of each parameter.
 
-import type { SensitivityResult } from '../../client'
+import type { SlicesResult } from '../../api/stages'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickText } from '../../charts/ticks'
 import { decimalsFor, fixed, signed } from '../../format/numbers'
@@ -18,7 +18,7 @@ interface Bar {
 
 interface TornadoProps {
   data: RunData
-  result: SensitivityResult
+  result: SlicesResult
   className: string | undefined
   /** More spacing between rows, next to higher cards. */
   tall?: boolean
@@ -66,7 +66,7 @@ export function movedBy({ low, high }: Pick<Bar, 'low' | 'high'>, unit: string):
   return least < 0 ? `moves it most: ${by(least)} on its worse side.` : `moves it most, by up to ${by(most)}; neither of its bounds is worse than nominal.`
 }
 
-function barsOf({ run, parameters }: RunData, result: SensitivityResult): Bar[] {
+function barsOf({ run, parameters }: RunData, result: SlicesResult): Bar[] {
   const nominal = run.nominal_cost
   if (nominal === null) return []
   return result.curves

@@ -1,5 +1,5 @@
 // Provenance: everything needed to reproduce the numbers, and the campaign as a file.
-import { resultOf } from '../../api/stages'
+import { resultWith } from '../../api/stages'
 import { IconDownload } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -117,7 +117,7 @@ function flightRows(data: RunData, origin: Origin): Rows {
 
 /** From which the independent sample follows, so that a launch can repeat it. */
 function sampleSeed({ stages }: RunData): string {
-  const [certified] = stages.flatMap((stage) => resultOf(stage, 'certify') ?? [])
+  const certified = resultWith(stages, 'drawn_at_launch')
   if (!certified) return 'no sample'
   if (certified.seed === null) return 'that of the campaign'
   return `${certified.seed}, ${certified.drawn_at_launch ? 'drawn' : 'stated'} at launch`

@@ -1,6 +1,6 @@
 // Minima are merged as the findings are.
 import { expect, it } from 'vitest'
-import { finding, validated } from '../../api/fixtures'
+import { finding, validated } from '../../../tests/fixtures'
 import type { Minimum } from '../../client'
 import { basinsOf, mergedMinima, rangesText } from './minima'
 

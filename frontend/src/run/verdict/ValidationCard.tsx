@@ -2,7 +2,7 @@
 import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { SpotChecks, ValidateResult, Validation, Violations } from '../../client'
-import { resultOf } from '../../api/stages'
+import { resultWith } from '../../api/stages'
 import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { Card } from '../../ui/Card'
@@ -31,8 +31,7 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
     7,
   )
   const repeated = cases.some((c) => c.again || c.repeats)
-  const first = data.stages.find((s) => s.position === 0)
-  const measured = first && resultOf(first, 'nominal')?.measured
+  const measured = resultWith(data.stages, 'measured')?.measured
   return (
     <Card
       title="Validation"

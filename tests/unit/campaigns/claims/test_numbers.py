@@ -18,7 +18,7 @@ from campaigns.claims import numbers
 from campaigns.claims.numbers import Format
 
 ROOT = Path(__file__).parents[4]
-CASES: dict[str, list[list[Any]]] = json.loads((ROOT / "campaigns/claims/numbers.json").read_text(encoding="utf-8"))
+CASES: dict[str, list[list[Any]]] = json.loads((ROOT / "frontend/tests/numbers.json").read_text(encoding="utf-8"))
 WRITTEN: dict[str, Callable[..., str | int]] = {
     "printed": lambda value, unit, form, digits: numbers.printed(value, unit, Format(form), digits),
     "fixed": numbers.fixed,

@@ -19,9 +19,9 @@ from campaigns.asked.allowance import STARTS
 from campaigns.asked.load import load_document
 from campaigns.claims.stages.earlier_run import not_random
 from campaigns.refusals import RefusalCode
-from campaigns.results import NominalResult
 from campaigns.results.base import EXCLUDED
 from campaigns.stages.baseline import BaselineResult
+from campaigns.stages.nominal import NominalResult
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from clearance.testing.problems import Problem
 from clearance.testing.searching import Function, batch

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from campaigns import CampaignError, check
-from campaigns.results import CertifyResult
 from campaigns.results.sample import QuantileBound
 from campaigns.results.sample import Sample as Statement
+from campaigns.stages.certify import CertifyResult
 from campaigns.stages.plan import plan
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
-from campaigns.results import Finding, NominalResult
+from campaigns.results import Finding
 from campaigns.results.finding import FoundBy
+from campaigns.stages.nominal import NominalResult
 from clearance.testing.searching import Function, batch
 from tests.given.case_campaigns import case1, searching
 from worker.engine.stages import search

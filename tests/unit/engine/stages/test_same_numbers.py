@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from campaigns import Campaign
-from campaigns.results import CertifyResult
+from campaigns.stages.certify import CertifyResult
 from tests.audited import audited
 from tests.given.case_campaigns import campaign
 from tests.given.failing_stores import Interrupted, Unreliable, outcome

@@ -10,9 +10,10 @@ import pytest
 
 from campaigns.asked.spec import MAX_SEED
 from campaigns.claims.stages.sample import DRAWN
-from campaigns.results import CertifyResult, Verdict
+from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.draws import of_draws
+from campaigns.stages.certify import CertifyResult
 from clearance.testing.problems import Problem
 from tests.audited import audited
 from tests.given.case_campaigns import searching

@@ -9,10 +9,10 @@ import pytest
 
 from campaigns import CampaignError
 from campaigns.claims.stages.surroundings import NO_VARIANCE, no_index
-from campaigns.results import SensitivityResult
 from campaigns.results.base import OK
-from campaigns.results.sensitivity import MorrisStudy, SobolStudy
+from campaigns.results.indices import MorrisStudy, SobolStudy
 from campaigns.stages.plan import plan
+from campaigns.stages.sensitivity import SensitivityResult
 from clearance.testing.problems import Problem
 from tests.given.sampled_stages import asked, context, evaluate
 from worker.engine.search.base import Batch, Floats

@@ -10,9 +10,11 @@ import pytest
 
 from campaigns import Campaign
 from campaigns.codes import CheckCode, StopCode
-from campaigns.results import NominalResult, SearchResult, SensitivityResult, ValidateResult, Verdict
+from campaigns.results import SearchResult, ValidateResult, Verdict
 from campaigns.results.base import Result
 from campaigns.results.verdict import NominalCost
+from campaigns.stages.nominal import NominalResult
+from campaigns.stages.sensitivity import SensitivityResult
 from tests.audited import audited
 from tests.given.case_campaigns import campaign, case1, searching
 from tests.given.sampled_stages import DRAWN

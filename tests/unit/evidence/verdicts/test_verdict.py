@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from campaigns.codes import CheckCode
 from campaigns.results.finding import Repeated
-from campaigns.results.sensitivity import Curve
+from campaigns.results.slices import Curve
 from campaigns.results.validate import Spread
 from campaigns.results.verdict import NominalCost, Provenance, Worst, not_sampled
 from tests.given.case_campaigns import campaign

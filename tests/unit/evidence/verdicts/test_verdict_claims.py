@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from campaigns.results import CertifyResult
 from campaigns.results.base import Stop
 from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost
 from campaigns.results.validate import Beyond, Later, Unseen, Violations
+from campaigns.stages.certify import CertifyResult
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign, document
 from tests.given.stated_facts import facts

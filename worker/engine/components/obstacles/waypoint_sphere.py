@@ -1,8 +1,4 @@
-"""Sphere along waypoints: from its position via up to four waypoints at constant speed; it stops at the last one.
-
-It turns instantly at a waypoint. It never gives way. `legs` is the number of waypoints used; the
-others are ignored. Avoiders keep clear of its radius; `separation` measures distances to its centre.
-"""
+"""Sphere along waypoints: `waypoint_circle` in space."""
 
 from __future__ import annotations
 
@@ -10,7 +6,9 @@ from dataclasses import replace
 
 from worker.engine.components.obstacles import waypoint_circle
 from worker.engine.kernels.component import ObstacleLook
-from worker.engine.kernels.parameters import in_space
+from worker.engine.kernels.parameters import in_space, text_in_space
+
+__doc__ = text_in_space(waypoint_circle.__doc__)
 
 WaypointSphere = in_space(waypoint_circle.WaypointCircle, speed=20.0, radius=25.0)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, TypeVar
 
 from campaigns import Campaign
-from campaigns.results import NominalResult, SearchResult, StageResult
+from campaigns.results import SearchResult, StageResult
 from campaigns.results.base import Stop
 from campaigns.sample_seed import SampleSeed
 from worker.engine.problem.evaluate import Evaluate
@@ -79,9 +79,8 @@ class Context:
 
     @property
     def nominal_cost(self) -> float | None:
-        """Result of the nominal stage; None until it is done."""
-        nominal = self.results.get(0)
-        return nominal.cost if isinstance(nominal, NominalResult) else None
+        """At the nominal values; None until they are evaluated."""
+        return next((r.at_nominal.cost for r in self.results.values() if r.at_nominal is not None), None)
 
     @property
     def searched(self) -> dict[int, SearchResult]:

@@ -12,7 +12,6 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from campaigns.limits import ROUNDING
-from campaigns.results import CertifyResult
 from campaigns.results.base import OK
 from campaigns.results.finding import ClosestApproach, Finding
 from campaigns.results.slices import Curve
@@ -41,7 +40,7 @@ def encounter(
 def _beyond(context: Context, findings: Sequence[Finding], lowest: float) -> Beyond | None:
     """What the nominal case, the findings and every evaluation of the sample meet after the horizon."""
     problem = context.problem
-    certified = [at for at, result in context.results.items() if isinstance(result, CertifyResult)]
+    certified = [at for at, result in context.results.items() if result.certificate is not None]
     own = {at: seeds for at, _, seeds in drawn(context, certified)}
     names = ["nominal", *(f.label for f in findings)]
     points = [problem.nominal_point, *(np.array(f.point) for f in findings)]

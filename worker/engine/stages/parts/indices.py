@@ -17,7 +17,7 @@ from campaigns.claims.say import Part
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import surroundings as sentences
 from campaigns.results.base import EXCLUDED, OK
-from campaigns.results.sensitivity import MorrisRow, MorrisStudy, SobolRow, SobolStudy
+from campaigns.results.indices import MorrisRow, MorrisStudy, SobolRow, SobolStudy
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Floats

@@ -1,12 +1,8 @@
-"""The result of the sensitivity stage: slices through the nominal point, Morris' and Sobol's indices."""
+"""Studies of the influence of the parameters on the whole region: Morris' and Sobol's indices."""
 
 from __future__ import annotations
 
-from typing import Literal
-
 from campaigns.results.base import Described, Result
-from campaigns.results.slices import Curve
-from campaigns.results.stage import StageResult
 
 
 class IndexStudy(Described):
@@ -53,17 +49,3 @@ class SobolStudy(IndexStudy):
     samples: int
     indices: list[SobolRow] | None
     """Null if they were not computed."""
-
-
-class SensitivityResult(StageResult):
-    """One parameter at a time through the nominal point, and the indices if requested."""
-
-    stage: Literal["sensitivity"] = "sensitivity"
-    points: int
-    curves: list[Curve]
-    morris: MorrisStudy | None = None
-    sobol: SobolStudy | None = None
-
-    @property
-    def slices(self) -> list[Curve]:
-        return self.curves

@@ -26,7 +26,7 @@ class Parts(TypedDict, total=False):
 
 
 @dataclass(frozen=True)
-class Asked:
+class AddressParts:
     """The parts of a submission that its address gives; empty if it gives none."""
 
     parts: Parts
@@ -45,7 +45,7 @@ class Asked:
         return hashlib.sha256(body + address).hexdigest()
 
 
-def asked(
+def address_parts(
     label: Annotated[
         list[str] | None,
         Query(max_length=MOST, description="Labels as KEY=VALUE, such as branch=main; repeat it for each."),
@@ -63,7 +63,7 @@ def asked(
         str | None, Query(description="A concurrency group: runs of the same group that have not ended are cancelled.")
     ] = None,
     priority: Annotated[int | None, Query(ge=-10, le=10, description="Runs with a higher one start first.")] = None,
-) -> Asked:
+) -> AddressParts:
     """The parts of a submission that its address gives; 422 with a sentence for what is not allowed."""
     try:
         parts: Parts = {"labels": parsed(label)} if label else {}
@@ -83,7 +83,7 @@ def asked(
         RunSubmit.model_validate({"campaign": {}, **parts})
     except ValidationError as error:
         raise _refused([problem_of(e, e["loc"]) for e in error.errors(include_url=False)]) from None
-    return Asked(parts)
+    return AddressParts(parts)
 
 
 def _refused(problems: list[Problem]) -> RefusedError:
@@ -91,4 +91,4 @@ def _refused(problems: list[Problem]) -> RefusedError:
     return RefusedError(422, "invalid-request", detail, problems)
 
 
-AskedFor = Annotated[Asked, Depends(asked)]
+FromAddress = Annotated[AddressParts, Depends(address_parts)]

@@ -10,8 +10,8 @@ import type {
   TraceHead,
   ValidateResult,
   Validation,
-} from '../client'
-import { words } from '../format/spans'
+} from '../src/client'
+import { words } from '../src/format/spans'
 
 // Without a spread: so a field that the API no longer has is an error, as is a missing one.
 const like = <T>(usual: T) => (more: Partial<T> = {}): T => ({ ...usual, ...more })

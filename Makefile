@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench reproduce sbom advisories frontend library-flights clean distclean
+.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench reproduce sbom advisories frontend library-flights library-verdicts clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-15s %s\n", part[1], $$0}' Makefile
@@ -56,6 +56,9 @@ advisories: install ## ask PyPI and npm for advisories on what is locked, or say
 
 library-flights: install ## simulate the nominal flights on the cards of the library again
 	@.venv/bin/python tools/library_flights.py
+
+library-verdicts: install ## run the campaigns of the library again, into the table of their verdicts
+	@.venv/bin/python -m tools.library_verdicts
 
 frontend: ## build the pages
 	@tools/install.sh

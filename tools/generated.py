@@ -87,7 +87,23 @@ def _table_of_trusted() -> str:
     return _table(("Taken as given", "Why"), [(one.what, one.why) for one in TRUSTED])
 
 
+def _table_of_verdicts() -> str:
+    """Of the library, by `tools.library_verdicts`."""
+    known = json.loads((ROOT / "tests" / "golden" / "library_verdicts.json").read_text("utf-8"))
+    rows = [
+        (
+            f"`{name}`",
+            one["verdict"],
+            f"{one['margin']:+.4g} {one['unit']}".replace("-", "\u2212"),
+            ", ".join(one["fails"]),
+        )
+        for name, one in known.items()
+    ]
+    return _table(("Campaign", "Verdict", "Worst margin", "Checks that fail"), rows)
+
+
 TABLES: Mapping[str, Callable[[], str]] = {
+    "verdicts": _table_of_verdicts,
     "trusted": _table_of_trusted,
     "methods": table_of_methods,
     "methods without more": methods_without_more,

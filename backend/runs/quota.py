@@ -29,10 +29,11 @@ def refuse_beyond(reader: sa.Connection, quota: Quota, visitor: Visitor, more: i
     mine = Run.owner == visitor.account
     active = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(mine, Run.state.in_(ACTIVE))) or 0
     if active + more > quota.active:
+        noun = "run that has" if active == 1 else "runs that have"
         raise RefusedError(
             409,
             "quota-reached",
-            f"{visitor.account} has {active:,} runs that have not ended, and {more:,} more would exceed the limit of "
+            f"{visitor.account} has {active:,} {noun} not ended, and {more:,} more would exceed the limit of "
             f"{quota.active:,} for one user: wait for some to end, or cancel some",
         )
     sums = sa.select(sa.func.sum(Run.evaluations), sa.func.sum(Run.size)).where(mine, Run.purged.is_(None))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -106,7 +107,7 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
         verdict=Verdict.model_validate(stated) if stated else None,
         error=found.error or superseded(found),
         link=service.link(found),
-        replay=f"clearance replay {found.id}",
+        replay=f"clearance replay --service {shlex.quote(service.address)} {found.id}",
         labels=found.labels,
         notes=tuple(filter(None, [reused, "" if compared is None else compared.sentence])),
         seconds=found.seconds or 0.0,

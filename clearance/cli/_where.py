@@ -1,20 +1,28 @@
-"""The options for the location of the data, shared by the commands; and who uses them."""
+"""The options for the location of the data, shared by the commands; and who uses them.
+
+A stored run is read where it is: in a folder, in a database, or in a service, which sends the rows of the run.
+"""
 
 from __future__ import annotations
 
 import getpass
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, TypeVar
 
 import sqlalchemy as sa
 import typer
 
 from backend.db.engine import connect, default_url, migrate, read
-from campaigns.refusals import RefusalCode
-from campaigns.runs import run_number
+from campaigns.refusals import Refusal, RefusalCode
+from campaigns.runs import run_name, run_number
+from campaigns.unreadable import UNREADABLE
 from clearance.cli import WrongInputError
+from clearance.cli._service import PATIENCE, numbered
+from clearance.cli._service import opened as opened_service
 
 Loaded = TypeVar("Loaded")
 
@@ -59,16 +67,77 @@ def stored_run(run: str) -> int | None:
     return None if Path(run).is_dir() else run_number(run if run.startswith("R-") else f"R-{run}")
 
 
-def loaded_run(
-    run: str, data: Path, database: str,
-    of_folder: Callable[[Path], Loaded], of_database: Callable[[sa.Connection, int], Loaded],
-) -> Loaded:  # fmt: skip
-    """A run of a folder, or of the database, which is only read."""
-    run_id = stored_run(run)
-    if run_id is None:
-        return of_folder(Path(run))
-    with reading(existing_url_of(data, database)) as connection:
-        return of_database(connection, run_id)
+Service = Annotated[
+    str,
+    typer.Option(
+        help="Address of the service that has the run, instead of a database.", envvar="CLEARANCE_SERVICE",
+        metavar="URL", show_default=False,
+    ),
+]  # fmt: skip
+RECORD = "record.sqlite3"
+"""The export of a service that has the stored rows of a run."""
+
+
+@dataclass(frozen=True)
+class StoredRun:
+    """A run where it is stored: the folder, or the database with its number; sent: the service that has sent it."""
+
+    place: Path | str
+    run_id: int = 0
+    sent: str = ""
+
+    def load(self, of_folder: Callable[[Path], Loaded], of_database: Callable[[sa.Connection, int], Loaded]) -> Loaded:
+        """Read it; a database is only read."""
+        if isinstance(self.place, Path):
+            return of_folder(self.place)
+        try:
+            with reading(self.place) as connection:
+                return of_database(connection, self.run_id)
+        except (WrongInputError, Refusal):
+            raise
+        except (sa.exc.SQLAlchemyError, *UNREADABLE) as error:
+            if not self.sent:
+                raise
+            why = getattr(error, "orig", error)
+            raise WrongInputError(
+                f"{self.sent} has sent a record that cannot be read: {why}", RefusalCode.UNREADABLE
+            ) from None
+
+
+@contextmanager
+def stored_in(
+    ctx: typer.Context, run: str, data: Path, database: str, service: str, token_file: str
+) -> Iterator[StoredRun]:
+    """A run of a folder, of the database, or of a service, whose record is deleted at the end.
+
+    Stated options are preferred to the environment, and there a database to a service.
+    """
+    known = stored_run(run)
+    if _from_service(ctx, known, service):
+        name = numbered(run) if known is None else run_name(known)
+        with TemporaryDirectory(prefix="clearance-record-", ignore_cleanup_errors=True) as folder:
+            with opened_service(service, token_file, PATIENCE) as client:
+                (file,) = client.export(name, Path(folder), (RECORD,))
+            yield StoredRun(f"sqlite:///{file}", run_number(name) or 0, service)
+        return
+    yield StoredRun(Path(run)) if known is None else StoredRun(existing_url_of(data, database), known)
+
+
+def _from_service(ctx: typer.Context, run_id: int | None, service: str) -> bool:
+    """Whether a run is read from the service; `WrongInputError` if a database is stated, too."""
+    stated, *known = (_source(ctx, option) for option in ("service", "data", "database"))
+    if stated == "COMMANDLINE" and "COMMANDLINE" in known:
+        raise WrongInputError(
+            "--service reads the run from a service: leave --data and --database out", RefusalCode.OPTIONS
+        )
+    usual = known == ["DEFAULT"] * 2
+    return bool(service) and (stated == "COMMANDLINE" or (usual and run_id is not None))
+
+
+def _source(ctx: typer.Context, option: str) -> str:
+    """COMMANDLINE, ENVIRONMENT or DEFAULT."""
+    found = ctx.get_parameter_source(option)
+    return "DEFAULT" if found is None else found.name
 
 
 @contextmanager

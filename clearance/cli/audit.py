@@ -8,20 +8,19 @@ from __future__ import annotations
 
 import json
 import secrets
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from clearance.cli import VIOLATED, WrongInputError, replay
-from clearance.cli._where import DATA, Data, Database, loaded_run
+from clearance.cli._service import Token
+from clearance.cli._where import DATA, Data, Database, Service, StoredRun, stored_in
 from clearance.cli.trail import print_head, verify_trail
 
 if TYPE_CHECKING:
     from clearance.cli.replay import Again
     from worker.evidence.audit.judge import Item
-    from worker.evidence.audit.record import Record
 
 WORDS = {True: "agree", False: "disagree", None: "not auditable"}
 
@@ -53,6 +52,7 @@ app.command("head", hidden=True)(print_head)
 
 @app.command("run")
 def audit(
+    ctx: typer.Context,
     run: Annotated[str, typer.Argument(help="The folder of a `run --out`, or the id of a stored run, such as R-0001.")],
     rows: Annotated[
         int | None,
@@ -68,6 +68,8 @@ def audit(
     as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
     data: Data = DATA,
     database: Database = "",
+    service: Service = "",
+    token_file: Token = "",
 ) -> None:
     """Recompute a run's verdict from its stored evaluations with an independent program, and compare.
 
@@ -75,15 +77,16 @@ def audit(
     the numbers of the sentence are recomputed. Nothing is simulated without --replay: the costs are those stored.
     """
     from worker.evidence.audit import judge
-    from worker.evidence.audit.record import UnreadableError
+    from worker.evidence.audit.record import UnreadableError, of_database, of_folder
     from worker.running.runs.audited import audited
 
-    try:
-        items = audited(_record(run, data, database))
-    except UnreadableError as error:
-        raise WrongInputError(f"{error}", error.code) from None
-    follows, sentence = judge.closing(items)
-    again = None if rows is None else _again(run, data, database, rows)
+    with stored_in(ctx, run, data, database, service, token_file) as stored:
+        try:
+            items = audited(stored.load(of_folder, of_database))
+        except UnreadableError as error:
+            raise WrongInputError(f"{error}", error.code) from None
+        follows, sentence = judge.closing(items)
+        again = None if rows is None else _again(run, stored, rows)
     if as_json:
         listed = [item._asdict() | {"agrees": item.agrees} for item in items]
         answer = {"run": run, "follows": follows, "sentence": sentence, "items": listed}
@@ -96,19 +99,13 @@ def audit(
     raise typer.Exit(0 if follows and (again is None or again.agrees) else VIOLATED)
 
 
-def _again(run: str, data: Path, database: str, rows: int) -> Again:
+def _again(run: str, place: StoredRun, rows: int) -> Again:
     """The nominal case, all findings and so many evaluations, which whoever wrote the record could not foresee."""
-    recorded = loaded_run(run, data, database, replay.of_folder, replay.of_database)
+    recorded = place.load(replay.of_folder, replay.of_database)
     stored = [f"{at}:{k}" for at, columns in recorded.evaluations.items() for k in range(len(columns.status))]
     drawn = secrets.SystemRandom().sample(stored[1:], min(rows, len(stored) - 1))
     names = [*stored[:1], *(finding.label for finding in recorded.findings), *drawn]
     return replay.evaluated_again(run, recorded, replay.opened_here(run, recorded), names)
-
-
-def _record(run: str, data: Path, database: str) -> Record:
-    from worker.evidence.audit.record import of_database, of_folder
-
-    return loaded_run(run, data, database, of_folder, of_database)
 
 
 def _print(items: list[Item]) -> None:

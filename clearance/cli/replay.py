@@ -19,7 +19,8 @@ from campaigns.unreadable import UNREADABLE
 from clearance.cli import VIOLATED, WrongInputError
 from clearance.cli._capsule import changed, described, is_capsule, of_capsule, sentence
 from clearance.cli._capsule_code import permits, refuse_unused, replayed_with_its_code
-from clearance.cli._where import DATA, Data, Database, loaded_run
+from clearance.cli._service import Token
+from clearance.cli._where import DATA, Data, Database, Service, stored_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 
 def replay(
+    ctx: typer.Context,
     run: Annotated[
         str,
         typer.Argument(help="The folder of a `run --out`, the id of a stored run (R-0001), or the file of a capsule."),
@@ -47,6 +49,8 @@ def replay(
     as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
     data: Data = DATA,
     database: Database = "",
+    service: Service = "",
+    token_file: Token = "",
     allow_code: Annotated[
         bool,
         typer.Option(
@@ -69,7 +73,11 @@ def replay(
     from worker.running.runs import sources as sources  # first: it records the files before they are loaded
 
     capsule = of_capsule(Path(run), allow_code) if is_capsule(run) else None
-    recorded = loaded_run(run, data, database, of_folder, of_database) if capsule is None else capsule.recorded
+    if capsule is None:
+        with stored_in(ctx, run, data, database, service, token_file) as stored:
+            recorded = stored.load(of_folder, of_database)
+    else:
+        recorded = capsule.recorded
     problem = opened_here(run, recorded, "" if capsule is None else permits(capsule.capsule))
     if capsule is not None:
         refuse_unused(run, capsule.capsule)

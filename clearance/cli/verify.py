@@ -11,10 +11,11 @@ from clearance.cli.audit import audit, renamed
 
 
 def verify(
+    ctx: typer.Context,
     run: Annotated[str, typer.Argument(help="As for `clearance audit`.")],
     data: Data = DATA,
     database: Database = "",
 ) -> None:
     """Use `clearance audit`: this earlier name of it goes with the next version."""
     renamed("verify", "audit")
-    audit(run, data=data, database=database)
+    audit(ctx, run, data=data, database=database)

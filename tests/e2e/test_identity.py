@@ -20,6 +20,7 @@ import pytest
 import sqlalchemy as sa
 from playwright.sync_api import Browser, expect
 
+import clearance.client
 from backend.db.engine import connect, default_url, read
 from backend.db.tables import Run
 from backend.runs.outcomes import outcomes
@@ -36,6 +37,7 @@ from tests.faults.cases import campaign
 from tests.faults.processes import CLEARANCE, until
 from tests.faults.serving import Service, serving
 from tests.given.own_files import POST
+from tests.given.printed_words import printed_words
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(420)]
 DRAWS = False
@@ -58,12 +60,18 @@ def pendulum(wind: float) -> float:
 
 HELPED = PENDULUM.replace("SHIFT = 0.0", "from lowered import SHIFT")
 """By a module next to it."""
+FAR = HELPED.replace(
+    "import clearance\n",
+    "import sys\nfrom pathlib import Path\n\nimport clearance\n\n"
+    'sys.path.insert(0, str(Path(__file__).parents[1] / "elsewhere"))\n',
+)
+"""By a module of another folder."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A kind of own files. name: in identities; file: in the operator's folder; text: its first version, of which
-    `SHIFT` is edited; more: files next to it; campaign: what runs it;
+    """A kind of own files. name: in identities; file: from the operator's folder; text: its first version, of which
+    `SHIFT` is edited; more: files in that folder; campaign: what runs it;
     published: whether workers publish its digest as soon as it changes."""
 
     name: str
@@ -106,7 +114,11 @@ CASES = {
     "helper": Case(
         "simulators/pendulum", "lowered.py", "SHIFT = 0.0\n", in_the_wind, what_if="cases", more={"pendulum.py": HELPED}
     ),
-}
+    "helper elsewhere": Case(
+        "simulators/pendulum", "../elsewhere/lowered.py", "SHIFT = 0.0\n", in_the_wind, what_if="cases",
+        more={"pendulum.py": FAR},
+    ),
+}  # fmt: skip
 
 
 @dataclass
@@ -212,6 +224,30 @@ def capsule(home: Home, run: str) -> str:
     return json.dumps(json.loads(packed.read("capsule.json"))["versions"])
 
 
+def signed(home: Home, run: str) -> str:
+    """What is said of a sign-off."""
+    address = f"/api/v1/runs/{run}/signoffs"
+    found = home.get(f"/runs/{run}/signoffs").json()
+    if not found["items"]:
+        made = home.said("login-link", "--data", str(home.service.data))
+        with httpx.Client(base_url=home.client.base_url, timeout=60, trust_env=False) as reviewer:
+            reviewer.get("/login", params={"code": made.strip().rpartition("code=")[2]})
+            review = {"name": "Ada", "role": "Independent review", "comment": "", "digest": found["digest"]}
+            assert (answer := reviewer.post(address, json=review)).status_code == 201, answer.text
+    return str(home.get(f"/runs/{run}/signoffs").json()["items"][0]["sentence"])
+
+
+def recorded(home: Home, run: str) -> str:
+    return home.get(f"/runs/{run}/exports/flight-nominal.html").text.partition("<p>Digests")[2][:2000]
+
+
+def fetched(home: Home, run: str) -> str:
+    """By the Python client, which has address and token from the environment."""
+    with clearance.client.Client() as client:
+        found = client.run(run)
+    return f"{found.code} {found.document['identity']}"
+
+
 def swept(reader: sa.Connection, run_id: int) -> str:
     (found,) = outcomes(reader, [Run.id == run_id])
     return next(csv.reader([",".join(map(str, sheet._row(SweepPoint(value=1.0, run=found.id, outcome=found))))]))[-2]
@@ -257,6 +293,10 @@ PLACES: dict[str, Callable[[Home, str], str]] = {
     "matrix": matrix,
     "gsn": lambda home, run: home.get("/requirements/export/argument.gsn.yaml").text.partition(f"{run} is")[2][:900],
     "report.html": lambda home, run: home.get(f"/runs/{run}/report.html").text,
+    "report.pdf": lambda home, run: printed_words(home.get(f"/runs/{run}/report.pdf").content),
+    "recording": recorded,
+    "sign-off": signed,
+    "client": fetched,
     "run.json": lambda home, run: home.get(f"/runs/{run}/exports/run.json").text.partition('"identity"')[2][:900],
     "capsule": capsule,
     "what-if": what_if,
@@ -269,21 +309,28 @@ PLACES: dict[str, Callable[[Home, str], str]] = {
     "replay": replayed,
 }
 NAMED = {
-    "run", "related", "compare", "report.html", "run.json", "junit", "sarif", "summary", "show",
+    "run", "related", "compare", "report.html", "report.pdf", "recording", "client", "run.json", "junit", "sarif",
+    "summary", "show",
 }  # fmt: skip
 """Where the file is named for either version."""
-SINCE = {"components", "matrix", "what-if", "3D view", "replay"}
+SINCE = {"components", "matrix", "sign-off", "what-if", "3D view", "replay"}
 """Where the first run is compared with what is installed, which names the file; and the second one is not."""
-PUBLISHED = {"components", "matrix"}
+PUBLISHED = {"components", "matrix", "sign-off"}
 """Where what is installed is what workers have published."""
 
 
-@pytest.fixture(scope="module", params=CASES)
+AT_NIGHT = {"helper elsewhere"}
+
+
+@pytest.fixture(
+    scope="module", params=[pytest.param(one, marks=[pytest.mark.nightly] * (one in AT_NIGHT)) for one in CASES]
+)
 def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Home]:
     case, place = CASES[request.param], tmp_path_factory.mktemp("identity")
     folder = place / "own"
     folder.mkdir()
     for file, text in {case.file: case.text, **case.more}.items():
+        (folder / file).parent.mkdir(exist_ok=True)
         (folder / file).write_text(text, encoding="utf-8")
     patch = pytest.MonkeyPatch()
     environment = {f"CLEARANCE_{case.name.partition('/')[0].upper()}": str(folder)}
@@ -314,7 +361,9 @@ def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 def test_two_versions_are_told_apart(home: Home, place: str) -> None:
     if place in PUBLISHED and not home.case.published:
         pytest.skip("workers publish its digest when they start")
-    if place == "3D view" and home.case.what_if == "cases":
+    if place == "report.pdf" and home.case is not CASES["component"]:
+        pytest.skip("it is printed from report.html, which takes seconds")
+    if place in ("3D view", "recording") and home.case.what_if == "cases":
         pytest.skip("it has no positions to draw")
     first, second = (PLACES[place](home, run) for run in home.runs)
     assert first != second
@@ -332,7 +381,7 @@ def test_the_trend_names_the_file_where_it_changed(home: Home) -> None:
 
 
 def test_the_pages_name_the_file(home: Home, browser: Browser) -> None:
-    kind, (first, second), name = home.case.file.partition(".")[0], home.runs, home.case.name
+    kind, (first, second), name = "-".join(Path(home.case.file).with_suffix("").parts[-2:]), home.runs, home.case.name
     digest = home.get(f"/runs/{first}").json()["campaign_digest"]
     with visiting(browser, home.service.link().partition("/login")[0]) as visit:
         page = visit.page

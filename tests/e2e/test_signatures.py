@@ -21,6 +21,7 @@ from tests.e2e.looking import looks
 from tests.e2e.stored import served
 from tests.given.code_versions import edited
 from tests.given.joined_users import joined
+from tests.given.printed_words import printed_words
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
@@ -66,10 +67,11 @@ def places(visit: Visit, run: str) -> Iterator[tuple[str, Locator]]:
     yield "report", page.locator("table", has=page.locator("[data-current]"))
 
 
-def seen(visit: Visit, name: str, run: str, text: str) -> None:
-    """Every place states it, in both themes."""
+def seen(visit: Visit, name: str, run: str, *texts: str) -> None:
+    """Every place states them, in both themes, and the words of the PDF."""
     for place, part in places(visit, run):
-        expect(part).to_contain_text(text, ignore_case=True)
+        for text in texts:
+            expect(part).to_contain_text(text, ignore_case=True)
         if place == "report":  # it is of one theme, and paged
             visit.shot(f"signature-{name}-{place}", of=part)
             continue
@@ -79,9 +81,11 @@ def seen(visit: Visit, name: str, run: str, text: str) -> None:
                 visit.page.emulate_media(color_scheme=theme)
                 visit.shot(f"signature-{name}-card-{theme}", of=part)
             visit.page.emulate_media(color_scheme="light")
+    printed = visit.page.request.get(f"{visit.address}/api/v1/runs/{run}/report.pdf").body()
     if pictured():
-        printed = visit.page.request.get(f"{visit.address}/api/v1/runs/{run}/report.pdf")
-        (SCREENSHOTS / f"signature-{name}.pdf").write_bytes(printed.body())
+        (SCREENSHOTS / f"signature-{name}.pdf").write_bytes(printed)
+    words = printed_words(printed).lower()
+    assert not [text for text in texts if "".join(text.split()).lower() not in words]
 
 
 @contextmanager
@@ -97,10 +101,11 @@ def test_the_standing_of_a_sign_off_is_on_every_page(service: Service, browser: 
         with changed(service.engine, sa.update(CatalogueDocument).values(document=edited())):
             (one,) = client.get(f"/api/v1/runs/{SIGNED}/signoffs").json()["items"]
             assert one["standing"] == "suspect"
-            seen(visit, "suspect", SIGNED, one["reasons"][0])
+            seen(visit, "suspect", SIGNED, "suspect", one["reasons"][0])
         ran(service, client)
         (one,) = client.get(f"/api/v1/runs/{REPEATED}/signoffs").json()["items"]
         assert (one["run"], one["standing"]) == (SIGNED, "carried on")
+        assert f"repeated by {REPEATED}" in one["sentence"]
         seen(visit, "carried", REPEATED, one["sentence"][1:])
         ran(service, client)
         with service.engine.begin() as writer:

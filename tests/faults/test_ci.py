@@ -6,6 +6,7 @@ The branches differ in one gain of the avoider. At last the service is killed.
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -64,6 +65,13 @@ class Job:
         shown = self._shown.readouterr()
         return code, shown.out + shown.err
 
+    def ran(self, printed: str) -> tuple[int, str]:
+        """Exit code of a command that a file of the job states, in a folder without a database, and the command."""
+        with pytest.MonkeyPatch.context() as here:
+            here.setenv("CLEARANCE_TOKEN", self.environment["CLEARANCE_TOKEN"])
+            here.chdir(self.folder)
+            return invoke(shlex.split(printed)[1:]), printed
+
     def runs(self) -> list[dict[str, Any]]:
         token = {"Authorization": f"Bearer {self.environment['CLEARANCE_TOKEN']}"}
         return list(httpx.get(f"{self.address}/api/v1/runs", headers=token).json()["items"])
@@ -98,7 +106,8 @@ def test_a_branch_with_a_worse_gain_fails_and_a_good_one_passes(
     assert {line.partition(" = ")[0] for line in lines[1:-2]} == {"vehicle.m", "vehicle.J"}
     assert cases["verdict"].find("failure") is None, "the verdict is cleared"
     assert "| F1 of R-0001 | **worse** |" in files[1].read_text()
-    assert lines[-1] == "clearance replay R-0002 1:0"
+    assert job.ran(lines[-1]) == (0, f"clearance replay --service {job.address} R-0002 1:0")
+    assert job.ran(f"clearance audit --service {job.address} R-0002 --replay 5")[0] == 0
     code, shown = job.submit(good, *compared, "--junit", str(files[0]))
     assert code == 0, shown
     assert " R-0001: 1 same." in shown

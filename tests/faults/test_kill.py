@@ -18,6 +18,7 @@ from backend.db.store import RunStore
 from backend.db.tables import Finding, Run, Stage, Trace
 from campaigns.results.verdict import Verdict
 from campaigns.sample_seed import SampleSeed
+from campaigns.stages.plan import most
 from tests.audited import audited
 from tests.faults import postgres
 from tests.faults.long import SAMPLE, case
@@ -36,7 +37,7 @@ def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
     """In a file it is killed; on a database server the server is down for a while. Killed once more by night."""
     campaign = case()
     with database.begin() as connection:
-        run_id = submit(connection, campaign, name="killed", tags=[], owner="", planned=0)
+        run_id = submit(connection, campaign, name="killed", tags=[], owner="", planned=most(campaign))
     url = database.url.render_as_string(hide_password=False)
 
     def run() -> Any:

@@ -22,6 +22,7 @@ from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
 from campaigns.documents import digest_of
 from campaigns.results.base import FAILED, OK
+from campaigns.stages.plan import most
 from campaigns.stored.digest import Rows, evidence_digest
 from clearance.local.results import write_results
 from clearance.local.summary import summary
@@ -135,7 +136,7 @@ def stored(folder: Path, name: str) -> sa.Engine:
     engine = connect(migrated(folder))
     campaign, memory = ran(name)
     with engine.begin() as connection:
-        submit(connection, campaign, name="a", tags=[], owner="", planned=1, seed=memory.sample_seed)
+        submit(connection, campaign, name="a", tags=[], owner="", planned=most(campaign), seed=memory.sample_seed)
     claim = Queue(engine).claim("w")
     assert claim is not None
     store = RunStore(engine, claim)

@@ -9,9 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from campaigns.claims.spans import words
+from campaigns.identity.identity import identity_of
+from campaigns.results.base import EXCLUDED
+from campaigns.versions import Versions
 from tests.given.corrupted_records import CERTIFY, ENCOUNTER, FINDING, GRID, SAMPLE_, STATISTICS, Folder, edit
+from worker.evidence.audit.judge import SPANS
 
 BOLD = " No worse case exists."
+LAST = 4
+"""The position of the last stage of the run with excluded evaluations."""
 COLUMNS = ("points", "costs", "status", "seconds")
 
 
@@ -122,6 +129,81 @@ def _family(folder: Folder) -> None:
         method["family"] = f"that of {method['name']}"
 
 
+def _table(edit_row: Callable[[list[str]], list[str]], line: int) -> Callable[[Folder], None]:
+    """An edit of a line of the table of evaluations, the header included."""
+
+    def change(folder: Folder) -> None:
+        table = folder.path / "evaluations.csv"
+        lines = table.read_text(encoding="utf-8").splitlines()
+        lines[line] = ",".join(edit_row(lines[line].split(",")))
+        table.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    return change
+
+
+def _trajectory_unit(folder: Folder) -> None:
+    file = folder.path / "trace-F1.csv"
+    header, rest = file.read_text(encoding="utf-8").split("\n", 1)
+    assert "[m]" in header
+    file.write_text(header.replace("[m]", "[km]") + "\n" + rest, encoding="utf-8")
+
+
+def _trajectory(folder: Folder) -> None:
+    (folder.path / "trace-F9.csv").write_bytes((folder.path / "trace-F1.csv").read_bytes())
+    folder.evidence["files"]["trace-F9.csv"] = ""
+
+
+def _other_code(folder: Folder) -> None:
+    versions = folder.result["versions"] | {"code": "0" * 64}
+    made = identity_of(Versions.of(versions), "").model_dump(mode="json")
+    folder.result |= {"versions": versions, "identity": made}
+
+
+def _excluded_that_is_ok(folder: Folder) -> None:
+    """One more evaluation with a harmless cost, in the counts and in the table, too."""
+    row = int(np.flatnonzero(folder.arrays[f"status_{LAST}"] == EXCLUDED)[0])
+    cost = float(np.nanmedian(folder.arrays[f"costs_{LAST}"]))
+    folder.arrays[f"status_{LAST}"][row], folder.arrays[f"costs_{LAST}"][row] = 0, cost
+    line = 1 + row + sum(len(folder.arrays[f"status_{at}"]) for at in range(LAST))
+    _table(lambda cells: [*cells[:4], "ok", repr(cost), *cells[6:8], ""], line)(folder)
+    for counted in (folder.result["evaluations"], folder.result["stages"][LAST]):
+        counted["excluded"] -= 1
+    folder.result["evaluations"]["succeeded"] += 1
+    folder.evidence["results"][LAST]["encounter"]["spread"]["evaluations"] += 1
+
+
+def _without_a_stage(folder: Folder) -> None:
+    """A run of a campaign without the sensitivity stage, of which nothing is left."""
+    folder.campaign["stages"]["sensitivity"] = None
+    gone = len(folder.arrays["status_1"])
+    del folder.evidence["results"][1], folder.result["stages"][1]
+    names = [name.rsplit("_", 1) for name in folder.arrays]
+    moved = {f"{name}_{int(at) - (at > '1')}": folder.arrays[f"{name}_{at}"] for name, at in names if at != "1"}
+    folder.arrays = moved
+    last = folder.evidence["results"][-1]
+    found = [one for finding in folder.result["findings"] for one in finding["found"]]
+    for one in [*folder.result["comparison"], *last["comparison"], *found, last["spot_checks"]["at"]]:
+        one["position"] -= 1
+    counts = folder.result["evaluations"]
+    before, total = counts["stored"], counts["stored"] - gone
+    counts |= {"stored": total, "succeeded": total}
+    last["encounter"]["spread"]["evaluations"] = total
+    folder.lie("evaluations", float(total))
+    folder.result["values"]["evaluations"] = float(total)
+    folder.result["sentence"] = folder.result["reason"].partition(" Scope: ")[0]
+    for check in folder.result["checks"]:
+        for span in check["statement"]:
+            if span.get("value") == before:
+                span["value"] = float(total)
+                check["values"][span["name"]] = float(total)
+        check["text"] = words(SPANS.validate_python(check["statement"]))
+    table = folder.path / "evaluations.csv"
+    header, *rows = table.read_text(encoding="utf-8").splitlines()
+    kept = [row.split(",", 1) for row in rows if not row.startswith("1,")]
+    text = [header, *(f"{int(at) - (at > '1')},{rest}" for at, rest in kept)]
+    table.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
 FORGERIES: list[Forgery] = [
     Forgery("a sample stored ten times", "cleared", _ten_times),
     Forgery("a draw stored twice", "cleared", _another_draw),
@@ -168,12 +250,31 @@ FORGERIES: list[Forgery] = [
     Forgery("a value that is absent", "cleared", lambda f: f.result["statistics"].pop("upper_bound")),
     Forgery("a count that is absent", "violated", lambda f: f.result["evaluations"].pop("violating")),
     Forgery("a result that is absent", "cleared", lambda f: f.evidence["results"].__setitem__(2, None)),
+    Forgery("flights beyond the horizon", "cleared", edit(f"{ENCOUNTER}/beyond/flights", 10**6)),
+    Forgery("no flight beyond the horizon", "cleared", lambda f: f.evidence["results"][5]["encounter"].pop("beyond")),
+    Forgery("a larger allowance", "cleared", edit("evidence/results/5/spent/at_most", 10**6)),
+    Forgery("fewer evaluations of validation", "cleared", edit("evidence/results/5/spent/stored", 5)),
+    Forgery("no allowance", "cleared", lambda f: f.evidence["results"][5].pop("spent")),
+    Forgery("another unit of a criterion", "cleared", edit("evidence/results/2/criteria/0/unit", "km")),
+    Forgery("another identity of the code", "cleared", edit("result/identity/digest", "0" * 64)),
+    Forgery("another own file", "cleared", edit("result/identity/files", {"components/a.py": "0" * 64})),
+    Forgery("a claim of another name", "cleared", lambda f: f.result.update(proved="no worse case exists")),
+    Forgery("another method in the table", "cleared", _table(lambda row: [*row[:2], "proof", *row[3:]], 30)),
+    Forgery("a reason of what succeeded", "cleared", _table(lambda row: [*row[:-1], "proved"], 30)),
+    Forgery("another header of the table", "cleared", _table(lambda row: [*row[:-1], "proof"], 0)),
+    Forgery("a trajectory of no finding", "cleared", _trajectory),
+    Forgery("another unit of a trajectory", "cleared", _trajectory_unit, "files.trace"),
+    Forgery("an excluded row that is ok", "excluded", _excluded_that_is_ok),
+    Forgery("no sensitivity stage", "cleared", _without_a_stage, "campaign.stages"),
+    Forgery("an effect of a parameter", "cleared", edit(f"{ENCOUNTER}/influence/vehicle.m", 9.0), "result.encounter"),
+    Forgery("findings left out", "cleared", edit("evidence/results/5/spent/left_out/findings", 7), "spent.left_out"),
     Forgery("a cost of no claim", "cleared", _cost, "arrays.costs"),
     Forgery("a horizon of the campaign", "noisy", edit("campaign/scenario/horizon", 40.0)),
     Forgery("bounds of the campaign", "noisy", edit("campaign/uncertain/vehicle.m/plus_minus", "30%")),
     Forgery("a closest approach", "cleared", edit(f"{ENCOUNTER}/closest/time", 1.0), "result.encounter.closest"),
     Forgery("an approach of which no more is known", "cleared", _approaching),
-    Forgery("code of another version", "cleared", edit("result/versions/code", "0" * 64), "result.versions"),
+    Forgery("code of another version", "cleared", _other_code, "result.versions"),
+    Forgery("code of another version alone", "cleared", edit("result/versions/code", "0" * 64)),
     Forgery("seconds of a stage", "cleared", edit("result/stages/2/seconds", 9e9), "result.stages.#.seconds"),
 ]  # fmt: skip
 

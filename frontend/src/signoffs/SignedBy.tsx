@@ -14,7 +14,8 @@ export const STANDINGS: Readonly<Record<Standing, { word: string; tone: 'ok-t' |
   withdrawn: { word: 'Withdrawn', tone: 'bad-t', icon: IconCircleX },
 }
 
-const capital = (clause: string): string => `${clause.charAt(0).toUpperCase()}${clause.slice(1)}`
+/** Unless it begins with a name, such as that of a file. */
+const capital = (clause: string): string => (/^[a-z]+[ ,:;]/.test(clause) ? clause.charAt(0).toUpperCase() + clause.slice(1) : clause)
 
 /** The standing as a sentence. */
 const sentenceOf = ({ sentence }: Signoff): string => capital(sentence)

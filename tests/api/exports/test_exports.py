@@ -50,6 +50,7 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str, mo
         "safety-case-report.html",
         "safety-case-report.pdf",
         "run.json",
+        "record.sqlite3",
         "evaluations.csv",
         "evaluations.parquet",
         "findings.csv",

@@ -60,7 +60,10 @@ def test_the_files_of_a_job(
     suite = Xml.parse(junit).getroot()[0]
     cases = {case.get("name"): case for case in suite.iter("testcase")}
     (failure,) = cases["verdict"]
-    assert str(failure.text).splitlines()[-2:] == [f"{service.url}/runs/R-0001", "clearance replay R-0001 F1"]
+    assert str(failure.text).splitlines()[-2:] == [
+        f"{service.url}/runs/R-0001",
+        f"clearance replay --service {service.url} R-0001 F1",
+    ]
     (skipped,) = cases["baseline"]
     assert str(skipped.get("message")).startswith("No baseline: ")
     text = summary.read_text()

@@ -9,10 +9,13 @@ import httpx
 import pytest
 
 from backend.db.engine import read
+from backend.runs.quota import Quota
 from backend.webhooks import body
 from tests.given.joined_users import joined
+from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
 
 API = "/api/v1"
@@ -59,3 +62,25 @@ def test_a_run_is_found_by_user_and_by_token(launched: tuple[str, str, httpx.Cli
 def test_the_user_may_change_it(launched: tuple[str, str, httpx.Client]) -> None:
     _, run, browser = launched
     assert browser.patch(f"{API}/runs/{run}", json={"name": "Renamed"}).status_code == 200
+
+
+def test_quotas_count_what_tokens_have_launched(
+    service: Service, client: httpx.Client, launched: tuple[str, str, httpx.Client]
+) -> None:
+    """Of the user, also by another token and after the first one was revoked; not of anybody else."""
+    user, run, browser = launched
+    stored = browser.get(f"{API}/runs/{run}").json()["evaluations"]
+    assert stored > 0
+    secret = browser.post(f"{API}/tokens", json={"name": "second", "scope": "run"}).json()["secret"]
+    with service.visitor(authorization=f"Bearer {secret}") as program:
+        for quota, what in ((Quota(100, stored, 10**12), "stored evaluations"), (Quota(0, 10**9, 10**12), "0 runs")):
+            service.app.state.quota = quota
+            for visitor in (program, browser):
+                refused = problem(visitor.post(f"{API}/runs", json={"campaign": campaign()}), 409, "quota-reached")
+                assert user in refused["detail"]
+                assert what in refused["detail"]
+        service.app.state.quota = Quota(1, stored + 1, 10**12)
+        submit(program)
+        refused = problem(browser.post(f"{API}/runs", json={"campaign": campaign()}), 409, "quota-reached")
+        assert f"{user} has 1 run" in refused["detail"]
+    submit(client)

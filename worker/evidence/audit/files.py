@@ -1,4 +1,4 @@
-"""The files of a folder that repeat what others have: the table of evaluations, and the trajectories."""
+"""What a folder repeats: the table of evaluations, the trajectories, the identity; and what it has besides."""
 
 from __future__ import annotations
 
@@ -12,9 +12,17 @@ import numpy as np
 
 from campaigns import Campaign, Catalogue, cube
 from campaigns.checked.check import parameters
-from campaigns.results.base import OK, STATUS
+from campaigns.identity.identity import identity_of, simulator_of
+from campaigns.results.base import FLAKY, OK, STATUS
+from campaigns.versions import Versions
 
 TABLE = "evaluations.csv"
+PARTS = {
+    "verdict", "reason", "sentence", "scope", "statement", "holds_for", "values", "nominal", "worst", "stages",
+    "comparison", "evaluations", "checks", "statistics", "regression", "findings", "failures", "digest", "seed",
+    "identity", "versions", "continues", "command_given", "labels", "baseline", "results", "components", "files",
+}  # fmt: skip
+"""Of result.json and evidence.json; what has another name is no part of a record, and nothing compares it."""
 
 
 def compared(
@@ -29,9 +37,20 @@ def compared(
     }
     beside = {path.name for path in folder.glob("trace-*.csv")} - known.keys()
     found |= {f"files.{name}": ("no such file", _digest(folder / name)) for name in beside}
+    expected = {TABLE, *(f"trace-{name}.csv" for name in ("nominal", *(f["label"] for f in evidence["findings"])))}
+    found["files.others"] = (sorted(known.keys() - expected), [])
+    found["files.names"] = (sorted(evidence.keys() - PARTS), [])
+    found |= {f"identity.{name}": pair for name, pair in _identity(evidence, campaign).items()}
     if isinstance(evidence.get("components"), Catalogue):
-        found["files.rows"] = (len(stage), _rows(folder / TABLE, campaign, evidence["components"], arrays, stage))
+        found["files.rows"] = (len(stage), _rows(folder / TABLE, campaign, evidence, arrays, stage))
     return found
+
+
+def _identity(evidence: Mapping[str, Any], campaign: Campaign) -> dict[str, tuple[Any, Any]]:
+    """The identity as stated, and as it follows from the versions; a folder has no others for the rest of it."""
+    of = identity_of(Versions.of(evidence["versions"]), simulator_of(campaign)).model_dump(mode="json")
+    stated = evidence.get("identity") or {}
+    return {name: (stated.get(name), of[name]) for name in of if name not in ("evaluating", "machine")}
 
 
 def _digest(path: Path) -> str:
@@ -40,28 +59,31 @@ def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _rows(path: Path, campaign: Campaign, components: Catalogue, arrays: Sequence[Any], stage: Any) -> int:
-    """How many rows of the table are the evaluations in their order: stage, index, status, cost and parameters."""
+def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: Sequence[Any], stage: Any) -> int:
+    """How many rows of the table are the evaluations in their order, with nothing else; none under another header."""
     points, costs, status = arrays
-    known = parameters(campaign, components)
+    known = parameters(campaign, evidence["components"])
     bounds = [u.interval(known[name][1]) for name, u in campaign.uncertain.items()]
     low, high = (np.array(ends) for ends in zip(*bounds, strict=True))
     values = cube.natural(points, [known[name][1] for name in campaign.uncertain], low, high)
     index = np.concatenate([np.arange(n) for n in np.unique(stage, return_counts=True)[1]])
+    plan = dict(enumerate(evidence["stages"]))
+    criteria = next((r["criteria"] for r in evidence.get("results", ()) if r and "criteria" in r), [])
+    further = [f"{one['name']} [{one['unit']}]" if one["unit"] else one["name"] for one in criteria[1:]]
+    header = ["stage", "kind", "method", "index", "status", "cost", *further, *campaign.uncertain, "reason"]
     same = 0
     with path.open(newline="", encoding="utf-8") as file:
-        for k, row in enumerate(csv.DictReader(file)):
-            if k < len(stage):
-                cost = repr(float(costs[k, 0])) if status[k] == OK else ""
-                expected = [
-                    str(stage[k]),
-                    str(index[k]),
-                    dict(enumerate(STATUS)).get(status[k]),
-                    cost,
-                    *map(repr, values[k].tolist()),
-                ]
-                names = ["stage", "index", "status", "cost", *campaign.uncertain]
-                same += [row.get(name) for name in names] == expected
-            else:
+        table = csv.reader(file)
+        if next(table, None) != header:
+            return 0
+        for k, row in enumerate(table):
+            if k >= len(stage):
                 same -= 1
+                continue
+            of, ok = plan.get(stage[k], {"kind": None, "method": None}), status[k] == OK
+            state, cost = dict(enumerate(STATUS)).get(status[k]), repr(float(costs[k, 0])) if ok else ""
+            begin = [str(stage[k]), of["kind"], of["method"] or "", str(index[k]), state, cost]
+            fits = row[:6] == begin and row[6 + len(further) : -1] == [*map(repr, values[k].tolist())]
+            # What succeeded has no reason, but that of an earlier call that failed.
+            same += fits and len(row) == len(header) and (not ok or not row[-1] or row[-1].startswith(FLAKY))
     return same

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from campaigns.asked.allowance import validation
 from campaigns.catalogue import MethodEntry
 from campaigns.checked import extents, rates
 from campaigns.checked.check import parameters
@@ -22,6 +23,7 @@ from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
+from campaigns.stages.plan import most
 from worker.evidence.audit import charts, limits
 from worker.evidence.audit.points import grid, required
 from worker.evidence.audit.recompute import Run, Tree
@@ -166,14 +168,19 @@ def _stored(run: Run) -> Tree:
         expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.stated}
         expected["run"] |= {"evaluations": len(run.status), "failed_evaluations": run.total["failed"]}
         expected["run"] |= {"worst_method": method, "upper_bound": run.bound}
+        if run.sealed:
+            expected["run"] |= {"planned": most(run.campaign), "state": "done", "error": None}
     return expected
 
 
 def _stop(run: Run, k: int) -> Tree:
     """How a stage of a folder ended, and its minima, which repeat its result; in a database, what its row repeats."""
     results = run.claims.get("results") or []
-    if not run.sealed or k >= len(results) or "run" in run.claims:
-        return {"planned": run.plan[k].planned} if run.sealed else {}
+    if not run.sealed:
+        return {}
+    if k >= len(results) or "run" in run.claims:
+        best = _best(run, k)
+        return {"planned": run.plan[k].planned, "best_index": best and best["index"]}
     result = results[k] or {}
     return {"stop": (result.get("stop") or {}).get("text"), "minima": result.get("minima") or []}
 
@@ -190,7 +197,7 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs)) - out.get("spot_checks", 0)}}
     if run.sealed:
-        last |= _settings(run)
+        last |= _settings(run) | {"spent": _spent(run)}
     if run.claims["results"][-1]["encounter"].get("beyond") is not None:
         last["encounter"]["beyond"] = {"times": limits.CONTINUED, "flights": _continued(run)}
     results: list[Tree] = [_stage(run, k) for k in range(len(run.plan) - 1)]
@@ -238,6 +245,11 @@ def _left_out(run: Run) -> dict[str, int]:
     """What validation did not confirm because its allowance was used up; runs of earlier versions had none."""
     spent = run.claims["results"][-1].get("spent")
     return {} if spent is None else spent["left_out"]
+
+
+def _spent(run: Run) -> Tree:
+    """What validation may take, and what it stored of it; the rest was evaluated again and is not stored."""
+    return {"at_most": validation(run.campaign, run.calls.noisy).total, "stored": run.ended[-1]["evaluations"]}
 
 
 def _stage(run: Run, k: int) -> Tree:

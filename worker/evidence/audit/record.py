@@ -156,7 +156,8 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     for sampled in (result for result in results if result and result.get("drawn_at_launch") is not None):
         drawn = {"seed": sampled.get("seed"), "drawn_at_launch": sampled["drawn_at_launch"]}
         launched = {"seed": run.get("sample_seed"), "drawn_at_launch": not run.get("sample_seed_stated")}
-        twice |= {f"sample.{k}": (drawn[k], launched[k]) for k in drawn if run.get("sample_seed") is not None}
+        stored = run.get("sample_seed") is not None or sealed is not None  # earlier versions stored none
+        twice |= {f"sample.{k}": (drawn[k], launched[k]) for k in drawn if stored}
     for kept in rows("catalogue_snapshots", "digest", digest=run["snapshot"]) if run.get("snapshot") else []:
         claims["components"] = Catalogue.model_validate(kept["document"])
         twice["components"] = (kept["digest"], digest_of(kept["document"]))

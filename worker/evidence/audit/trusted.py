@@ -27,7 +27,7 @@ TRUSTED = (
     Trusted(
         "Which points a search evaluated, and when it stopped",
         "searches are not run again; only samples, the grid, the nominal case and the baseline have points that follow",
-        (r"\.stop\.", r"members", r"evaluations$", r"gap\.(?!statement)", r"left_out", r"candidates", r"rounds"),
+        (r"\.stop\.", r"members", r"evaluations$", r"gap\.(?!statement)", r"candidates", r"rounds"),
     ),
     Trusted(
         "In a folder: that a sample's seed was drawn at the launch",
@@ -35,9 +35,10 @@ TRUSTED = (
         (r"drawn_at_launch",),
     ),
     Trusted(
-        "Basins: which cases are one worst case, and whether all were polished",
-        "they rest on descents and on lines between cases, which are not repeated",
-        (r"basin", r"complete", r"since", r"found\.#\.evaluations", r"to_near_best", r"comparison\.#\.minima"),
+        "Basins: which cases are one worst case, whether all were polished, what the allowance of validation left out",
+        "they rest on descents and on lines between cases, which are not repeated; the allowance itself is recomputed",
+        (r"left_out", r"basin", r"complete", r"since", r"found\.#\.evaluations", r"to_near_best",
+         r"comparison\.#\.minima"),
     ),
     Trusted(
         "Values by half the step, the reference integrator and repeated calls; spot checks; neighbours",
@@ -59,8 +60,13 @@ TRUSTED = (
     Trusted(
         "Versions, machine, times, names, tags, notes, labels, lists of failures, convergence history",
         "they are no claims; what differs here is named by `clearance replay`",
-        (r"versions", r"identity", r"seconds", r"^result\.(labels|failures|continues|baseline|given)", r"components",
-         r"best_so_far"),
+        (r"versions", r"identity\.(machine|evaluating)", r"seconds",
+         r"^result\.(labels|failures|continues|baseline|given)", r"components", r"best_so_far"),
+    ),
+    Trusted(
+        "In a database: values under names that no version has",
+        "nothing reads or shows them; in a folder, where people read result.json, they disagree",
+        (r"unknown name",),
     ),
     Trusted(
         "Words of a package for its own simulator",

@@ -64,7 +64,7 @@ def database(tmp_path: Path) -> Iterator[sa.Engine]:
 def test_it_follows(name: str, tmp_path: Path) -> None:
     campaign, store = ran(name)
     items = audited(written(tmp_path / "out", name))
-    of_files = [item for item in items if item.name.partition(".")[0] in (SEAL, "files")]
+    of_files = [item for item in items if item.name.partition(".")[0] in (SEAL, "files", "identity")]
     assert audited(store, campaign) == [item for item in items if item not in of_files]
     assert {SEAL, "files.rows", "files.evaluations.csv", "files.trace-nominal.csv"} <= {i.name for i in of_files}
 

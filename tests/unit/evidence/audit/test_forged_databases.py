@@ -27,6 +27,8 @@ from worker.running.runs.audited import known
 
 SEARCH = 2
 """The position of the first search."""
+VALIDATE = 5
+"""That of validation."""
 Change = Callable[[sa.Connection], object]
 
 
@@ -62,6 +64,10 @@ def database(quick: None, folder: Path, tmp_path: Path) -> Iterator[sa.Engine]:
 
 def of_run(**values: Any) -> Change:
     return lambda writer: writer.execute(sa.update(Run).values(**values))
+
+
+def of_stage(**values: Any) -> Change:
+    return lambda writer: writer.execute(sa.update(Stage).where(Stage.position == SEARCH).values(**values))
 
 
 def documents(table: Any, column: str, edit: Callable[[Any], object], *of: Any) -> Change:
@@ -145,6 +151,23 @@ FORGERIES: dict[str, Forgery] = {
     "another threshold in the campaign": Forgery(
         documents(Campaign, "document", lambda d: d["criterion"].update(threshold=0.1))
     ),
+    "another bound of the run": Forgery(of_run(planned=1)),
+    "another bound of a stage": Forgery(of_stage(planned=5)),
+    "another best evaluation": Forgery(of_stage(best_index=5)),
+    "a run that failed": Forgery(of_run(state="failed", error="it failed")),
+    "no seed of the launch": Forgery(of_run(sample_seed=None)),
+    "a larger allowance": Forgery(result(VALIDATE, lambda r: r["spent"].update(at_most=10**6))),
+    "flights beyond the horizon": Forgery(result(VALIDATE, lambda r: r["encounter"]["beyond"].update(flights=10**6))),
+    "no finding": Forgery(lambda writer: writer.execute(sa.delete(Finding))),
+    "a shorter history": Forgery(of_run(best_so_far=[[1, 0.1]]), "run.best_so_far"),
+    "other code of the run, too": Forgery(
+        each(
+            documents(Run, "flown", lambda v: v.update(code="0" * 64)),
+            summary(lambda s: s["provenance"].update(code="0" * 64)),
+        ),
+        "versions",
+    ),
+    "a value of an unknown name": Forgery(summary(lambda s: s.update(proved=True)), "unknown name"),
     "another question": Forgery(lambda writer: writer.execute(sa.update(Campaign).values(question="0" * 64))),
 }
 

@@ -19,7 +19,7 @@ from backend.db.store import RunStore
 from backend.db.tables import Run
 from campaigns import Campaign
 from campaigns.refusals import RefusalCode
-from campaigns.stages.plan import plan
+from campaigns.stages.plan import most, plan
 from clearance.cli import INTERRUPTED, WRONG_INPUT, invoke
 from clearance.local.results import read_folder
 from tests.audited import audited
@@ -171,7 +171,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("finished")
     engine = connect(migrated(folder))
     with engine.begin() as connection:
-        submit(connection, asked(), name="nightly", tags=["a"], owner="ci", planned=1)
+        submit(connection, asked(), name="nightly", tags=["a"], owner="ci", planned=most(asked()))
     claim = Queue(engine).claim("a worker")
     assert claim is not None
     store = RunStore(engine, claim)

@@ -1,0 +1,167 @@
+"""`clearance audit` and `clearance replay` of a run that a service has: they read its rows, which are an export."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.digest import results_digest
+from backend.db.engine import connect, default_url, read
+from backend.db.tables import Base, Campaign, EvaluationChunk, Run
+from backend.exports import endpoints
+from backend.exports.formats import record_sqlite3
+from backend.exports.formats.record_sqlite3 import PRIVATE, TABLES
+from backend.settings import Settings
+from campaigns.refusals import RefusalCode
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from tests.given.corrupted_records import stored
+from tests.given.databases import KINDS
+from tests.given.finished_runs import finish
+from tests.given.refused_commands import refused
+from tests.given.service import Service
+from tests.given.submissions import submit
+from worker.engine.stages.parts import offered
+from worker.evidence.audit import judge
+
+RUN = "R-0001"
+
+
+@pytest.fixture
+def served(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Service]:
+    """A service with a cleared run, and a command line elsewhere that has only its token."""
+    monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, 3, 2))
+    data = shutil.copytree(folder, tmp_path / "copied")
+    service = Service(Settings(data=data, database=default_url(data), pages=tmp_path / "dist"))
+    service.start()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("CLEARANCE_TOKEN", service.token())
+    yield service
+    service.stop()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Of the database; with fewer simulations by the reference integrator."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(offered, "SPOT_CHECKS", 2)
+        patch.setattr(offered, "AT_MOST", 3)
+        folder = tmp_path_factory.mktemp("recorded") / "written"
+        folder.mkdir()
+        stored(folder, "cleared").dispose()
+        yield folder
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
+    capsys.readouterr()
+    code = invoke([*arguments])
+    return code, capsys.readouterr().out
+
+
+def test_an_audit_from_the_service_is_that_of_its_database(
+    served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = printed(capsys, "audit", RUN, "--data", str(served.settings.data), "--json")
+    here = printed(capsys, "audit", RUN, "--service", served.url, "--json")
+    assert here == there
+    assert (here[0], json.loads(here[1])["follows"]) == (0, True)
+    monkeypatch.setenv("CLEARANCE_SERVICE", served.url)
+    assert printed(capsys, "audit", "1", "--json") == (0, here[1].replace(f'"{RUN}"', '"1"', 1))
+    assert not list(Path().glob("*.sqlite3*")), "nothing is left"
+
+
+def test_replays_from_the_service_have_the_same_bits(
+    served: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    token = tmp_path / "token"
+    token.write_text(served.token("another"), encoding="utf-8")
+    where = ("--service", served.url, "--token-file", str(token))
+    code, text = printed(capsys, "replay", RUN, "F1", "direct:7", *where, "--json")
+    assert (code, [case["agreement"] for case in json.loads(text)["cases"]]) == (0, ["same bits"] * 2)
+    code, text = printed(capsys, "audit", RUN, *where, "--replay", "3", "--json")
+    assert (code, json.loads(text)["replay"]["agrees"]) == (0, True)
+
+
+def test_a_service_with_a_forged_cost_is_found_out(served: Service, capsys: pytest.CaptureFixture[str]) -> None:
+    with served.engine.begin() as writer:
+        of = (EvaluationChunk.position == 2, EvaluationChunk.first == 0)
+        costs = writer.scalars(sa.select(EvaluationChunk.costs).where(*of)).one()
+        writer.execute(sa.update(EvaluationChunk).where(*of).values(costs=costs[8:16] + costs[8:]))
+    assert printed(capsys, "audit", RUN, "--service", served.url)[0] == VIOLATED
+    code, text = printed(capsys, "replay", RUN, "direct:0", "--service", served.url)
+    assert (code, "differs" in text) == (VIOLATED, True)
+
+
+@pytest.mark.parametrize("command", ["audit", "replay"])
+def test_a_stated_place_is_preferred_to_the_environment(
+    command: str, served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CLEARANCE_SERVICE", "http://127.0.0.1:9")
+    data = str(served.settings.data)
+    assert printed(capsys, command, RUN, "--data", data)[0] == 0
+    with monkeypatch.context() as there:
+        there.setenv("CLEARANCE_DATA", data)
+        assert printed(capsys, command, RUN)[0] == 0
+        assert printed(capsys, command, RUN, "--service", served.url)[0] == 0
+    Path(RUN).mkdir()
+    assert printed(capsys, command, RUN)[0] == WRONG_INPUT, "a folder of this name"
+    assert printed(capsys, command, RUN, "--service", served.url)[0] == 0
+
+
+@pytest.mark.parametrize("command", ["audit", "replay"])
+def test_what_cannot_be_had_is_a_sentence(
+    command: str, served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = ("--service", served.url)
+    assert refused(capsys, command, RUN, "--data", ".", *there) == RefusalCode.OPTIONS
+    assert refused(capsys, command, "R-0042", *there) == "not-found"
+    assert invoke([command, "out", *there]) == WRONG_INPUT
+    assert "R-0001" in capsys.readouterr().err
+    monkeypatch.delenv("CLEARANCE_TOKEN")
+    assert invoke([command, RUN, *there]) == WRONG_INPUT
+    assert "CLEARANCE_TOKEN" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["audit", "replay"])
+@pytest.mark.parametrize("content", [b"", b"<html>" * 999, "a column", "an array"], ids=str)
+def test_a_record_that_is_none_is_a_sentence(
+    command: str, content: bytes | str, served: Service, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Whatever a service sends."""
+    record = b"".join(record_sqlite3.record(served.engine, 1)) if isinstance(content, str) else content
+    if content == "a column":
+        record = record.replace(b"campaign_digest", b"campaign_digesX")
+    elif content == "an array":
+        with served.engine.begin() as writer:
+            writer.execute(sa.update(EvaluationChunk).values(points=b"short"))
+        record = b"".join(record_sqlite3.record(served.engine, 1))
+    made = replace(record_sqlite3.export, streamed=lambda engine, run_id: iter([record]))
+    monkeypatch.setattr(endpoints, "named", lambda file: (made, ""))
+    assert refused(capsys, command, RUN, "--service", served.url) == RefusalCode.UNREADABLE
+
+
+@pytest.mark.parametrize("database", [KINDS[0], pytest.param(KINDS[1], marks=pytest.mark.nightly)], indirect=True)
+def test_the_record_has_all_results_and_nothing_else(service: Service, client: httpx.Client, tmp_path: Path) -> None:
+    for name in ("One", "Two"):
+        submit(client, name=name)
+        finish(service)
+    assert client.patch(f"/api/v1/runs/{RUN}", json={"notes": "secret"}).is_success
+    answer = client.get(f"/api/v1/runs/{RUN}/exports/record.sqlite3")
+    (tmp_path / "record.sqlite3").write_bytes(answer.content)
+    assert b"secret" not in answer.content
+    engine = connect(f"sqlite:///{tmp_path / 'record.sqlite3'}")
+    with read(engine) as here, read(service.engine) as there:
+        assert results_digest(here, 1) == results_digest(there, 1)
+        assert here.scalars(sa.select(Run.id)).all() == [1]
+        assert here.scalar(sa.select(sa.func.count()).select_from(Campaign)) == 1
+        names = {table.__tablename__ for table in TABLES} | {"alembic_version"}
+        assert {*sa.inspect(here).get_table_names()} == names < {*Base.metadata.tables} | names
+    engine.dispose()
+    assert {c.name for c in Run.__table__.columns} > PRIVATE

@@ -38,6 +38,9 @@ Database = Annotated[
 
 DATA = Path("data")
 
+DAMAGED: tuple[type[Exception], ...] = (sa.exc.SQLAlchemyError, *UNREADABLE)
+"""What reading a record may raise that a service has sent."""
+
 
 def url_of(data: Path, database: str) -> str:
     """The database's URL by the two options; raises `WrongInputError` for an invalid one."""
@@ -95,7 +98,7 @@ class StoredRun:
                 return of_database(connection, self.run_id)
         except (WrongInputError, Refusal):
             raise
-        except (sa.exc.SQLAlchemyError, *UNREADABLE) as error:
+        except DAMAGED as error:
             if not self.sent:
                 raise
             why = getattr(error, "orig", error)

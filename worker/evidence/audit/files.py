@@ -68,7 +68,9 @@ def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: S
     values = cube.natural(points, [known[name][1] for name in campaign.uncertain], low, high)
     index = np.concatenate([np.arange(n) for n in np.unique(stage, return_counts=True)[1]])
     plan = dict(enumerate(evidence["stages"]))
-    criteria = next((r["criteria"] for r in evidence.get("results", ()) if r and "criteria" in r), [])
+    criteria: list[dict[str, Any]] = next(
+        (r["criteria"] for r in evidence.get("results", ()) if r and "criteria" in r), []
+    )
     further = [f"{one['name']} [{one['unit']}]" if one["unit"] else one["name"] for one in criteria[1:]]
     header = ["stage", "kind", "method", "index", "status", "cost", *further, *campaign.uncertain, "reason"]
     same = 0

@@ -115,6 +115,8 @@ def closing(items: Sequence[Item]) -> tuple[bool, str]:
     """Whether the verdict follows, and the sentence that states this."""
     wrong, unknown = ([item.name for item in items if item.agrees is flag] for flag in (False, None))
     left = f"; {len(unknown)} of {len(items)} items could not be audited" if unknown else ""
+    if "words" in unknown:
+        left += ", the sentences of the record among them: judge by its values"
     if wrong:
         return False, f"the verdict does not follow from what the run stored: {', '.join(wrong)} disagree{left}"
     if "verdict" in unknown:

@@ -74,6 +74,11 @@ TRUSTED = (
         (r"package words",),
     ),
     Trusted(
+        "Sentences of a record that states other templates than those of this version",
+        "they are not made again, which the closing sentence states; numbers and checks are judged",
+        (r"versions\.(wording|clearance)",),
+    ),
+    Trusted(
         "A record in the form of an earlier version",
         "it has no evidence digest; the closing sentence counts what could not be audited",
         (r"earlier version",),

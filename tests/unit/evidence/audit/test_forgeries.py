@@ -124,6 +124,7 @@ def test_a_record_of_an_earlier_version_of_the_templates_is_not_forged(tmp_path:
     assert accepted(folder)
     (words,) = [item for item in folder.items() if item.name == "words"]
     assert words.agrees is None
+    assert "sentences" in closing(folder.items())[1]
     folder.result["statistics"]["upper_bound"] /= 2
     assert not accepted(folder)
 

@@ -1,8 +1,9 @@
 # One image for the backend and the workers. Every step is in tools/image.sh, which also runs without an engine.
 
-# A release names both with their digests, so that what was examined is what is built; see docs/operation.md, Releases.
-ARG NODE_IMAGE=node:22-slim
-ARG PYTHON_IMAGE=python:3.11-slim
+# By digest, so that what was examined is what is built: Node 22.23.2 on bookworm, Python 3.11.16 on trixie, each an index of
+# several architectures. Newer ones: docs/operation.md, Releases.
+ARG NODE_IMAGE=node:22-slim@sha256:83f487e0a63425e5b4d146fb5e5be574bcbe1b7b843d3ebafdd95eaf7767a7e5
+ARG PYTHON_IMAGE=python:3.11-slim@sha256:9c900dea9e8fb7e16277c179b555cc72d29a352dbc33cff48ad5a0412fd5bfc7
 FROM ${PYTHON_IMAGE} AS app
 WORKDIR /app
 COPY tools tools

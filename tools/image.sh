@@ -3,7 +3,6 @@
 #   image.sh packages   makes .venv from the lock file, with what the project and its extras need, without the tests' tools
 #   image.sh app        installs this project into it, and writes what the pages are built with
 #   image.sh pages      builds the pages in frontend/ (needs Node)
-#   image.sh pinned IMAGE...   fails unless each image is named with its digest, as those of a release must be
 # `tools/image.sh check FOLDER` runs all of them in FOLDER, on those files of the last commit that the Dockerfile copies,
 # and starts what came out.
 
@@ -28,13 +27,6 @@ app() {
     .venv/bin/python -m compileall -q backend campaigns clearance worker
     .venv/bin/clearance --help >/dev/null
     .venv/bin/python -m tools.generated pages
-}
-
-pinned() {
-    for image in "$@"; do
-        [[ "$image" =~ ^[a-z0-9./:_-]+@sha256:[0-9a-f]{64}$ ]] ||
-            fail "$image is not named with its digest: give NAME@sha256:DIGEST, which \`docker buildx imagetools inspect NAME\` prints"
-    done
 }
 
 check() {

@@ -34,13 +34,14 @@ def main() -> None:
         resource.setrlimit(limited, (lower, lower))
     request = json.loads(sys.stdin.buffer.readline())
     try:
-        made = _read(request["kind"], sys.stdin.buffer.read(), request["id"], request["text"])
+        made = read(request["kind"], sys.stdin.buffer.read(), request["id"], request["text"])
     except CannotRead as error:
         made = json.dumps({"refused": str(error)})
     sys.stdout.write(made)
 
 
-def _read(kind: str, content: bytes, id_name: str, text_name: str) -> str:
+def read(kind: str, content: bytes, id_name: str, text_name: str) -> str:
+    """The requirements of a file as JSON; raises `CannotRead` with a sentence."""
     found, skipped = reqif.read(content, id_name, text_name) if kind == "reqif" else _csv(content, id_name, text_name)
     if len(found) > MOST:
         raise CannotRead(f"{len(found):,} requirements are too many: at most {MOST:,}")

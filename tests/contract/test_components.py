@@ -99,11 +99,9 @@ TURNING = [c for c in components().values() if isinstance(c, Obstacle) and c.mov
 
 
 @pytest.mark.parametrize("obstacle", TURNING, ids=lambda o: o.name)
-def test_a_rate_that_is_declared_too_low_or_not_at_all_is_found(obstacle: Obstacle) -> None:
+def test_a_rate_that_is_declared_too_low_is_found(obstacle: Obstacle) -> None:
     flown, parameters, rate = problem(obstacle, compiled=False), own(obstacle), entry(obstacle).rate
     assert rate is not None
-    with pytest.raises(AssertionError, match="declares no rate"):
-        turns_as_declared(flown, parameters, None)
     if rate.times and len(rate.legs) != 2:  # a single leg never turns
         with pytest.raises(AssertionError, match="it turns by"):
             turns_as_declared(flown, parameters, rate.model_copy(update={"times": 0.4 * rate.times}))

@@ -123,7 +123,10 @@ def test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api(tmp
 
     command = [sys.executable, "-c", ALL, str(file), str(out), str(tmp_path / "openapi.json")]
     done = subprocess.run(command, cwd=source, env=environment, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0, done.stderr
+    assert [line.partition(":")[0] for line in done.stderr.splitlines()].count("corners") == 1, (
+        "one line for each stage"
+    )
     stages = json.loads((out / "result.json").read_text(encoding="utf-8"))["stages"]
     assert [stage["kind"] for stage in stages[:4]] == ["nominal", "sensitivity", "corners", "search"]
     assert (stages[2]["evaluations"], stages[2]["best"]) == (4, pytest.approx(7.8, abs=0.1))

@@ -209,7 +209,7 @@ def test_the_nominal_case_and_every_finding_have_traces(monkeypatch: pytest.Monk
         assert finding.closest is None
 
 
-@pytest.mark.parametrize(("by", "reason"), [(1e-12, "the stored one"), (2.0, "no trace today")])
+@pytest.mark.parametrize(("by", "reason"), [(1e-12, "the stored cost"), (2.0, "no trace today")])
 def test_one_that_shows_something_else_is_not_stored(monkeypatch: pytest.MonkeyPatch, by: float, reason: str) -> None:
     store = execution(monkeypatch, by=by)
     assert store.traces == {}

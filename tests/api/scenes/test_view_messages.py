@@ -19,6 +19,7 @@ from backend.db.access import revoke_token
 from backend.scenes.control import relay
 from backend.scenes.control.allowed import BURST, LARGEST, RATE, Pace, refusal
 from tests.given.finished_runs import finish
+from tests.given.joined_users import joined
 from tests.given.problem_documents import problem
 from tests.given.service import Service, until
 from tests.given.submissions import submit
@@ -167,7 +168,7 @@ def test_one_visitor_leaves_room_for_others(service: Service, client: httpx.Clie
             pass
         waiting = client.get(f"/api/v1/runs/{run}/views/{KEY}")
         assert "1 3D view" in str(problem(waiting, 503, "busy")["detail"])
-        with service.signed_in() as other, viewing(service, other, f"/view/{run}/"):
+        with joined(service, client, "engineer") as (_, other), viewing(service, other, f"/view/{run}/"):
             assert service.app.state.viewers.open == 2
     until(lambda: service.app.state.viewers.open == 0)
     with viewing(service, client, f"/view/{run}/"):

@@ -26,7 +26,7 @@ from tests.given.service import Service
 from tests.given.submissions import submit
 
 AUDIT = "/api/v1/audit"
-RENAMED = "Note: `clearance audit head` is now `clearance trail head`; the earlier name goes with the next version.\n"
+RENAMED = "Note: `clearance audit head` is now `clearance trail head`; the next version removes the earlier name.\n"
 ADA = Visitor("ada", "password", account="ada", role="admin")
 
 

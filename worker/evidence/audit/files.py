@@ -68,7 +68,7 @@ def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: S
     values = cube.natural(points, [known[name][1] for name in campaign.uncertain], low, high)
     index = np.concatenate([np.arange(n) for n in np.unique(stage, return_counts=True)[1]])
     plan = dict(enumerate(evidence["stages"]))
-    criteria: list[dict[str, Any]] = next(
+    criteria: list[dict[str, str]] = next(
         (r["criteria"] for r in evidence.get("results", ()) if r and "criteria" in r), []
     )
     further = [f"{one['name']} [{one['unit']}]" if one["unit"] else one["name"] for one in criteria[1:]]

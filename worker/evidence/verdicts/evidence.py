@@ -44,7 +44,8 @@ class Evidence:
     @cached_property
     def nominal(self) -> NominalCase:
         """The nominal case, with which every run begins."""
-        return next(r.at_nominal for r in self.results if r.at_nominal is not None)
+        (found,) = (r.at_nominal for r in self.results if r.at_nominal is not None)
+        return found
 
     @cached_property
     def searches(self) -> list[SearchResult]:

@@ -37,7 +37,7 @@ it('cannot be evaluated where the simulator is not installed, and says so before
 })
 
 it('says of which values the result is, and that it is no evidence', () => {
-  expect(shown({ answer, seconds: 4.2 })).toContain('The result is that of other values')
+  expect(shown({ answer, seconds: 4.2 })).toContain('The result belongs to other values')
   expect(shown({ answer, seconds: 4.2, stale: false })).not.toContain('other values')
   expect(shown({ answer: { ...answer, untraced: 'it has 1 row' } })).toContain('No trace of it: it has 1 row.')
   expect(shown({})).toContain('is no evidence')

@@ -3,9 +3,9 @@ import { expect, it } from 'vitest'
 import { movedBy } from './Tornado'
 
 it('names the worse side', () => {
-  expect(movedBy({ low: -2.5, high: 4 }, 'm')).toBe('moves it most: −2.5 m on its worse side.')
+  expect(movedBy({ low: -2.5, high: 4 }, 'm')).toBe('has the largest effect: −2.5 m at its worse bound.')
 })
 
 it('claims no worse side where both bounds are better than nominal', () => {
-  expect(movedBy({ low: 12, high: 23 }, 'm')).toBe('moves it most, by up to +23 m; neither of its bounds is worse than nominal.')
+  expect(movedBy({ low: 12, high: 23 }, 'm')).toBe('has the largest effect: up to +23 m; neither bound is worse than nominal.')
 })

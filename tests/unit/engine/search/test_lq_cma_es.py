@@ -12,7 +12,7 @@ from clearance.testing.searching import batch, run, space
 from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import lq_cma_es
-from worker.engine.search.methods.lq_cma_es import method
+from worker.engine.search.methods.lq_cma_es import BEHIND, method
 from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.one_thread import one_thread
 from worker.engine.search.parts.pycma import strategy
@@ -146,7 +146,7 @@ def test_a_search_that_begins_in_the_wrong_valley_leaves_it_for_others() -> None
     assert all(f.minima[0].cost > 0.5 for f in found), "they begin in the wrong valley"
     assert all(f.lowest < 0.5 for f in found)
     assert all(len(f.minima) >= 3 and f.minima[0].evaluations < 60 for f in found)
-    behind = [(f, i) for f in found for i, m in enumerate(f.minima) if "would not" in m.text]
+    behind = [(f, i) for f in found for i, m in enumerate(f.minima) if m.text == BEHIND]
     assert behind
     for f, i in behind:
         assert min(m.cost for m in f.minima[:i]) < f.minima[i].cost

@@ -22,6 +22,7 @@ from campaigns.refusals import RefusalCode
 from campaigns.results.base import EXCLUDED
 from campaigns.stages.baseline import BaselineResult
 from campaigns.stages.nominal import NominalResult
+from campaigns.stages.plan import most
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from clearance.testing.problems import Problem
 from clearance.testing.searching import Function, batch
@@ -225,7 +226,14 @@ def stored(engine: sa.Engine, launched: Campaign, request: str, **labels: str) -
     with engine.begin() as writer:
         found = baselines.resolved(writer, launched, request) if request else baselines.Resolved(launched, None, "")
         run_id = submit(
-            writer, found.campaign, name="a", tags=[], owner="", planned=1, catalogue=catalogue(), labelled=labels
+            writer,
+            found.campaign,
+            name="a",
+            tags=[],
+            owner="",
+            planned=most(found.campaign),
+            catalogue=catalogue(),
+            labelled=labels,
         )
         if request:
             baselines.store(writer, run_id, request, found.run_id)

@@ -127,4 +127,4 @@ def test_what_no_simulator_of_a_file_uses_does_not_count(tmp_path: Path) -> None
 def test_a_path_in_reads_that_is_computed_is_named(tmp_path: Path) -> None:
     place = {"file": str(tmp_path / "fly.py"), "name": "fly"}
     Path(place["file"]).write_text(DECLARED.format(first="N = 1", text="x", reads=", reads=[f'{N}.csv']"))
-    assert "path in reads, line 4" in reached_from(place).unknown
+    assert "reads, line 4" in reached_from(place).unknown

@@ -1,11 +1,10 @@
 """Help in place: every component's equations, symbols, units and source, as in the catalogue and thus the API.
 
-The text is the docstring of the component's one file.
+The text is the docstring of the component's one file; one that is derived from a planar component derives it.
 """
 
 from __future__ import annotations
 
-import ast
 import inspect
 import re
 
@@ -24,10 +23,8 @@ def named(entry: ComponentEntry) -> str:
 
 @pytest.mark.parametrize("entry", CATALOGUE.components, ids=named)
 def test_text(entry: ComponentEntry) -> None:
-    path = inspect.getsourcefile(source_of(components()[entry.role, entry.name]))
-    assert path is not None
-    with open(path, encoding="utf-8") as file:
-        assert entry.text == ast.get_docstring(ast.parse(file.read())), "the text is that of the component's one file"
+    stated = source_of(components()[entry.role, entry.name]).__doc__ or ""
+    assert entry.text == inspect.cleandoc(stated), "the text is that of the component's one file"
     title, _, more = entry.text.partition("\n\n")
     assert title.endswith("."), title
     assert more

@@ -125,8 +125,12 @@ class EndedRun:
     @property
     def outcome(self) -> str:
         """The exit code and its meaning, without a full stop: the first words of a summary."""
-        policy = "" if self.verdict is None else by_policy(self.verdict)
-        return f"exit code {self.code}: {policy or OUTCOMES[self.code]}"
+        from campaigns.results.verdict import headline
+
+        meaning = OUTCOMES[self.code]
+        if self.verdict is not None:
+            meaning = by_policy(self.verdict) or headline(meaning, self.verdict.not_sampled)
+        return f"exit code {self.code}: {meaning}"
 
     def command(self, case: FindingChange) -> str:
         """The command that evaluates a case again; empty if there is none."""

@@ -54,6 +54,7 @@ export function useCompared(ids: readonly string[]): Comparison {
       const at = ids.indexOf(id)
       const run = runs[at]?.data
       if (!run) return []
+      const flown = traced.includes(id)
       return {
         id,
         letter: LETTERS[at] ?? '',
@@ -62,8 +63,8 @@ export function useCompared(ids: readonly string[]): Comparison {
         stages: stages[i]?.data ?? [],
         findings: findings[i]?.data ?? [],
         evaluations: evaluations[i]?.data,
-        nominal: nominal[i]?.data ?? undefined,
-        worst: worst[i]?.data ?? undefined,
+        nominal: (flown && nominal[i]?.data) || undefined,
+        worst: (flown && worst[i]?.data) || undefined,
         catalogue: components[i]?.data?.catalogue,
         parameters: uncertainOf(asCampaign(run.campaign), components[i]?.data?.catalogue),
       }
@@ -71,7 +72,8 @@ export function useCompared(ids: readonly string[]): Comparison {
   }
 }
 
-/** A flight that may not be stored, which is not an error here. `traced`: whether its system provides traces. */
+/** A flight that may not be stored, which is not an error here. `traced`: whether its system flies; a simulator's trace
+ * that the run's page loaded is in the cache all the same. */
 const traceOf = (id: string, name: string, traced: boolean) => {
   const query = traceQuery(id, name)
   return { ...query, enabled: traced, retry: false, throwOnError: false }

@@ -139,4 +139,5 @@ def _later(record: Record, later: Later) -> str:
     how = "simulated" if later.simulated else "extrapolated"
     away = f"obstacle {later.obstacle + 1}, {plain(later.distance)} m away at the last sample"
     value = f"{record.of.symbol} {plain(later.value)} {record.of.unit} after another {plain(later.time)} s ({how})"
-    return f"{later.name}, {away}, closing at {plain(later.closing)} m/s; {value}"
+    moves = "closing" if later.closing > 0 else "moving away"
+    return f"{later.name}, {away}, {moves} at {plain(abs(later.closing))} m/s; {value}"

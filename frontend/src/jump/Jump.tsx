@@ -12,7 +12,7 @@ import type { RunSummary } from '../client'
 import type { OpenApi } from '../docs/openapi'
 import { OutcomeIcon, lookOf, outcomeOf, wordOf } from '../ui/VerdictBadge'
 import { operationsIn, passagesWith, sectionsIn } from './passages'
-import { matching, type Place, placesOf } from './places'
+import { kept, matching, type Place, placesOf } from './places'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './jump.module.css'
@@ -46,7 +46,8 @@ function Search({ onDone }: { onDone: () => void }) {
   const { data: library = [] } = useQuery(libraryQuery)
   const { data: catalogue } = useQuery(catalogueQuery)
   const places = useMemo(() => placesOf(library, catalogue), [library, catalogue])
-  const runs = found.data?.items ?? []
+  const stale = found.isPlaceholderData || words !== text.trim()
+  const runs = stale ? kept(found.data?.items ?? [], text) : (found.data?.items ?? [])
   const passages = usePassages()
   const offered = [...matching(places, text), ...passages.flatMap((some) => passagesWith(some, text))]
   useEffect(() => {
@@ -82,7 +83,7 @@ function Search({ onDone }: { onDone: () => void }) {
             {offered.filter((place) => place.group === group).map((place) => placeOption(place))}
           </Group>
         ))}
-        {(found.isError || (runs.length + offered.length === 0 && !found.isFetching)) && (
+        {(found.isError || (runs.length + offered.length === 0 && !stale && !found.isFetching)) && (
           // An option, because a list box without any is invalid.
           <Combobox.Option value="" disabled className={styles.none}>
             {found.isError ? `Runs could not be searched. ${found.error.message}` : 'No results'}

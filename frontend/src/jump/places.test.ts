@@ -1,7 +1,7 @@
 // Results of the search dialog.
 import { expect, it } from 'vitest'
-import type { Catalogue, LibraryCampaign } from '../client'
-import { matching, placesOf } from './places'
+import type { Catalogue, LibraryCampaign, RunSummary } from '../client'
+import { kept, matching, placesOf } from './places'
 
 const LIBRARY = [
   { id: 'uav_moving', document: { name: 'UAV, moving obstacle', summary: 'An intruder crosses.' } },
@@ -37,4 +37,15 @@ it('knows where each leads', () => {
     '/help/components#simulator-two_basins',
   ])
   expect(matching(places, 'moving').map((place) => place.to)).toEqual(['/launch?case=uav_moving'])
+})
+
+it('keeps no run of an earlier text that this text does not find', () => {
+  const runs = [
+    { id: 'R-0001', name: 'Full box', campaign_name: 'Unicycle', tags: ['baseline'] },
+    { id: 'R-0002', name: 'Once more', campaign_name: 'Drop', tags: [] },
+  ] as unknown as RunSummary[]
+  const found = (text: string) => kept(runs, text).map(({ id }) => id)
+  expect(found('')).toEqual(['R-0001', 'R-0002'])
+  expect(found('BASE uni')).toEqual(['R-0001'])
+  expect(found('webhook')).toEqual([])
 })

@@ -1,5 +1,5 @@
 // Targets of the search dialog besides runs: pages, library campaigns, and help topics.
-import type { Catalogue, LibraryCampaign } from '../client'
+import type { Catalogue, LibraryCampaign, RunSummary } from '../client'
 import { GUIDES } from '../help/guides'
 import { idOfComponent } from '../help/links'
 
@@ -46,9 +46,20 @@ export function placesOf(library: readonly LibraryCampaign[], catalogue: Catalog
   return [...PAGES, ...campaigns, ...methods, ...components, ...simulators, ...guides]
 }
 
+const wordsOf = (text: string): string[] => text.toLowerCase().split(/\s+/).filter(Boolean)
+
+/** Of the runs found for an earlier text, those that the text finds too: shown until the service has answered. */
+export function kept(runs: readonly RunSummary[], text: string): RunSummary[] {
+  const words = wordsOf(text)
+  return runs.filter(({ id, name, campaign_name, tags }) => {
+    const all = [id, name, campaign_name, ...tags].join(' ').toLowerCase()
+    return words.every((word) => all.includes(word))
+  })
+}
+
 /** The targets that contain every word, those whose names start with the text first; only pages for an empty text. */
 export function matching(places: readonly Place[], text: string, most = 12): Place[] {
-  const words = text.toLowerCase().split(/\s+/).filter(Boolean)
+  const words = wordsOf(text)
   if (words.length === 0) return places.filter((place) => place.group === 'Pages')
   const rank = ({ name }: Place): number => {
     const lower = name.toLowerCase()

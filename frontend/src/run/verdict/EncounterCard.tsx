@@ -112,7 +112,7 @@ function at(later: Later, { quantity, unit }: Value): ReactNode {
   return (
     <>
       {quantity} {plain(later.value, 4)} {unit}, {later.name}, obstacle {later.obstacle + 1}, {plain(later.distance, 4)} m
-      away at the last sample, closing at {plain(later.closing, 4)} m/s; {later.simulated ? 'reached' : 'extrapolated'}{' '}
+      away at the last sample, {later.closing > 0 ? 'closing' : 'moving away'} at {plain(Math.abs(later.closing), 4)} m/s; {later.simulated ? 'reached' : 'extrapolated'}{' '}
       {plain(later.time, 4)} s later
     </>
   )

@@ -21,6 +21,7 @@ from campaigns.documents import digest_of
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
 from campaigns.sample_seed import SampleSeed
+from campaigns.stages.certify import CertifyResult
 from campaigns.stages.found import stage_result
 from campaigns.stages.plan import plan
 from campaigns.stored.digest import Rows, evidence_digest
@@ -102,12 +103,17 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
 
 def _sample_seed(folder: Path) -> SampleSeed | None:
     """The seed of the independent sample; None in a folder of an earlier version, and without a sample."""
-    try:
-        results = json.loads((folder / "evidence.json").read_text(encoding="utf-8"))["results"]
-    except UNREADABLE:
+    file = folder / "evidence.json"
+    if not file.exists():
         return None
-    found = (stage_result(result) for result in results if result and result.get("seed") is not None)
-    return next((result.sample_seed for result in found if result is not None), None)
+    try:
+        results = json.loads(file.read_text(encoding="utf-8")).get("results", ())
+        found = [stage_result(result) for result in results if result and result.get("seed") is not None]
+        return next((result.sample_seed for result in found if isinstance(result, CertifyResult)), None)
+    except UNREADABLE as error:
+        raise CannotContinue(
+            f"its results cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE
+        ) from None
 
 
 def versions_of(folder: Path) -> Versions:

@@ -41,7 +41,7 @@ def test_a_strange_file_is_refused_in_a_sentence(inside: bytes, sentence: str) -
     assert refused.value.status == 422
 
 
-CHILD = "import backend.requirements.reading as r; r.SECONDS = 1; r._read = {}; r.main()"
+CHILD = "import backend.requirements.reading as r; r.SECONDS = 1; r.read = {}; r.main()"
 """The process with another reader."""
 
 

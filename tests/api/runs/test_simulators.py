@@ -28,7 +28,7 @@ from worker.running.catalogue.installed import forget_simulators
 
 pytestmark = pytest.mark.timeout(300)
 
-CLEARED = pytest.param(2.0, "cleared", 0, marks=pytest.mark.nightly)
+CLEARED = pytest.param(1.0, "cleared", 0, marks=pytest.mark.nightly)
 """By day a cleared run is submitted to the service, below."""
 
 VERSIONS = ("integrator", "DOP853", "half the step", "horizon", "flight", "closest approach")

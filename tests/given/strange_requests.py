@@ -130,7 +130,7 @@ def requests(draw: st.DrawFn, path: str, method: str, operation: dict[str, Any])
         elif kind == "query":
             values = draw(st.lists(cursors() | wild if name == "cursor" else wild, max_size=2))
             if name == "wait" or (name == "run" and path.endswith("/events")):
-                values = [value for value in values if not value.isdigit() or int(value) > 30]
+                values = [v for v in values if not v.isdecimal() or len(v) > 9 or int(v) > 30]
             query += [(name, value) for value in values]
             if draw(st.integers(0, 14)) == 0:
                 query += [(name, "x")] * draw(st.sampled_from([60, 199, 3000]))

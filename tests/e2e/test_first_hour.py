@@ -53,7 +53,6 @@ def campaign() -> dict[str, Any]:
         "stages": {
             "sensitivity": None,
             "search": [{"method": method, "evaluations": 40} for method in ("direct", "genetic")],
-            "certify": None,
             "validate": {"neighbours": 10, "evaluations": 20_000},
         },
     }

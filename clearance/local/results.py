@@ -21,7 +21,6 @@ from campaigns.documents import digest_of
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
 from campaigns.sample_seed import SampleSeed
-from campaigns.stages.certify import CertifyResult
 from campaigns.stages.found import stage_result
 from campaigns.stages.plan import plan
 from campaigns.stored.digest import Rows, evidence_digest
@@ -109,7 +108,7 @@ def _sample_seed(folder: Path) -> SampleSeed | None:
     try:
         results = json.loads(file.read_text(encoding="utf-8")).get("results", ())
         found = [stage_result(result) for result in results if result and result.get("seed") is not None]
-        return next((result.sample_seed for result in found if isinstance(result, CertifyResult)), None)
+        return next((result.sample_seed for result in found if result.sample_seed is not None), None)
     except UNREADABLE as error:
         raise CannotContinue(
             f"its results cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,8 @@ from clearance.cli import WRONG_INPUT, invoke
 from tests.faults.launched import run
 from tests.faults.processes import REPOSITORY
 from tests.simulators import unrepeatable
+from worker.engine.search.base import Batch
+from worker.engine.systems.base import Reasons
 from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.simulator import Opening
@@ -61,6 +64,18 @@ def test_a_process_for_each_evaluation(folder: Path) -> None:
     assert batch.costs[:, 0] == pytest.approx(0.5 - abs(vectors[:, 2]) * np.sqrt(vectors[:, 0] / 100.0), abs=1e-12)
 
 
+def evaluated(folder: Path, **described: Any) -> tuple[Batch, Reasons]:
+    """The nominal evaluation of a program with one parameter and one result, so described."""
+    described["parameters"] = {"a": {"nominal": 0.5, "low": 0, "high": 1}}
+    described["results"] = {"d": {"unit": ""}}
+    (folder / "simulator.yaml").write_text(yaml.safe_dump(described), encoding="utf-8")
+    simulator = CommandSimulator(read(folder), Opening({"simulator.a": 0.5}, "d"))
+    try:
+        return simulator.evaluate(simulator.nominal[None, :])
+    finally:
+        simulator.close()
+
+
 @pytest.mark.parametrize(
     ("written", "status", "reason"),
     [
@@ -71,19 +86,8 @@ def test_a_process_for_each_evaluation(folder: Path) -> None:
 )
 def test_a_file_of_results_may_exclude_the_case(tmp_path: Path, written: object, status: int, reason: str) -> None:
     program = f"import json, sys; json.dump({written!r}, open(sys.argv[1], 'w'))"
-    described = {
-        "name": "excludes",
-        "command": ["{python}", "-c", program, "{results}"],
-        "protocol": "files",
-        "parameters": {"a": {"nominal": 0.5, "low": 0, "high": 1}},
-        "results": {"d": {"unit": ""}},
-    }
-    (tmp_path / "simulator.yaml").write_text(yaml.safe_dump(described), encoding="utf-8")
-    simulator = CommandSimulator(read(tmp_path), Opening({"simulator.a": 0.5}, "d"))
-    try:
-        batch, reasons = simulator.evaluate(simulator.nominal[None, :])
-    finally:
-        simulator.close()
+    command = ["{python}", "-c", program, "{results}"]
+    batch, reasons = evaluated(tmp_path, name="excludes", command=command, protocol="files")
     assert batch.status.tolist() == [status]
     assert reason in reasons[0]
 
@@ -91,18 +95,7 @@ def test_a_file_of_results_may_exclude_the_case(tmp_path: Path, written: object,
 def test_python_in_a_command_is_the_interpreter_of_the_worker(tmp_path: Path) -> None:
     program = "import json, sys\nfor _ in sys.stdin: print(json.dumps({'results': {'d': float(same())}}), flush=True)"
     program = f"def same(): return __import__('sys').executable == {sys.executable!r}\n{program}"
-    described = {
-        "name": "interpreter",
-        "command": ["{python}", "-c", program],
-        "parameters": {"a": {"nominal": 0.5, "low": 0, "high": 1}},
-        "results": {"d": {"unit": ""}},
-    }
-    (tmp_path / "simulator.yaml").write_text(yaml.safe_dump(described), encoding="utf-8")
-    simulator = CommandSimulator(read(tmp_path), Opening({"simulator.a": 0.5}, "d"))
-    try:
-        batch, reasons = simulator.evaluate(simulator.nominal[None, :])
-    finally:
-        simulator.close()
+    batch, reasons = evaluated(tmp_path, name="interpreter", command=["{python}", "-c", program])
     assert reasons == {}
     assert batch.costs.tolist() == [[1.0]]
 

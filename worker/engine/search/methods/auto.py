@@ -14,14 +14,25 @@ lower, two fifths while both are equally low, three fifths while it is lower: se
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Collection, Generator
 from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
-from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Parallel, Search, Several, Space
+from worker.engine.search.base import (
+    Batch,
+    Ended,
+    Floats,
+    Method,
+    MethodLook,
+    Minimum,
+    Parallel,
+    Search,
+    Several,
+    Space,
+)
 from worker.engine.search.methods import cma_es, contrast_racing, direct, lq_cma_es, sqp, turbo
 from worker.engine.search.parts.descent import End, Settings, descend
 from worker.engine.search.parts.explored import Explored
@@ -55,11 +66,13 @@ PENDING = 16
 
 @dataclass(frozen=True)
 class Options:
-    """What is known about an evaluation beforehand."""
+    """What is known of an evaluation beforehand."""
 
     seconds: Annotated[
-        float, Field(ge=0, le=1e6, description="Time of an evaluation [s], if known; from 0.02 on the model never stops")
+        float,
+        Field(ge=0, le=1e6, description="Time of an evaluation [s], if known; from 0.02 on the model never stops"),
     ] = 0.0
+    at_once: Annotated[int, Field(ge=1, le=100, description="Evaluations that run side by side")] = 1
 
 
 def search(space: Space, options: Options) -> Parallel:
@@ -74,7 +87,7 @@ def search(space: Space, options: Options) -> Parallel:
 
 @dataclass
 class Member:
-    """A running search: whose name its evaluations have, the points that it requests, and what it has used and found."""
+    """A running search: whose name its evaluations have, what it requests, and what it has used and found."""
 
     name: str
     search: Search
@@ -131,7 +144,6 @@ class Shared:
             self.lowest, self.best = float(values[low]), points[low].copy()
         self.record.see(points, values)
 
-
     def archived(self, descent: Generator[Floats, Batch, End]) -> Generator[Floats, Batch, End]:
         """A descent, whose points the model knows from then on; not beyond those that it can use."""
         try:
@@ -154,12 +166,14 @@ class Team:
     def __init__(self, space: Space, options: Options) -> None:
         n = space.dimension
         self.space, self.costly = space, options.seconds >= COSTLY
-        self.shared = Shared(space, Explored(space), Record(n))
+        self.shared = Shared(space, Explored(space, options.at_once), Record(n))
         self.descents = Member(sqp.method.name, descents(self.shared, self._own()))
-        self.model = Member(lq_cma_es.method.name, modelled(self.shared, self._own()))
+        self.model = Member(lq_cma_es.method.name, modelled(self.shared, self._own(), options.at_once))
         self.cma = Member(cma_es.method.name, cma_es.search(self._own(), cma_es.Options()))
         self.cover = Member(direct.method.name, direct.search(self._own(), direct.Options()))
-        self.few = Member(turbo.method.name, turbo.search(self._own(), turbo.Options()), apart=True)
+        self.few = Member(
+            turbo.method.name, turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4))), apart=True
+        )
         self.many = Member(
             contrast_racing.method.name, contrast_racing.search(self._own(), contrast_racing.Options()), apart=True
         )
@@ -210,14 +224,16 @@ class Team:
         """The evaluations of all members."""
         return sum(member.used for member in self.members)
 
-    def _next(self, busy: Iterator[Member] | tuple[()]) -> Member | None:
+    def _next(self, busy: Collection[Member]) -> Member | None:
         """The member whose turn it is: every request of a member costs it credit, which all get by their shares."""
         weights = {m.name: w for m, w in self._weights() if w > 0.0}
         able = [m for m in self.members if m.name in weights and m not in busy and m.ready()]
         if not able:
             return None
         total = sum(weights[m.name] for m in able)
-        need = {m.name: (len(m.requested) - m.credit) * total / weights[m.name] for m in able if m.requested is not None}
+        need = {
+            m.name: (len(m.requested) - m.credit) * total / weights[m.name] for m in able if m.requested is not None
+        }
         chosen = min(able, key=lambda m: need[m.name])
         for member in able:
             member.credit += max(need[chosen.name], 0.0) * weights[member.name] / total
@@ -228,10 +244,10 @@ class Team:
     def _weights(self) -> list[tuple[Member, float]]:
         """The shares of the coming evaluations."""
         n = self.space.dimension
-        if not (self.shared.opened or self.descents.ended or self.descents.used >= OPENING * n):
-            return [(self.descents, 1.0)]
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share = self._share()
+        if not (self.shared.opened or self.descents.ended or self.descents.used >= OPENING * n):
+            return [(self.descents, 1.0 - share), (witness, share)]
         if self.costly or (self.used < MODELLED * n and self.model.stale < STALE * n):
             return [(self.model, 1.0 - share), (witness, share)]
         lead = 1.0 - share
@@ -260,6 +276,8 @@ def descents(shared: Shared, space: Space) -> Search:
         if not shared.opened and not end.cost < np.inf:
             start = None
             continue
+        if end.cost < np.inf:
+            space.report(Minimum(end.point, end.cost, start, end.evaluations, end.text))
         shared.explored.visit(start)
         shared.explored.visit(end.point)
         shared.record.take(start)
@@ -267,9 +285,10 @@ def descents(shared: Shared, space: Space) -> Search:
         shared.opened, start = True, None
 
 
-def modelled(shared: Shared, space: Space) -> Search:
+def modelled(shared: Shared, space: Space, at_once: int) -> Search:
     """lq-CMA-ES from the lowest point of all, with what the other leading members evaluated."""
-    return (yield from lq_cma_es.continued(space, lq_cma_es.Options(), shared.explored, shared.best))
+    options = lq_cma_es.Options(at_once=at_once)
+    return (yield from lq_cma_es.continued(space, options, shared.explored, shared.best))
 
 
 def _nobody(member: str, points: int) -> None:
@@ -290,8 +309,13 @@ method = Method(
     costly=True,
     extend=lambda options, more: options,
     family="auto",
+    apart={m.name: m.family for m in (turbo.method, contrast_racing.method)},
     whole_budget=True,
     parallel="every member on its own",
+    at_once="at_once",
+    takes="seconds",
     suits="everything, where nothing is known",
+    proposed=1,
+    confirms=125,  # a fifth of it is 25, which a global search must have
     look=MethodLook(colour="#3d4f60", dark="#dbe4ec", marker="hexagon"),
 )

@@ -272,6 +272,5 @@ method = Method(
     parallel="as stated",
     at_once="at_once",
     suits="evaluations of 20 ms and more, smooth criteria",
-    proposed={"costly": 1},
     look=MethodLook(colour="#11523f", dark="#b4efdc", marker="left"),
 )

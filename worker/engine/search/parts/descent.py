@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import nlopt
 import numpy as np
@@ -164,7 +164,8 @@ def _nlopt(trail: Objective, settings: Settings, start: Floats) -> str:
 def _scipy(trail: _Trail, settings: Settings, start: Floats) -> str:
     from scipy.optimize import minimize  # imported late: slow to load, and not the default
 
-    costs, slopes = (trail.value, trail.slope) if settings.apart else (trail, True)
+    costs: Any = trail.value if settings.apart else trail
+    slopes: Any = trail.slope if settings.apart else True
     found = minimize(
         costs, start, method="SLSQP", jac=slopes, bounds=[(0.0, 1.0)] * len(start),
         options={"ftol": settings.cost_tolerance, "maxiter": settings.iterations},

@@ -136,7 +136,7 @@ def peaks(random: np.random.Generator, c: Constants) -> Landscape:
         found = [
             d * np.exp(-(at(x) ** 2).sum(axis=1) / (2 * w * w)) for at, d, w in zip(wells, depths, widths, strict=True)
         ]
-        return -np.max(found, axis=0)
+        return np.asarray(-np.max(found, axis=0))
 
     return _made(wells[0], value, target=-0.95, minimum=-1.0)
 
@@ -190,7 +190,7 @@ def bowls(random: np.random.Generator, c: Constants) -> Landscape:
     """A quadratic bowl with axes of very different curvature."""
     n, condition = int(random.choice(c.dimensions)), random.choice(c.conditions)
     at, curvature = frame(random, n, 2.0 * c.shear), condition ** np.linspace(0.0, 1.0, n)
-    return _made(at, lambda x: (curvature * at(x) ** 2).sum(axis=1), target=1e-4)
+    return _made(at, lambda x: np.asarray((curvature * at(x) ** 2).sum(axis=1)), target=1e-4)
 
 
 def mixed(random: np.random.Generator, c: Constants) -> Landscape:
@@ -237,7 +237,7 @@ def integers(random: np.random.Generator, c: Constants) -> Landscape:
         return x
 
     at = replace(at, minimiser=rounded(at.minimiser[None, :])[0])
-    return _made(at, lambda x: (at(rounded(x)) ** 2).sum(axis=1), target=1e-3)
+    return _made(at, lambda x: np.asarray((at(rounded(x)) ** 2).sum(axis=1)), target=1e-3)
 
 
 def switched(random: np.random.Generator, c: Constants) -> Landscape:

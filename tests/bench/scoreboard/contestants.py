@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from clearance.testing.searching import Function
@@ -50,18 +50,13 @@ class Contestant:
             return peer_trace(library.search, function, dimension, budget, seed)
         return own_trace(self._method, function, dimension, budget, seed, self.options)
 
-    def lowest(
-        self, function: Function, dimension: int, budgets: list[int], seed: int
-    ) -> tuple[dict[int, float], float]:
-        """The lowest value at each budget that it takes, and its own time per evaluation of the largest one [us]."""
+    def traces(self, function: Function, dimension: int, budgets: Sequence[int], seed: int) -> dict[int, Trace]:
+        """A run for each budget that it takes; one run for all of them if its points do not depend on the budget."""
         sizes = sorted(size for size in budgets if self.takes(size, dimension))
-        traces: dict[int, Trace] = {}
-        for size in reversed(sizes):
-            traces[size] = (
-                self.trace(function, dimension, size, seed) if self.plans or not traces else traces[sizes[-1]]
-            )
-        own = 1e6 * traces[sizes[-1]].own / max(len(traces[sizes[-1]].values), 1) if sizes else 0.0
-        return {size: traces[size].lowest(size) for size in sizes}, own
+        if self.plans:
+            return {size: self.trace(function, dimension, size, seed) for size in sizes}
+        longest = self.trace(function, dimension, sizes[-1], seed) if sizes else None
+        return {size: longest for size in sizes if longest is not None}
 
     @property
     def _method(self) -> Method:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -18,11 +17,20 @@ PENALTY = 1e9
 
 
 class Trace(NamedTuple):
-    """Points (m, n) and values (m,) of distinct evaluations, NaN where failed, and the search's own time [s]."""
+    """Points (m, n) and values (m,) of distinct evaluations, NaN where failed, and the search's own time [s].
+
+    error: what a peer raised, which ended its search.
+    """
 
     points: Floats
     values: Floats
     own: float
+    error: str = ""
+
+    def reached(self, target: float) -> int | None:
+        """The evaluations until one was at or below the target; None if none was."""
+        found = np.flatnonzero(self.values <= target)
+        return int(found[0]) + 1 if len(found) else None
 
     def lowest(self, evaluations: int) -> float:
         """The lowest value of the first so many evaluations; infinity if none succeeded."""
@@ -102,10 +110,14 @@ def _fresh(request: Floats, found: Floats, known: dict[bytes, float]) -> Floats:
 
 
 def peer_trace(peer: Peer, function: Function, dimension: int, budget: int, seed: int) -> Trace:
-    """A peer, as a user of its library calls it."""
-    evaluations = Evaluations(function, budget)
+    """A peer, as a user of its library calls it; whatever it raises ends it, and is stated."""
+    evaluations, error = Evaluations(function, budget), ""
     began = time.process_time()
-    with suppress(Spent):
+    try:
         peer(evaluations, dimension, budget, seed)
+    except Spent:
+        pass
+    except Exception as raised:
+        error = f"{type(raised).__name__}: {raised}"
     own = time.process_time() - began - evaluations.seconds
-    return Trace(np.array(evaluations.points).reshape(-1, dimension), np.array(evaluations.values), own)
+    return Trace(np.array(evaluations.points).reshape(-1, dimension), np.array(evaluations.values), own, error)

@@ -181,7 +181,7 @@ def needles(random: np.random.Generator, c: Constants) -> Landscape:
 
     def value(x: Floats) -> Floats:
         inside = np.abs(x - at.minimiser).max(axis=1) / half_side
-        return np.where(inside < 1.0, 0.5 * inside - 1.0, (decoy(x) ** 2).mean(axis=1))
+        return np.asarray(np.where(inside < 1.0, 0.5 * inside - 1.0, (decoy(x) ** 2).mean(axis=1)))
 
     return _made(at, value, target=-0.5, minimum=-1.0, volume=volume)
 

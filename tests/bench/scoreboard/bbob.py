@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
+from importlib.util import find_spec
 from multiprocessing import get_context
 from typing import Any
 
@@ -16,7 +17,7 @@ import numpy as np
 from tests.bench.scoreboard import peers
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant
-from tests.bench.scoreboard.parts import Part, Request, averaged
+from tests.bench.scoreboard.parts import Part, Request, Table, averaged
 from tests.bench.scoreboard.searches import Trace
 from tests.given.landscapes import Half
 from worker.engine.search.base import Floats
@@ -40,6 +41,12 @@ class OnCube:
     def __call__(self, points: Floats) -> Floats:
         """Values (m,) above the optimum at points (m, n)."""
         return np.array(self.problem(np.ascontiguousarray(10.0 * points - 5.0))) - self.optimum
+
+
+def available() -> bool:
+    """Whether the package of the functions is installed."""
+    peers.allow()
+    return find_spec("ioh") is not None
 
 
 def reached(precision: float) -> float:
@@ -117,11 +124,12 @@ def _measure(cell: Cell) -> dict[str, Any]:
     }
 
 
-def _table(rows: Sequence[Row]) -> dict[str, dict[str, float]]:
-    def figures(row: Row) -> dict[str, float]:
+def _table(rows: Sequence[Row]) -> Table:
+    def figures(row: Row) -> dict[str, float | None]:
+        found = row.figures["precision"]
         return {
-            f"{row.cell.dimension} parameters @ {budget}": reached(precision)
-            for budget, precision in row.figures["precision"].items()
+            f"{row.cell.dimension} parameters @ {b}": reached(found[str(b)]) if str(b) in found else None
+            for b in row.cell.budgets
         }
 
     return averaged(rows, figures)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import shlex
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -45,7 +46,7 @@ class Cell(NamedTuple):
         budgets = f" --budgets {','.join(map(str, self.budgets))}" if self.budgets else ""
         return (
             f"python -m tests.bench.scoreboard --only {self.part} --half {self.half} --methods {self.method} "
-            f"--functions '{self.problem}' --dimension {self.dimension} --instance {self.number}{budgets}"
+            f"--functions {shlex.quote(self.problem)} --dimension {self.dimension} --instance {self.number}{budgets}"
         )
 
 

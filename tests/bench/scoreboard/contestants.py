@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from clearance.testing.searching import Function
 from tests.bench.scoreboard.peers import PEERS
 from tests.bench.scoreboard.searches import Trace, own_trace, peer_trace
@@ -43,19 +45,21 @@ class Contestant:
         short = self.name not in PEERS and self._method.costly and self.name not in PLANS
         return evaluations <= LIMITS.get(self.name, evaluations) and not (short and evaluations > SHORT * dimension)
 
-    def trace(self, function: Function, dimension: int, budget: int, seed: int) -> Trace:
-        """One run."""
+    def trace(self, function: Function, dimension: int, budget: int, seed: int, stop: float = -np.inf) -> Trace:
+        """One run, until a value is at or below `stop`."""
         library = PEERS.get(self.name)
         if library:
-            return peer_trace(library.search, function, dimension, budget, seed)
-        return own_trace(self._method, function, dimension, budget, seed, self.options)
+            return peer_trace(library.search, function, dimension, budget, seed, stop)
+        return own_trace(self._method, function, dimension, budget, seed, self.options, stop)
 
-    def traces(self, function: Function, dimension: int, budgets: Sequence[int], seed: int) -> dict[int, Trace]:
+    def traces(
+        self, function: Function, dimension: int, budgets: Sequence[int], seed: int, stop: float = -np.inf
+    ) -> dict[int, Trace]:
         """A run for each budget that it takes; one run for all of them if its points do not depend on the budget."""
         sizes = sorted(size for size in budgets if self.takes(size, dimension))
         if self.plans:
-            return {size: self.trace(function, dimension, size, seed) for size in sizes}
-        longest = self.trace(function, dimension, sizes[-1], seed) if sizes else None
+            return {size: self.trace(function, dimension, size, seed, stop) for size in sizes}
+        longest = self.trace(function, dimension, sizes[-1], seed, stop) if sizes else None
         return {size: longest for size in sizes if longest is not None}
 
     @property

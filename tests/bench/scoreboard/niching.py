@@ -21,7 +21,7 @@ from clearance.function.running import run
 from clearance.function.searches import searches, stages
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import own_names
-from tests.bench.scoreboard.parts import Part, Request, averaged
+from tests.bench.scoreboard.parts import Part, Request, Table, averaged
 from tests.bench.scoreboard.reaching import seeds
 from tests.given.niching import ACCURACIES, PROBLEMS
 from worker.engine.search.base import Floats
@@ -89,7 +89,7 @@ def reported(cell: Cell, permitted: int) -> tuple[Floats, Floats, int]:
     return points[same], costs[same], len(result.costs)
 
 
-def _table(rows: Sequence[Row]) -> dict[str, dict[str, float]]:
+def _table(rows: Sequence[Row]) -> Table:
     def figures(row: Row) -> dict[str, float]:
         ratio, f1 = (float(np.mean(row.figures[name])) for name in ("peak ratio", "F1"))
         own = {f"{row.cell.problem}, peak ratio": ratio, f"{row.cell.problem}, F1": f1}
@@ -107,4 +107,5 @@ PART = Part(
     _cells,
     measure,
     _table,
+    shown="all",
 )

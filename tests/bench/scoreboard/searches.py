@@ -38,14 +38,14 @@ class Trace(NamedTuple):
 
 
 class Spent(Exception):
-    """The budget of a peer is used up."""
+    """The budget of a peer is used up, or its target reached."""
 
 
 class Evaluations:
     """The function as a peer calls it, one point at a time, until the budget is used up."""
 
-    def __init__(self, function: Function, budget: int) -> None:
-        self.function, self.budget = function, budget
+    def __init__(self, function: Function, budget: int, stop: float = -np.inf) -> None:
+        self.function, self.budget, self.stop = function, budget, stop
         self.points: list[Floats] = []
         self.values: list[float] = []
         self.seconds = 0.0
@@ -53,7 +53,7 @@ class Evaluations:
 
     def __call__(self, point: Floats, *_: object) -> float:
         """The value at this point; a number also where the evaluation fails, because libraries know no failure."""
-        if len(self.values) >= self.budget:
+        if len(self.values) >= self.budget or (self.values and self.values[-1] <= self.stop):
             raise Spent
         began = time.process_time()
         inside = np.clip(np.asarray(point, dtype=float), 0.0, 1.0)
@@ -72,9 +72,18 @@ Peer = Callable[[Evaluations, int, int, int], None]
 
 
 def own_trace(
-    method: Method, function: Function, dimension: int, budget: int, seed: int, options: Mapping[str, object]
+    method: Method,
+    function: Function,
+    dimension: int,
+    budget: int,
+    seed: int,
+    options: Mapping[str, object],
+    stop: float = -np.inf,
 ) -> Trace:
-    """A method of ours; a point that it may request twice counts once, as in a run."""
+    """A method of ours, until its budget ends or a value is at or below `stop`.
+
+    A point that it may request twice counts once, as in a run.
+    """
     search = plain(method.search(space(dimension, budget, seed=seed), method.options(**options)))
     points, values = [np.empty((0, dimension))], [np.empty(0)]
     known: dict[bytes, float] = {}
@@ -91,6 +100,8 @@ def own_trace(
             points.append(request[fresh])
             values.append(found[fresh])
             used += int(fresh.sum())
+            if (found <= stop).any():
+                break
             answer = batch(found, FAILED)
     except StopIteration:
         pass
@@ -109,9 +120,9 @@ def _fresh(request: Floats, found: Floats, known: dict[bytes, float]) -> Floats:
     return fresh
 
 
-def peer_trace(peer: Peer, function: Function, dimension: int, budget: int, seed: int) -> Trace:
+def peer_trace(peer: Peer, function: Function, dimension: int, budget: int, seed: int, stop: float = -np.inf) -> Trace:
     """A peer, as a user of its library calls it; whatever it raises ends it, and is stated."""
-    evaluations, error = Evaluations(function, budget), ""
+    evaluations, error = Evaluations(function, budget, stop), ""
     began = time.process_time()
     try:
         peer(evaluations, dimension, budget, seed)

@@ -106,7 +106,7 @@ def measured(
             for row in _run(missing, measure, processes):
                 known[row.cell] = row
                 entry = row._asdict() | {"cell": row.cell._asdict(), "code": versions_of[row.cell.method]}
-                out.write(json.dumps(entry) + "\n")
+                out.write(json.dumps(entry, allow_nan=False) + "\n")
                 out.flush()
     return [known[cell] for cell in cells]
 

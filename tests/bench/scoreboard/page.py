@@ -29,11 +29,11 @@ def _about(found: Mapping[str, Any]) -> list[str]:
         f"Half: {found['half']}. Commit {found['commit']}. {found['seeds']} seeds where a part has no instances. "
         f"{found['machine']}, {found['processes']} processes, {found['seconds']:.0f} s.",
         "",
-        "Every figure is a mean over all seeds or instances; - means that a method takes no part there or that a cell of "
-        "it failed; bold is the best. n is the number of parameters. "
+        "Every figure is a mean over all seeds or instances; - means that a method takes no part there or that a cell "
+        "of it failed; bold is the best. n is the number of parameters. "
         f"Costly methods take at most {SHORT} n evaluations; evaluations of a run are at most: {limits}. "
-        "A method whose points depend on its budget has a run for each budget. A failed evaluation has no value for our "
-        "methods; a peer is given the highest value so far.",
+        "A method whose points depend on its budget has a run for each budget. A failed evaluation has no value for "
+        "our methods; a peer is given the highest value so far.",
         "",
         "| peer | version |",
         "|---|---|",

@@ -38,8 +38,8 @@ def reached(cell: Cell, function: Function, targets: dict[str, float], seed: int
     traces = Contestant(cell.method).traces(function, cell.dimension, sizes, seed, stop=min(targets.values()))
     lowest = {str(size // cell.dimension): trace.lowest(size) for size, trace in traces.items()}
     return {
-        "reached": {name: {b: low <= target for b, low in lowest.items()} for name, target in targets.items()},
-        "lowest": lowest,
+        "reached": {name: {b: bool(low <= target) for b, low in lowest.items()} for name, target in targets.items()},
+        "lowest": {b: low if np.isfinite(low) else None for b, low in lowest.items()},
         "error": next((trace.error for trace in traces.values() if trace.error), ""),
     }
 

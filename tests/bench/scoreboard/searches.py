@@ -79,10 +79,11 @@ def own_trace(
     seed: int,
     options: Mapping[str, object],
     stop: float = -np.inf,
+    status: int = FAILED,
 ) -> Trace:
     """A method of ours, until its budget ends or a value is at or below `stop`.
 
-    A point that it may request twice counts once, as in a run.
+    A point that it may request twice counts once, as in a run. Evaluations without a value have the status.
     """
     search = plain(method.search(space(dimension, budget, seed=seed), method.options(**options)))
     points, values = [np.empty((0, dimension))], [np.empty(0)]
@@ -102,7 +103,7 @@ def own_trace(
             used += int(fresh.sum())
             if (found <= stop).any():
                 break
-            answer = batch(found, FAILED)
+            answer = batch(found, status)
     except StopIteration:
         pass
     finally:

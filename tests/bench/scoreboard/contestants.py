@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +13,7 @@ from tests.bench.scoreboard.searches import Trace, own_trace, peer_trace
 from worker.engine.search.base import Method
 from worker.running.catalogue.installed import methods
 
-LIMITS = {"turbo": 1000, "optuna_tpe": 1000, "optuna_gp": 300}
+LIMITS = {"turbo": 1000, "nevergrad": 5000, "optuna_tpe": 1000, "optuna_gp": 300}
 """Evaluations beyond which a contestant's own time grows to minutes a run; such a budget is left out for it."""
 SHORT = 200
 """Evaluations per parameter up to which costly methods take part."""
@@ -70,6 +70,11 @@ class Contestant:
 def own_names() -> list[str]:
     """The methods of one criterion, cheap ones first."""
     return sorted((m.name for m in methods().values() if m.kind != "multi"), key=lambda n: (methods()[n].costly, n))
+
+
+def fast(chosen: Iterable[str]) -> list[str]:
+    """Those of the contestants that are not slow peers."""
+    return [name for name in chosen if name not in PEERS or not PEERS[name].slow]
 
 
 def names() -> list[str]:

@@ -39,13 +39,17 @@ def module(name: str) -> Any:
 
 @dataclass(frozen=True)
 class Library:
-    """A peer: its title, package, modules that must be there, and whether its points depend on the budget."""
+    """A peer: its title, package, modules that must be there, and whether its points depend on the budget.
+
+    slow: it spends tens of milliseconds of its own per evaluation, so that it takes part in BBOB only.
+    """
 
     title: str
     package: str
     modules: tuple[str, ...]
     search: Peer
     plans: bool = False
+    slow: bool = False
 
     def version(self) -> str:
         """The installed version; empty if it cannot run."""
@@ -147,7 +151,11 @@ PEERS: dict[str, Library] = {
     "scipy_direct": Library("SciPy DIRECT", "scipy", ("scipy",), scipy_direct),
     "nlopt_crs": Library("NLopt CRS2", "nlopt", ("nlopt",), nlopt_crs),
     "nlopt_mlsl": Library("NLopt MLSL with BOBYQA", "nlopt", ("nlopt",), nlopt_mlsl),
-    "nevergrad": Library("nevergrad NgIohTuned", "nevergrad", ("nevergrad",), nevergrad, plans=True),
-    "optuna_tpe": Library("Optuna TPE", "optuna", ("optuna",), _optuna(lambda s, seed: s.TPESampler(seed=seed))),
-    "optuna_gp": Library("Optuna GP", "optuna", ("optuna", "torch"), _optuna(lambda s, seed: s.GPSampler(seed=seed))),
+    "nevergrad": Library("nevergrad NgIohTuned", "nevergrad", ("nevergrad",), nevergrad, plans=True, slow=True),
+    "optuna_tpe": Library(
+        "Optuna TPE", "optuna", ("optuna",), _optuna(lambda s, seed: s.TPESampler(seed=seed)), slow=True
+    ),
+    "optuna_gp": Library(
+        "Optuna GP", "optuna", ("optuna", "torch"), _optuna(lambda s, seed: s.GPSampler(seed=seed)), slow=True
+    ),
 }

@@ -14,7 +14,7 @@ from campaigns.results.base import OK
 from clearance.testing.problems import Problem
 from clearance.testing.searching import Function
 from tests.bench.scoreboard.cells import ROOT, Cell, Row
-from tests.bench.scoreboard.contestants import Contestant
+from tests.bench.scoreboard.contestants import Contestant, fast
 from tests.bench.scoreboard.parts import Part, Request, Table, averaged
 from tests.given.falsification import PROBLEMS
 from tests.given.landscapes import KINDS, landscape
@@ -68,7 +68,7 @@ def _landscapes(request: Request) -> list[Cell]:
     made = [landscape(number, request.half) for number in range(len(kinds) * request.seeds)]
     return [
         Cell("landscapes", request.half, method, one.kind, one.dimension, number, budgets)
-        for method in request.methods
+        for method in fast(request.methods)
         for number, one in enumerate(made)
     ]
 
@@ -111,7 +111,7 @@ def _loops(request: Request) -> list[Cell]:
     return [
         Cell("loops", request.half, method, name, _dimension(name), seed, budgets)
         for name in known_margins()
-        for method in request.methods
+        for method in fast(request.methods)
         for seed in seeds(request)
     ]
 
@@ -149,7 +149,7 @@ def _falsification(request: Request) -> list[Cell]:
     return [
         Cell("falsification", request.half, method, name, problem.dimension, seed, budgets)
         for name, problem in PROBLEMS.items()
-        for method in request.methods
+        for method in fast(request.methods)
         for seed in seeds(request)
     ]
 

@@ -33,8 +33,8 @@ def _about(found: Mapping[str, Any]) -> list[str]:
         "of it failed; bold is the best. n is the number of parameters. "
         f"Costly methods take at most {SHORT} n evaluations; evaluations of a run are at most: {limits}. "
         "A method whose points depend on its budget has a run for each budget. A failed evaluation has no value for "
-        "our methods; a peer is given the highest value so far. Peers that spend tens of milliseconds of their own on an "
-        "evaluation take part in BBOB only.",
+        "our methods; a peer is given the highest value so far. Peers that spend tens of milliseconds of their own on "
+        "an evaluation take part in BBOB only.",
         "",
         "| peer | version |",
         "|---|---|",

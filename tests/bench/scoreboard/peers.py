@@ -6,7 +6,6 @@ Those that the product does not install come from `build/peers`; see peers.txt. 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
@@ -131,11 +130,11 @@ def nevergrad(evaluations: Evaluations, dimension: int, budget: int, seed: int) 
         optimiser.tell(candidate, evaluations(candidate.value))
 
 
-def _optuna(sampler: Callable[[Any, int], Any]) -> Peer:
+def _optuna(sampler: str) -> Peer:
     def search(evaluations: Evaluations, dimension: int, budget: int, seed: int) -> None:
         optuna = module("optuna")
         optuna.logging.set_verbosity(optuna.logging.ERROR)
-        study = optuna.create_study(sampler=sampler(optuna.samplers, seed))
+        study = optuna.create_study(sampler=getattr(optuna.samplers, sampler)(seed=seed))
         box = {f"x{i}": optuna.distributions.FloatDistribution(0.0, 1.0) for i in range(dimension)}
         for _ in range(budget):
             trial = study.ask(box)

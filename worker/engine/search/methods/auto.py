@@ -8,8 +8,8 @@ later, CMA-ES and descents from the lowest unexplored points take turns. Nothing
 
 The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few,
 then contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the others are
-lower, two fifths while both are equally low, three fifths while it is lower: separated and jumping valleys are its own
-(algorithm portfolios: Baudis and Posik, PPSN 2014). The record states who requested what. No guarantee of its own.
+lower and improve, two fifths while both are equally low or the others are stuck, three fifths while it is lower:
+separated and jumping valleys are its own (algorithm portfolios: Baudis and Posik, PPSN 2014). The record states who requested what. No guarantee of its own.
 """
 
 from __future__ import annotations
@@ -46,6 +46,8 @@ STALE = 30
 """Evaluations per parameter without a lower cost after which the model makes way for CMA-ES."""
 COSTLY = 0.02
 """Time of an evaluation [s] from which the model's milliseconds do not count: it never stops."""
+STUCK = 100
+"""Evaluations per parameter without a lower cost after which the others get no more than if the witness were equal."""
 FEW = 60
 """Evaluations per parameter up to which TuRBO is the witness."""
 WITNESS = {"above": 0.2, "equal": 0.4, "below": 0.6}
@@ -131,6 +133,8 @@ class Shared:
     explored: Explored
     record: Record
     used: int = 0
+    stale: int = 0
+    """Evaluations since the last improvement."""
     lowest: float = np.inf
     best: Floats | None = None
     opened: bool = False
@@ -140,8 +144,9 @@ class Shared:
         """Points (m, n) of a leading member with their values (m,), infinite where failed."""
         self.used += len(points)
         low = int(np.argmin(values))
+        self.stale += len(points)
         if values[low] < self.lowest:
-            self.lowest, self.best = float(values[low]), points[low].copy()
+            self.stale, self.lowest, self.best = 0, float(values[low]), points[low].copy()
         self.record.see(points, values)
 
     def archived(self, descent: Generator[Floats, Batch, End]) -> Generator[Floats, Batch, End]:
@@ -259,7 +264,8 @@ class Team:
         ours, its = self.shared.lowest, min(self.few.lowest, self.many.lowest)
         tie = EQUAL * self.shared.record.spread()
         if not np.isfinite(its) or its > ours + tie:
-            return WITNESS["above"]
+            stuck = self.shared.stale >= STUCK * self.space.dimension
+            return WITNESS["equal" if stuck else "above"]
         return WITNESS["equal"] if its >= ours - tie else WITNESS["below"]
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from campaigns.codes import CheckCode
 from campaigns.results.finding import Repeated
+from campaigns.results.search import Apart
 from campaigns.results.slices import Curve
 from campaigns.results.validate import Spread
 from campaigns.results.verdict import NominalCost, Provenance, Worst, not_sampled
@@ -29,6 +30,7 @@ from tests.given.verdict_evidence import (
     finding,
     gathered,
     nominal,
+    part_apart,
     sample,
     search,
     validation,
@@ -488,3 +490,33 @@ def test_a_search_for_a_front_plays_no_part_in_agreement() -> None:
 
 def test_a_portfolio_is_a_global_method() -> None:
     assert concluded(searches=[search("portfolio"), search("sqp")]).verdict == "cleared"
+
+
+APART = [part_apart("sqp", "gradients"), part_apart("contrast_racing", "racing of descents")]
+ONE = "a method of another family must confirm it"
+
+
+def test_two_parts_that_were_apart_confirm_each_other() -> None:
+    found = concluded(searches=[search("auto", apart=APART)])
+    assert found.verdict == "cleared"
+    assert check_of("agreement", found).text.startswith("Auto: SQP multistart and Auto: contrast_racing agree")
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ([], ONE),
+        ([part_apart("sqp", "gradients"), part_apart("cma_es", "gradients")], "of one family (gradients)"),
+        ([part_apart("sqp", "gradients"), part_apart("contrast_racing", "racing of descents", WORST + 0.03)], ONE),
+        ([part_apart("sqp", "gradients"), part_apart("contrast_racing", "racing of descents", evaluations=49)], ONE),
+        (
+            [part_apart("sqp", "gradients", WORST + 0.03), part_apart("contrast_racing", "racing", WORST + 0.03)],
+            "no part",
+        ),
+    ],
+    ids=["one part", "of one family", "one stopped short", "one of too few evaluations", "only polishing"],
+)
+def test_a_search_alone_needs_two_parts_that_reached_the_worst_case(parts: list[Apart], words: str) -> None:
+    found = concluded(searches=[search("auto", apart=parts)])
+    assert found.verdict == "inconclusive"
+    assert words in check_of("agreement", found).text

@@ -60,8 +60,8 @@ FIRST = Settings("scipy", "forward", 1.5e-9, cost_tolerance=1e-13, iterations=10
 """Differences near the square root of the rounding errors of a smooth cost."""
 COARSE = replace(FIRST, difference=1e-5)
 """Differences for costs with larger errors, where a first descent moved nowhere."""
-EPOCH = 2000
-"""The first budget of contrast racing, which doubles it when it is used up."""
+EPOCH = 150
+"""Evaluations per parameter of the first budget of contrast racing, which doubles it when it is used up."""
 PENDING = 16
 """Requested points below which a further member gets its turn in slots, whose number may change on a resume."""
 
@@ -188,7 +188,7 @@ class Team:
         """The space of a member: with random numbers of its own."""
         random = np.random.default_rng(self.space.random.integers(2**63))
         starts = np.empty((0, self.space.dimension))
-        return replace(self.space, budget=EPOCH, random=random, starts=starts, attribute=_nobody, slots=0)
+        return replace(self.space, budget=EPOCH * self.space.dimension, random=random, starts=starts, attribute=_nobody, slots=0)
 
     def in_batches(self) -> Parallel:
         """A request has the points of one member."""

@@ -29,3 +29,6 @@ CONTINUED = 2
 """Flights are simulated on to this multiple of the horizon, to see whether an encounter lies beyond it."""
 DRAWS = 2
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""
+
+SEARCHED, SEARCHED_EACH = 5000, 1000
+"""Evaluations of the search of a campaign that states none: at least, and for each parameter."""

@@ -159,7 +159,8 @@ RULES = (
         "Agreement of methods",
         "At least one global method searched, every one reaches the worst case within the campaign's agreement, by "
         f"default {percent(AGREEMENT)} of nominal minus worst, and {percent(AGREEMENT_OF_MARGIN)} of the margin, "
-        f"and methods of at least {METHODS.value} families do.",
+        f"and methods of at least {METHODS.value} families do; parts "
+        "of a search that were told nothing of each other's evaluations count as methods.",
         ("search", "validate"),
         RemedyKind.EVALUATIONS,
     ),

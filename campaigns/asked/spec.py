@@ -173,7 +173,7 @@ class Campaign(Strict):
     """It decides the verdict."""
     objectives: Annotated[list[Objective], Field(max_length=8)] = []
     """Further criteria; objectives.0, objectives.1, ... in paths."""
-    stages: Stages
+    stages: Annotated[Stages, Field(json_schema_extra=no_default)] = Stages()
     agreement: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = limits.AGREEMENT
     """Fraction of nominal minus worst within which the global methods must agree."""
     target_probability: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] | None = None
@@ -191,13 +191,18 @@ class Campaign(Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _sampled(cls, document: Any) -> Any:
-        """A campaign that does not state whether it draws a sample draws one; `certify: null` draws none."""
-        stages = document.get("stages") if isinstance(document, Mapping) else None
-        if not isinstance(stages, Mapping) or "certify" in stages:
+    def _chosen(cls, document: Any) -> Any:
+        """A campaign that states no search has one, and one that does not state whether it draws a sample draws one;
+        `certify: null` draws none."""
+        stages = document.get("stages", {}) if isinstance(document, Mapping) else None
+        if not isinstance(stages, Mapping):
             return document
         samples = limits.SAMPLE_CLOSED_LOOP if document.get("simulator") is None else limits.SAMPLE
-        return {**document, "stages": {**stages, "certify": {"samples": samples}}}
+        uncertain = document.get("uncertain")
+        parameters = len(uncertain) if isinstance(uncertain, Mapping) else 0
+        evaluations = max(limits.SEARCHED, limits.SEARCHED_EACH * parameters)
+        usual = {"search": [{"method": "auto", "evaluations": evaluations}], "certify": {"samples": samples}}
+        return {**document, "stages": {**usual, **stages}}
 
     @field_validator("uncertain")
     @classmethod

@@ -107,7 +107,10 @@ class Stages(Strict):
     """The stages of a run, in this order; nominal always comes first."""
 
     sensitivity: Sensitivity | None = Sensitivity()
-    search: Annotated[list[Search], Field(min_length=1, max_length=32)]
+    search: Annotated[list[Search], Field(min_length=1, max_length=32, json_schema_extra=no_default)] = [
+        Search(method="auto", evaluations=limits.SEARCHED)
+    ]
+    """If omitted, Auto with 5000 evaluations or 1000 for each parameter, whichever is more."""
     certify: Certify | None = None
     """If omitted, 300 samples of a closed loop and 59 of a simulator; null draws none, and then nothing is cleared."""
     findings: Findings = Findings()

@@ -80,6 +80,8 @@ class Member(Result):
     best: float | None
     improvements: int
     """How often it improved the best of all methods."""
+    apart: Annotated[bool, UNLESS_EMPTY] = False
+    """Whether it was told nothing of the others' evaluations."""
 
 
 class SearchResult(StageResult):

@@ -152,7 +152,7 @@ def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
         for member in search.members if isinstance(search, SearchResult) else []:
             best = "" if member.best is None else number(member.best)
             cells = (best, count(member.evaluations), "", "", "", "", "", "")
-            table.add_row(f"  {member.title}", *cells, style="dim")
+            table.add_row(f"  {member.title}{', apart' if member.apart else ''}", *cells, style="dim")
     return table
 
 

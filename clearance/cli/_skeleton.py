@@ -57,8 +57,7 @@ criterion: {{component: {criterion}, threshold: 0.1}}
 
 stages:
   search:
-    - {{method: direct, evaluations: 2000}}
-    - {{method: cma_es, evaluations: 2000}}
+    - {{method: auto, evaluations: 4000}}
   certify: {{samples: 300}}
 """
 

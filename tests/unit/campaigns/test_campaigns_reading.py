@@ -246,3 +246,14 @@ def test_other_values(name: str) -> None:
     found, _, statement = only(**changes)
     assert found == field
     assert message in statement
+
+
+def test_a_campaign_that_states_no_search_has_the_usual_one() -> None:
+    asked = {key: value for key, value in document().items() if key != "stages"}
+    one = load_document(asked)
+    assert [(each.method, each.evaluations) for each in one.stages.search] == [("auto", 5000)]
+    assert one.stages.certify is not None
+    wide = {f"vehicle.{name}": {"low": 1.0, "high": 2.0} for name in "abcdefgh"}
+    assert load_document({**asked, "uncertain": wide}).stages.search[0].evaluations == 8000
+    stated = load_document({**asked, "stages": {"certify": None}})
+    assert (stated.stages.search, stated.stages.certify) == (one.stages.search, None)

@@ -54,7 +54,7 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
     driven = drive(context, position, search, request.evaluations, method.repeats)
     minima.sort(key=lambda m: _place(m, space.starts))
     result = _result(context, method, options, driven, minima)
-    rows = members.rows(driven.columns, context.methods) if driven.columns else []
+    rows = members.rows(driven.columns, context.methods, method.apart) if driven.columns else []
     leading = min((row for row in rows if row.best is not None), key=lambda row: row.best or 0.0, default=None)
     known = None if leading is None else context.methods.get(leading.member)
     family = method.family_with(options) if known is None else known.family_with(known.options())

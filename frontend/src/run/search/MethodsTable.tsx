@@ -131,9 +131,9 @@ export function basinText(row: Pick<Compared, 'basin'> | undefined, basins: bool
   return row && basins ? (row.basin ?? 'no finding') : NONE
 }
 
-/** Evaluations of each member of a portfolio. */
+/** Evaluations of each member of a portfolio, and which were told nothing of the others' points. */
 const membersText = (members: Member[]): string =>
-  members.map((member) => `${member.title} ${count(member.evaluations)}`).join(', ')
+  members.map((member) => `${member.title} ${count(member.evaluations)}${member.apart ? ' (apart)' : ''}`).join(', ')
 
 /** The reason why each search ended. */
 function Ends({ searches }: { searches: SearchStage[] }) {

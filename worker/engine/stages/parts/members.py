@@ -43,7 +43,7 @@ class Members:
         finally:
             search.close()
 
-    def rows(self, columns: Columns, methods: Mapping[str, Method]) -> list[Member]:
+    def rows(self, columns: Columns, methods: Mapping[str, Method], alone: Collection[str] = ()) -> list[Member]:
         """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
         if not self.owner:
             return []
@@ -62,6 +62,7 @@ class Members:
                     evaluations=int(mine.sum()),
                     best=best if np.isfinite(best) else None,
                     improvements=int(np.count_nonzero(mine & (ranked < before))),
+                    apart=member in alone,
                 )
             )
         return rows

@@ -6,6 +6,7 @@ everything counted, stored and reported comes from the evaluations themselves.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -43,8 +44,9 @@ def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed:
 
     def cost(x: Floats, gradient: Floats) -> float:
         nonlocal highest
-        # An internal model degraded by rounding may request NaN: use the centre instead.
-        point = np.where(np.isfinite(x), np.clip(x, 0.0, 1.0), 0.5)[None, :]
+        point = x.clip(0.0, 1.0)[None, :]
+        if not math.isfinite(float(x.sum())):  # a model degraded by rounding may request NaN: use the centre instead
+            point = np.where(np.isfinite(x), point, 0.5)
         values = ask(point.copy()).ranked()
         best.see(point, values)
         value = float(values[0])

@@ -131,7 +131,7 @@ method = Method(
     title="Differential evolution",
     kind="global",
     how="Global. A population guided by its differences",
-    source="Storn and Price 1997, as SciPy",
+    source="Storn and Price 1997, Tanabe and Fukunaga 2013",
     evaluations=5000,
     options=Options,
     search=search,
@@ -139,6 +139,6 @@ method = Method(
     family="population",
     whole_budget=True,
     parallel="a generation",
-    suits="rough criteria with many evaluations",
+    suits="rough criteria and bent valleys, some thousand evaluations",
     look=MethodLook(colour="#8379ea", dark="#7470e6", marker="down", short="DE"),
 )

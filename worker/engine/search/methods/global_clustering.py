@@ -258,6 +258,6 @@ method = Method(
     whole_budget=True,
     extend=lambda options, more: options,
     parallel="every local search on its own",
-    suits="a list of all valleys",
+    suits="a list of all valleys; CMA-ES reaches 0.66 of the targets of BBOB at 1,000 n, this 0.28",
     look=MethodLook(colour="#857c00", dark="#d8cd3c", marker="hexagon"),
 )

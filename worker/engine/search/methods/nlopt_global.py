@@ -78,6 +78,6 @@ method = Method(
     families={"algorithm": {**FAMILIES, **dict.fromkeys(DIVIDES, "division of the box")}},
     whole_budget=True,
     parallel="one point",
-    suits="comparison with published results",
+    suits="comparison with published results; CMA-ES reaches 0.66 of the targets of BBOB at 1,000 n, this 0.53",
     look=MethodLook(colour="#5d7d1f", dark="#9fd15f", marker="plus"),
 )

@@ -106,13 +106,14 @@ def _run(ask: Ask, space: Space, options: Options, best: Lowest) -> str:
 
     box: Any = [(0.0, 1.0)] * space.dimension
     vectorised: Any = costs
+    strategy: Any = options.strategy
     mutation = (options.mutation, options.mutation + options.dither) if options.dither else options.mutation
     from scipy.optimize import differential_evolution  # imported late: slow to load
 
     done = differential_evolution(
         vectorised,
         box,
-        strategy=options.strategy,
+        strategy=strategy,
         popsize=options.population or SCIPYS,
         mutation=mutation,
         recombination=options.recombination,

@@ -61,7 +61,7 @@ class State(NamedTuple):
     """(lambda,) negative beyond mu"""
     rates: Floats
     """(6,) mu_eff, c_sigma, d_sigma, c_c, c_1, c_mu"""
-    count: Ints
+    counts: Ints
     """(2,) generations, generations whose values are equal"""
     lowest: Floats
     """(g,) lowest value of each generation"""
@@ -89,7 +89,7 @@ class Strategy:
     def tell(self, values: Floats) -> None:
         """Adapt to the values of the last generation (lambda,), infinity where there is none."""
         s = self.state
-        if s.count[0] == len(s.lowest):
+        if s.counts[0] == len(s.lowest):
             self.state = s = s._replace(
                 lowest=np.concatenate([s.lowest, np.empty_like(s.lowest)]),
                 middle=np.concatenate([s.middle, np.empty_like(s.middle)]),
@@ -114,7 +114,7 @@ def _state(start: Floats, deviation: float, population: int) -> State:
     return State(
         mean=np.array(start, dtype=np.float64), sigma=np.array([deviation]), path=np.zeros(n), walk=np.zeros(n),
         covariance=np.eye(n), factor=np.eye(n), normal=np.empty((population, n)), moved=np.empty((population, n)),
-        weights=weights, rates=np.array([m, c_sigma, d_sigma, c_c, c_1, c_mu]), count=np.zeros(2, np.int64),
+        weights=weights, rates=np.array([m, c_sigma, d_sigma, c_c, c_1, c_mu]), counts=np.zeros(2, np.int64),
         lowest=np.empty(512), middle=np.empty(512),
     )  # fmt: skip
 
@@ -156,11 +156,11 @@ def _adapted(s: State, values: Floats, rank: Ints) -> int:
     for value in values:
         known += 1 if np.isfinite(value) else 0
     same = known == 0 or values[rank[0]] == values[rank[min(known - 1, len(values) // 2)]]
-    s.count[1] = s.count[1] + 1 if same else 0
-    g = s.count[0]
+    s.counts[1] = s.counts[1] + 1 if same else 0
+    g = s.counts[0]
     s.lowest[g] = values[rank[0]]
     s.middle[g] = values[rank[len(values) // 2]]
-    s.count[0] += 1
+    s.counts[0] += 1
     if known == 0:
         s.sigma[0] *= 0.5
     else:
@@ -189,7 +189,7 @@ def _move(s: State, rank: Ints, mu: int) -> None:
         squared += s.walk[k] ** 2
         s.mean[k] = _mirrored(s.mean[k] + s.sigma[0] * y[k])
     expected = np.sqrt(n) * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n))
-    settled = np.sqrt(1.0 - (1.0 - c_sigma) ** (2.0 * s.count[0]))
+    settled = np.sqrt(1.0 - (1.0 - c_sigma) ** (2.0 * s.counts[0]))
     h = 1.0 if np.sqrt(squared) / settled < (1.4 + 2.0 / (n + 1.0)) * expected else 0.0
     for k in range(n):
         s.path[k] = (1.0 - c_c) * s.path[k] + h * np.sqrt(c_c * (2.0 - c_c) * m) * y[k]
@@ -242,7 +242,7 @@ def _factorised(s: State) -> bool:
 @inner
 def _stop(s: State, values: Floats, rank: Ints, known: int) -> int:
     """The stopping rules of BIPOP (Hansen 2009), in its order."""
-    n, g = len(s.mean), s.count[0]
+    n, g = len(s.mean), s.counts[0]
     widest = 0.0
     for k in range(n):
         widest = max(widest, s.sigma[0] * np.sqrt(s.covariance[k, k]))
@@ -250,7 +250,7 @@ def _stop(s: State, values: Floats, rank: Ints, known: int) -> int:
         return SMALL
     if widest > WIDEST:
         s.sigma[0] *= WIDEST / widest
-    if s.count[1] >= 10:
+    if s.counts[1] >= 10:
         return FLAT
     past = 10 + int(np.ceil(30.0 * n / len(values)))
     if known == len(values) and g >= past:
@@ -260,7 +260,7 @@ def _stop(s: State, values: Floats, rank: Ints, known: int) -> int:
         if high - low < max(CHANGE, DIGITS * abs(low)):
             return SAME
     window = max(MEMORY + int(30.0 * n / len(values)), int(0.2 * g))
-    if g >= window and s.count[0] % 10 == 0:
+    if g >= window and s.counts[0] % 10 == 0:
         part = int(0.3 * window)
         old, new = g - window, g - part
         if np.median(s.lowest[new:g]) >= np.median(s.lowest[old : old + part]) and np.median(

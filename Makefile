@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench reproduce sbom advisories frontend library-flights library-verdicts clean distclean
+.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench scoreboard reproduce sbom advisories frontend library-flights library-verdicts clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-15s %s\n", part[1], $$0}' Makefile
@@ -44,6 +44,13 @@ bench-pages: install ## measure the pages in a browser, print a table, write bui
 
 search-bench: install ## every search method on test functions, print a table, write build/search.json and search.md
 	@.venv/bin/python -m tests.bench.search_bench
+
+scoreboard: install build/peers ## all methods and their peers on the judging half, for hours; writes build/scoreboard.json and .md
+	@.venv/bin/python -m tests.bench.scoreboard
+
+build/peers: tests/bench/scoreboard/peers.txt
+	@grep -v '^#' $< | xargs -n 1 .venv/bin/python -m pip install --quiet --upgrade --no-deps --target $@ || true
+	@touch $@
 
 reproduce: install ## compute the published tables and figures again, into build/reproduce
 	@.venv/bin/clearance reproduce --out build/reproduce

@@ -21,10 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns.results.base import EXCLUDED
-from clearance.testing.searching import batch, space
 from tests.bench import small_budgets
+from tests.bench.scoreboard.searches import own_trace
 from tests.given.functions_with_minima import FUNCTIONS, on_unit_cube
-from worker.engine.search.base import Floats
 from worker.running.catalogue.installed import methods
 
 BUILD = Path("build")
@@ -76,35 +75,9 @@ def evaluations(task: Task) -> tuple[int, bool]:
     """How many evaluations it took, and whether it succeeded."""
     method, function = methods()[task.method], on_unit_cube(task.function, task.seed)
     limit = function.minimum + WITHIN * (abs(function.minimum) or 1.0)
-    known: set[bytes] = set()
-    used, hit = 0, 0
-
-    def count(points: Floats) -> Floats:
-        nonlocal used, hit
-        values = function(points)
-        for point, value in zip(points, values, strict=True):
-            if method.repeats:
-                if point.tobytes() in known:
-                    continue
-                known.add(point.tobytes())
-            used += 1
-            if not hit and value <= limit:
-                hit = used
-        return values
-
-    search = method.search(space(function.dimension, BUDGET, seed=task.seed), method.options())
-    try:
-        points = next(search)
-        while True:
-            values = count(points)
-            if hit or used >= BUDGET:
-                break
-            points = search.send(batch(values, EXCLUDED))
-    except StopIteration:
-        pass
-    finally:
-        search.close()
-    return (hit, True) if 0 < hit <= BUDGET else (min(used, BUDGET), False)
+    trace = own_trace(method, function, function.dimension, BUDGET, task.seed, {}, limit, EXCLUDED)
+    reached = trace.reached(limit)
+    return (len(trace.values), False) if reached is None else (reached, True)
 
 
 def summary(tasks: list[Task], spent: list[tuple[int, bool]]) -> dict[str, dict[str, dict[str, Any]]]:

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import time
 from collections.abc import Mapping
 from multiprocessing import get_context
 from multiprocessing.pool import Pool
@@ -22,12 +21,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from campaigns.results.base import FAILED
-from clearance.testing.searching import batch, space
+from tests.bench.scoreboard.searches import Trace, own_trace
 from tests.given.small_budget_functions import JUDGED, Judged
 from tests.given.small_budget_tuning import TUNING
 from tests.given.small_budget_valleys import VALLEYS, Landscape
-from worker.engine.search.base import Floats
 from worker.running.catalogue.installed import methods
 
 BUDGETS, SEEDS = (20, 50, 100), 15
@@ -114,44 +111,21 @@ def outcome(task: Task) -> Outcome:
     drawn = np.where(np.isnan(drawn), np.inf, drawn).reshape(100, sizes[0])
     reference = float(np.median(drawn.min(axis=1))) - problem.minimum
     one = methods()[task.method].extend is not None
-    long = _values(task, sizes[-1]) if one else None
+    long = _trace(task, sizes[-1]) if one else None
     scores, last = [], long
     for size in sizes:
-        last = long if long is not None else _values(task, size)
-        lowest = float(np.nanmin(np.append(last[0][:size], np.inf)))
-        gap = max(lowest - problem.minimum, 0.0)
+        last = long if long is not None else _trace(task, size)
+        gap = max(last.lowest(size) - problem.minimum, 0.0)
         gain = np.log1p(gap / (TOLERANCE * reference)) / np.log1p(1 / TOLERANCE)
         scores.append(max(0.0, 1.0 - float(gain)))
     assert last is not None
-    values, own = last
-    return Outcome(tuple(scores), float(np.isnan(values).mean()), own / len(values))
+    return Outcome(tuple(scores), float(np.isnan(last.values).mean()), last.own / len(last.values))
 
 
-def _values(task: Task, budget: int) -> tuple[Floats, float]:
-    """The values of at most `budget` evaluations, NaN where failed, and the method's own time [s]."""
-    method, problem = methods()[task.method], PROBLEMS[task.problem]
-    f, known = problem.at(task.seed), dict[bytes, float]()
-    values: list[float] = []
-    search = method.search(space(problem.dimension, budget, seed=task.seed), method.options())
-    own, answer = 0.0, None
-    try:
-        while len(values) < budget:
-            began = time.process_time()
-            try:
-                points = search.send(answer)  # type: ignore[arg-type]
-            finally:
-                own += time.process_time() - began
-            got = f(points)
-            for point, value in zip(points, got, strict=True):
-                if not (method.repeats and point.tobytes() in known):
-                    values.append(float(value))
-                known[point.tobytes()] = float(value)
-            answer = batch(got, FAILED)
-    except StopIteration:
-        pass
-    finally:
-        search.close()
-    return np.array(values[:budget]), own
+def _trace(task: Task, budget: int) -> Trace:
+    """A search of at most `budget` evaluations."""
+    problem = PROBLEMS[task.problem]
+    return own_trace(methods()[task.method], problem.at(task.seed), problem.dimension, budget, task.seed, {})
 
 
 def markdown(found: dict[str, Any]) -> list[str]:

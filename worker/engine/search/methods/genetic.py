@@ -215,6 +215,6 @@ method = Method(
     whole_budget=True,
     parallel="a generation",
     suits="comparison with published results; DE reaches 0.72 of the targets of BBOB at 1,000 n, this 0.20",
-    proposed={"cheap": 3},
+    proposed=4,
     look=MethodLook(colour="#b97c00", dark="#e69f00", marker="circle", short="GA"),
 )

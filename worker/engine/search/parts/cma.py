@@ -122,11 +122,12 @@ def _state(start: Floats, deviation: float, population: int) -> State:
 @compiled
 def _drawn(s: State, random: np.random.Generator) -> Floats:
     """Points mean + sigma A z, repaired at the faces; y and z become those of the points to adapt to."""
-    points = np.empty(s.normal.shape)
-    for i in range(points.shape[0]):
-        for k in range(points.shape[1]):
+    n = len(s.mean)
+    points = np.empty((len(s.normal), n))
+    for i in range(len(points)):
+        for k in range(n):
             s.normal[i, k] = random.standard_normal()
-        for k in range(points.shape[1]):
+        for k in range(n):
             y = 0.0
             for j in range(k + 1):
                 y += s.factor[k, j] * s.normal[i, j]
@@ -134,7 +135,7 @@ def _drawn(s: State, random: np.random.Generator) -> Floats:
             points[i, k] = min(max(drawn, 0.0), 1.0) if i == 0 else _mirrored(drawn)
             close = min(s.mean[k], 1.0 - s.mean[k]) < CLOSE * s.sigma[0] * np.sqrt(s.covariance[k, k])
             s.moved[i, k] = y if close and i > 0 else (points[i, k] - s.mean[k]) / s.sigma[0]
-        for k in range(points.shape[1]):
+        for k in range(n):
             z = s.moved[i, k]
             for j in range(k):
                 z -= s.factor[k, j] * s.normal[i, j]

@@ -1,0 +1,141 @@
+"""Cells of the score board: one search on one problem with one seed; measured in processes, stored line by line.
+
+A finished cell is a line of `build/scoreboard/cells.jsonl`, so that an interrupted board continues. A line counts only
+for the code that measured it: a change of the worker or of the board makes the cells of our methods anew, a change of a
+library's version those of the library.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shlex
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tests.bench.scoreboard.peers import PEERS
+from worker.running.catalogue.installed import methods
+
+ROOT = Path(__file__).parents[3]
+BOARD = ("tests/bench/scoreboard", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching")
+OURS = ("worker", "campaigns", "clearance/testing", "clearance/function")
+PRESENTATION = ("__main__.py", "bars.py", "page.py")
+"""Modules of the board that change no figure of a cell."""
+
+
+class Cell(NamedTuple):
+    """One method on one problem: the part of the board, the problem's name, its instance or seed, and the budgets in
+    evaluations per parameter (none where the problem has a budget of its own)."""
+
+    part: str
+    half: str
+    method: str
+    problem: str
+    dimension: int
+    number: int
+    budgets: tuple[int, ...] = ()
+
+    @property
+    def command(self) -> str:
+        """What measures this cell again."""
+        budgets = f" --budgets {','.join(map(str, self.budgets))}" if self.budgets else ""
+        return (
+            f"python -m tests.bench.scoreboard --only {self.part} --half {self.half} --methods {self.method} "
+            f"--functions {shlex.quote(self.problem)} --dimension {self.dimension} --instance {self.number}{budgets}"
+        )
+
+
+class Row(NamedTuple):
+    """A measured cell: its figures, or the error that prevented them, and how long it took [s]."""
+
+    cell: Cell
+    figures: dict[str, Any]
+    error: str
+    seconds: float
+
+
+Measure = Callable[[Cell], dict[str, Any]]
+"""The figures of one cell, of kinds that JSON has; `error` is what a peer raised."""
+
+
+def code(names: Iterable[str]) -> str:
+    """A digest of the source files of these folders."""
+    digest = hashlib.sha256()
+    for name in names:
+        path = ROOT / name
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path] * path.exists():
+            if file.name not in PRESENTATION:
+                digest.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def versions(names: Iterable[str]) -> dict[str, str]:
+    """What each method's cells are valid for."""
+    board, ours = code(BOARD), code((*BOARD, *OURS))
+    return {n: f"{board} {PEERS[n].version()}" if n in PEERS else ours for n in names}
+
+
+def stored(file: Path, versions_of: dict[str, str]) -> dict[Cell, Row]:
+    """The valid cells of a file; a line that an interruption cut off is left out."""
+    found: dict[Cell, Row] = {}
+    for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else []:
+        try:
+            entry = json.loads(line)
+        except json.JSONDecodeError:
+            continue
+        cell = Cell(**{**entry["cell"], "budgets": tuple(entry["cell"]["budgets"])})
+        if versions_of.get(cell.method) == entry["code"]:
+            found[cell] = Row(cell, entry["figures"], entry["error"], entry["seconds"])
+    return found
+
+
+def measured(
+    cells: Sequence[Cell], measure: Measure, file: Path, processes: int, versions_of: dict[str, str]
+) -> list[Row]:
+    """Every cell in the given order, from the file or measured now and added to it."""
+    known = stored(file, versions_of)
+    missing = [cell for cell in cells if cell not in known]
+    if missing:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with file.open("a", encoding="utf-8") as out:
+            for row in _run(missing, measure, processes):
+                known[row.cell] = row
+                entry = row._asdict() | {"cell": row.cell._asdict(), "code": versions_of[row.cell.method]}
+                out.write(json.dumps(entry, allow_nan=False) + "\n")
+                out.flush()
+    return [known[cell] for cell in cells]
+
+
+def _run(cells: Sequence[Cell], measure: Measure, processes: int) -> Iterable[Row]:
+    one = _One(measure)
+    if processes == 1:
+        yield from map(one, cells)
+        return
+    os.environ["OMP_NUM_THREADS"] = "1"
+    with get_context("spawn").Pool(processes) as pool:
+        for done, row in enumerate(pool.imap_unordered(one, cells), 1):
+            if sys.stderr.isatty():
+                print(f"\r{done} of {len(cells)} cells", end="", file=sys.stderr)
+            yield row
+
+
+class _One:
+    """Measures one cell; an exception is its error, so that the board goes on."""
+
+    def __init__(self, measure: Measure) -> None:
+        self.measure = measure
+
+    def __call__(self, cell: Cell) -> Row:
+        methods()
+        began = time.perf_counter()
+        try:
+            figures, error = self.measure(cell), ""
+            error = str(figures.pop("error", ""))
+        except Exception as raised:
+            figures, error = {}, f"{type(raised).__name__}: {raised}"
+        return Row(cell, figures, error, time.perf_counter() - began)

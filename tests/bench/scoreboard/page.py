@@ -1,0 +1,91 @@
+"""The page of the score board: what was measured where, the bars, and a table for each part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from tests.bench.scoreboard.contestants import LIMITS, SHORT, Contestant
+from tests.bench.scoreboard.parts import Table
+from tests.bench.scoreboard.peers import PEERS
+
+WIDEST = 12
+"""Columns of a table; more are divided by budget."""
+
+
+def markdown(found: Mapping[str, Any]) -> str:
+    """The whole page."""
+    lines = ["# Score board of the search methods", "", *_about(found), "", "## Bars", "", *_bars(found["bars"])]
+    for part in found["parts"].values():
+        lines += ["", f"## {part['title']}", "", part["text"], "", *_tables(part["table"], part["shown"])]
+        lines += ["", f"{part['cells']} cells, {part['seconds']:.0f} s of processes.", *_errors(part["errors"])]
+    return "\n".join([*lines, "", *_repeat(found), ""])
+
+
+def _about(found: Mapping[str, Any]) -> list[str]:
+    limits = ", ".join(f"{Contestant(name).title} {most}" for name, most in LIMITS.items())
+    peers = [f"| {PEERS[name].title} | {text or 'not installed'} |" for name, text in found["peers"].items()]
+    return [
+        f"Half: {found['half']}. Commit {found['commit']}. {found['seeds']} seeds where a part has no instances. "
+        f"{found['machine']}, {found['processes']} processes, {found['seconds']:.0f} s.",
+        "",
+        "Every figure is a mean over all seeds or instances; - means that a method takes no part there or that a cell "
+        "of it failed; bold is the best. n is the number of parameters. "
+        f"Costly methods take at most {SHORT} n evaluations; evaluations of a run are at most: {limits}. "
+        "A method whose points depend on its budget has a run for each budget. A failed evaluation has no value for "
+        "our methods; a peer is given the highest value so far. Peers that spend tens of milliseconds of their own on "
+        "an evaluation take part in BBOB only.",
+        "",
+        "| peer | version |",
+        "|---|---|",
+        *peers,
+    ]
+
+
+def _bars(bars: Sequence[Mapping[str, Any]]) -> list[str]:
+    rows = [
+        f"| {bar['part']} | {bar['statement']} | {bar['least']:.3f} | {_figure(bar['measured'])} | {bar['verdict']} |"
+        for bar in bars
+    ]
+    met = sum(bar["verdict"] == "met" for bar in bars)
+    missed = sum(bar["verdict"] == "missed" for bar in bars)
+    text = f"{met} met, {missed} missed, {len(bars) - met - missed} not measured."
+    return [text, "", "| part | bar | at least | measured | |", "|---|---|---|---|---|", *rows]
+
+
+def _tables(table: Table, shown: str) -> list[str]:
+    columns = [column for column in table if column.startswith(shown)]
+    if len(columns) <= WIDEST:
+        return _table(table, columns)
+    lines: list[str] = []
+    for budget in sorted({column.split(" @ ")[1] for column in columns if " @ " in column}, key=int):
+        lines += [f"{budget} n:", "", *_table(table, [c for c in columns if c.endswith(f" @ {budget}")]), ""]
+    return lines[:-1]
+
+
+def _table(table: Table, columns: Sequence[str]) -> list[str]:
+    names = list(dict.fromkeys(method for column in columns for method in table[column]))
+    ends = {column.split(" @ ")[1] for column in columns if " @ " in column}
+    heads = [c.split(" @ ")[0] if len(ends) == 1 else f"{c.replace(' @ ', ', ')}{' n' * (' @ ' in c)}" for c in columns]
+    lines = [f"| method | {' | '.join(heads)} |", f"|---|{'---|' * len(columns)}"]
+    best = {column: max(table[column].values(), default=0.0) for column in columns}
+    for name in names:
+        cells = [_figure(table[c].get(name), best[c]) for c in columns]
+        lines.append(f"| {Contestant(name).title} | {' | '.join(cells)} |")
+    return lines
+
+
+def _errors(errors: Mapping[str, Sequence[Any]]) -> list[str]:
+    """What was raised, by method: how often, and one example."""
+    lines = [f"- {name}: {count} cells raised, such as {text}" for name, (count, text) in errors.items()]
+    return ["", *lines] if lines else []
+
+
+def _repeat(found: Mapping[str, Any]) -> list[str]:
+    return ["## To repeat a cell", "", "```sh", f"{found['example']} --again", "```"] * bool(found["example"])
+
+
+def _figure(value: float | None, best: float | None = None) -> str:
+    if value is None:
+        return "-"
+    return f"**{value:.3f}**" if best and value == best else f"{value:.3f}"

@@ -1,0 +1,61 @@
+"""The parts of the score board: their cells, how a cell is measured, and the table of their rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from tests.bench.scoreboard.cells import Cell, Measure, Row
+from tests.given.landscapes import Half
+
+Table = dict[str, dict[str, float]]
+"""Figures by column and method."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be measured: the half, the methods, the seeds, and budgets in evaluations per parameter; None: the
+    part's own."""
+
+    half: Half
+    methods: tuple[str, ...]
+    seeds: int
+    budgets: tuple[int, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part: its name and title, what its figures are, and how they are made.
+
+    cells: those of a request. table: figures by column and method, a column being `GROUP @ BUDGET` or `GROUP`.
+    shown: what columns of the page begin with; the file has all.
+    """
+
+    name: str
+    title: str
+    text: str
+    cells: Callable[[Request], list[Cell]]
+    measure: Measure
+    table: Callable[[Sequence[Row]], Table]
+    shown: str = ""
+
+
+def averaged(rows: Sequence[Row], figures: Callable[[Row], Mapping[str, float | None]]) -> Table:
+    """The mean of each figure by column and method.
+
+    A method has no figure in a column where one of its rows failed or has none: the mean of the rest would flatter it.
+    """
+    found: dict[str, dict[str, list[float | None]]] = {}
+    failed = {row.cell.method for row in rows if not row.figures}
+    for row in rows:
+        for column, value in (figures(row) if row.cell.method not in failed else {}).items():
+            found.setdefault(column, {}).setdefault(row.cell.method, []).append(value)
+    return {
+        column: {method: mean for method, values in by.items() if (mean := _mean(values)) is not None}
+        for column, by in found.items()
+    }
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    stated = [float(value) for value in values if value is not None]
+    return sum(stated) / len(stated) if len(stated) == len(values) else None

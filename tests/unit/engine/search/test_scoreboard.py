@@ -1,0 +1,197 @@
+"""The score board in its short form: every part of the harness, and what its figures mean."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.bench.scoreboard import __main__ as board
+from tests.bench.scoreboard import bbob, cells, page, peers, searches
+from tests.bench.scoreboard.bars import BBOB, bars
+from tests.bench.scoreboard.cells import Cell, Row
+from tests.bench.scoreboard.contestants import Contestant, names, own_names
+from tests.bench.scoreboard.parts import Request, averaged
+from worker.engine.search.base import Floats
+
+SHORT = ["--only", "landscapes", "--half", "setting", "--seeds", "1", "--processes", "1", "--budgets", "2,4"]
+
+
+@pytest.fixture(autouse=True)
+def no_digest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The digest of the sources takes longer than the short form."""
+    monkeypatch.setattr(cells, "code", lambda names: "one version")
+
+
+def short(build: Path, methods: str = "direct,nlopt_crs", more: Sequence[str] = ()) -> dict[str, Any]:
+    return board.main([*SHORT, "--methods", methods, *more], build)
+
+
+def test_the_short_form_writes_the_board_and_continues_from_its_cells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = short(tmp_path)
+    assert found["parts"]["landscapes"]["cells"] == 20
+    assert json.loads((tmp_path / "scoreboard.json").read_text()) == found
+    text = (tmp_path / "scoreboard.md").read_text()
+    assert "| NLopt CRS2 | 2." in text
+    assert "0 met, 0 missed" in text
+    lines = (tmp_path / "scoreboard" / "cells.jsonl").read_text().splitlines()
+    file = tmp_path / "scoreboard" / "cells.jsonl"
+    file.write_text("\n".join([*lines[:-1], lines[-1][:30]]))  # interrupted while the last cell was written
+    made: list[Cell] = []
+    part = board.PARTS["landscapes"]
+
+    def counted(cell: Cell) -> dict[str, Any]:
+        made.append(cell)
+        return part.measure(cell)
+
+    monkeypatch.setitem(board.PARTS, "landscapes", replace(part, measure=counted))
+    again = short(tmp_path)
+    assert len(made) == 1
+    assert again["parts"]["landscapes"]["table"] == found["parts"]["landscapes"]["table"]
+
+
+def test_a_cell_of_other_code_is_measured_again(tmp_path: Path) -> None:
+    file, cell = tmp_path / "cells.jsonl", Cell("bbob", "setting", "direct", "1", 2, 1, (10,))
+    for version in ("old", "new"):
+        cells.measured([cell], lambda _: {"value": 1.0}, file, 1, {"direct": version})
+    assert len(file.read_text().splitlines()) == 2
+    assert cells.stored(file, {"direct": "new"})[cell].figures == {"value": 1.0}
+    assert not cells.stored(file, {"direct": "newer"})
+
+
+def test_chosen_cells_are_printed_and_repeated_by_their_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    short(tmp_path, "direct", ["--functions", "plateaus"])
+    first = json.loads(capsys.readouterr().out)
+    assert not (tmp_path / "scoreboard.json").exists()
+    command = Cell(**{name: first[name] for name in Cell._fields} | {"budgets": (2, 4)}).command
+    assert command.startswith("python -m tests.bench.scoreboard --only landscapes --half setting --methods direct")
+    words = command.split()[3:]
+    board.main([*words, "--processes", "1", "--again"], tmp_path)
+    assert json.loads(capsys.readouterr().out) == first
+
+
+def test_an_error_is_stated_and_no_mean_is_taken_over_the_rest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    part = board.PARTS["landscapes"]
+
+    def fails(cell: Cell) -> dict[str, Any]:
+        if cell.method == "direct" and cell.number == 3:
+            raise ValueError("out of range")
+        return part.measure(cell)
+
+    monkeypatch.setitem(board.PARTS, "landscapes", replace(part, measure=fails))
+    found = short(tmp_path)
+    assert found["parts"]["landscapes"]["errors"] == {"direct": [1, "ValueError: out of range"]}
+    assert all(set(by) == {"nlopt_crs"} for by in found["parts"]["landscapes"]["table"].values())
+    assert "- direct: 1 cells raised, such as ValueError: out of range" in page.markdown(found)
+
+
+def test_a_method_without_a_figure_in_one_row_has_no_mean() -> None:
+    rows = [Row(Cell("p", "setting", m, "f", 2, i), {"v": v}, "", 0.0) for m, i, v in
+            (("a", 1, 1.0), ("a", 2, None), ("b", 1, 0.25), ("b", 2, 0.75))]  # fmt: skip
+    assert averaged(rows, lambda row: row.figures) == {"v": {"b": 0.5}}
+
+
+def test_targets_of_bbob() -> None:
+    assert bbob.reached(1e3) == 0.0
+    assert bbob.reached(100.0) == pytest.approx(1 / 51)
+    assert bbob.reached(1e-3 * (1 + 1e-9)) == pytest.approx(25 / 51)
+    assert bbob.reached(0.0) == 1.0
+
+
+def test_bars_are_met_missed_or_not_measured() -> None:
+    table = {f"5 parameters @ {b}": {"auto": least, "direct": least} for b, least in BBOB.items()}
+    table["5 parameters @ 200"]["direct"] = 0.9
+    verdicts = {bar.statement: bar.verdict for bar in bars({"bbob": table}, ["auto", "direct"])}
+    assert verdicts["5 parameters, 200 n"] == "met"
+    assert verdicts["5 parameters, 200 n, relative to direct"] == "missed"
+    assert verdicts["peak ratio"] == "not measured"
+    kinds = {"plateaus @ 10": {"auto": 0.1, "direct": 0.9}, "plateaus @ 20": {"auto": 0.87, "direct": 0.9}}
+    loops = {"a, violated @ 20": {"auto": 0.9, "direct": 1.0}, "b, violated @ 20": {"auto": 0.0, "direct": 0.9}}
+    judged = bars({"landscapes": kinds, "loops": loops}, ["auto", "direct"])
+    assert [(b.statement, b.verdict) for b in judged if b.part == "landscapes"] == [
+        ("plateaus, 3 of 30 below direct", "met")
+    ]
+    assert [(b.statement, b.verdict) for b in judged if b.part == "loops"] == [
+        ("a, violated, as direct does", "missed")
+    ]
+
+
+def test_a_budget_is_a_run_of_its_own_only_where_points_depend_on_it() -> None:
+    def bowl(points: Floats) -> Floats:
+        return np.asarray(((points - 0.4) ** 2).sum(axis=1))
+
+    one, several = (Contestant(name).traces(bowl, 2, [20, 60], 1) for name in ("cma_es", "contrast_racing"))
+    assert one[20] is one[60]
+    assert len(several[20].values) == 20
+    assert len(several[60].values) == 60
+    assert one[60].lowest(20) >= one[60].lowest(60) > 0.0
+
+
+def test_costly_methods_and_limits_leave_budgets_out() -> None:
+    assert Contestant("turbo").takes(1000, 5)
+    assert not Contestant("turbo").takes(2000, 10)
+    assert not Contestant("lq_cma_es").takes(1000, 2)
+    assert Contestant("cma_es").takes(20_000, 20)
+
+
+def test_a_peer_gets_a_number_where_an_evaluation_fails_and_ends_at_its_budget_or_target() -> None:
+    received: list[float] = []
+
+    def peer(evaluations: searches.Evaluations, dimension: int, budget: int, seed: int) -> None:
+        received.extend(evaluations(np.array([x])) for x in (0.9, 0.5, 0.95, 0.1, 0.2, 0.3))
+        raise ValueError("broken")
+
+    def half_fails(points: Floats) -> Floats:
+        return np.where(points[:, 0] > 0.8, np.nan, points[:, 0])
+
+    trace = searches.peer_trace(peer, half_fails, 1, 5, 1)
+    assert received == [searches.PENALTY, 0.5, 0.5, 0.1, 0.2]
+    assert np.isnan(trace.values[[0, 2]]).all()
+    assert (len(trace.values), trace.lowest(3), trace.error) == (5, 0.5, "")
+    assert searches.peer_trace(peer, half_fails, 1, 9, 1).error == "ValueError: broken"
+    assert len(searches.peer_trace(peer, half_fails, 1, 9, 1, stop=0.1).values) == 4
+
+
+def test_what_is_not_installed_is_reported_and_takes_no_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    missing = replace(peers.PEERS["nlopt_crs"], modules=("a_package_that_nothing_installs",))
+    monkeypatch.setitem(peers.PEERS, "nlopt_crs", missing)
+    found = short(tmp_path)
+    assert found["parts"]["landscapes"]["cells"] == 10
+    assert "| NLopt CRS2 | not installed |" in (tmp_path / "scoreboard.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--only", "bobb"], "there is no part bobb"),
+        (["--methods", "simplex"], "there is no method simplex"),
+        (["--seeds", "0"], "at least 1"),
+    ],
+)
+def test_arguments_that_are_not_possible_are_refused(
+    words: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        board.main(words)
+    assert sentence in capsys.readouterr().err
+
+
+def test_every_part_has_cells_of_both_halves_with_different_numbers() -> None:
+    for part in board.PARTS.values():
+        numbers = {}
+        for half in ("setting", "judging"):
+            made = part.cells(Request(half, ("direct",), 2))
+            assert made
+            assert len(set(made)) == len(made)
+            numbers[half] = {(cell.half, cell.number) for cell in made}
+        assert not numbers["setting"] & numbers["judging"]
+    assert set(own_names()) < set(names())

@@ -67,6 +67,12 @@ def test_the_adaptive_one_restarts_with_a_larger_population_and_reports_each() -
     assert len(flat.points) >= 500
 
 
+@pytest.mark.parametrize("option", [{"recombination": 0.2}, {"tolerance": 0.1}, {"mutation": 0.3}, {"dither": 0.0}])
+def test_stated_options_of_scipys_strategies_are_never_ignored(option: dict[str, float]) -> None:
+    found, named = (searched(method, bowl, 3, 500, options=o) for o in (option, {"strategy": "best1bin", **option}))
+    assert np.array_equal(found.points, named.points)
+
+
 @pytest.mark.parametrize("as_published", [True, False])
 def test_points_without_a_value_lose(as_published: bool) -> None:
     found = run(

@@ -23,6 +23,7 @@ GENERATIONS = 10**9
 """Larger than any budget."""
 ALWAYS = 1_000_000
 """Restarts until the budget ends; of the published one, the default, which means none."""
+SCIPYS_OPTIONS = ("mutation", "dither", "recombination", "tolerance")
 SCIPYS, ADAPTIVE, LEAST = 15, 3, 10
 """Members per parameter by default; the least of an adaptive population."""
 
@@ -31,7 +32,8 @@ SCIPYS, ADAPTIVE, LEAST = 15, 3, 10
 class Options:
     """SciPy's names; `mutation` and `dither` are the lower end and width of its pair.
 
-    They, `recombination` and `tolerance` are options of SciPy's strategies; the adaptive one has its own.
+    They, `recombination` and `tolerance` are options of SciPy's strategies: if one of them is stated, the strategy is
+    best1bin in place of the adaptive one, which has its own.
     """
 
     strategy: Literal[
@@ -54,11 +56,14 @@ class Options:
 
     @property
     def settled(self) -> Options:
-        """With SciPy's defaults in place of the project's, if wanted."""
-        if not self.as_published:
-            return self
-        strategy = "best1bin" if self.strategy == "adaptive" else self.strategy
-        return replace(self, strategy=strategy, restarts=0 if self.restarts == ALWAYS else self.restarts)
+        """With SciPy's strategy where its options are stated, and without restarts as published."""
+        stated = any(getattr(self, name) != getattr(Options, name) for name in SCIPYS_OPTIONS)
+        scipys = self.strategy == "adaptive" and (self.as_published or stated)
+        return replace(
+            self,
+            strategy="best1bin" if scipys else self.strategy,
+            restarts=0 if self.as_published and self.restarts == ALWAYS else self.restarts,
+        )
 
     def members(self, dimension: int, run: int) -> int:
         """The size of an adaptive population, larger by half of the first one after every restart."""

@@ -29,7 +29,7 @@ from worker.evidence.audit.points import grid, required
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
 from worker.evidence.audit.regression import evaluated, position, regression
-from worker.evidence.audit.sentences import SPANS, of_sample, of_stage, shown, unlike
+from worker.evidence.audit.sentences import SPANS, needed, of_sample, of_stage, shown, unlike
 
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
@@ -218,6 +218,9 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
     if sample and run.sealed:
         sample["source"] = "certify" if any(stage.kind == "certify" for stage in run.plan) else "search"
+        if run.claimed and "quantile" in sample and run.campaign.stages.certify is not None:
+            least = needed(run.campaign.stages.certify.quantile - run.claimed["outside"], run.campaign.confidence)
+            sample["quantile"] = sample["quantile"] | {"needed": least}
     if run.campaign.baseline is not None:
         results[position(run)] |= evaluated(run)
     if run.calls.measures:
@@ -257,8 +260,7 @@ def _spent(run: Run) -> Tree:
 def _stage(run: Run, k: int) -> Tree:
     """What the result of a stage states, as far as its evaluations and the campaign decide it."""
     if k == 0:
-        state = dict(enumerate(STATUS)).get(run.status[run.stage == 0][0])
-        return {"cost": run.nominal, "margin": run.nominal - run.threshold, "status": state} if run.sealed else {}
+        return _nominal(run, run.claims["results"][0]) if run.sealed else {}
     sample = run.samples.get(k)
     if run.plan[k].kind == "sensitivity" and run.sealed:
         return {"curves": charts.curves(run, k)}
@@ -271,6 +273,15 @@ def _stage(run: Run, k: int) -> Tree:
     if run.plan[k].kind == "certify":
         found |= run.ended[k] | {"grid": grid(run, k) if run.grid(k) else None}
     return found
+
+
+def _nominal(run: Run, stated: Tree) -> Tree:
+    """The nominal case; earlier versions stored no parameters of it."""
+    first = run.stage == 0
+    state = dict(enumerate(STATUS)).get(run.status[first][0])
+    found: Tree = {"cost": run.nominal, "margin": run.nominal - run.threshold, "status": state}
+    found |= {"parameters": run.values(run.points[first][0])} if stated.get("parameters") else {}
+    return found | ({"reason": ""} if state == STATUS[OK] else {})
 
 
 def _with(sample: Tree, sentences: Tree) -> Tree:

@@ -147,13 +147,17 @@ def _coordinates(worst: Result) -> tuple[float | None, ...]:
 
 def genetic(start: tuple[float, ...] | None = None) -> Search:
     """Population 20, crossover 0.8, roulette selection, 100 generations: 20 initial evaluations, 18 per generation."""
-    options = (("population", 20), ("crossover_fraction", 0.8), ("selection", "roulette"), ("generations", 100))
+    options = (
+        ("population", 20), ("crossover_fraction", 0.8), ("selection", "roulette"), ("generations", 100),
+        ("as_published", True),
+    )  # fmt: skip
     return Search("GA", ("genetic",), 2020, options, start)
 
 
 def clustering(samples: int, evaluations: int) -> Search:
     """GLOBAL with UNIRANDI, stopped at the published number of evaluations if there is one."""
-    return Search("GLOBAL", ("global_clustering",), evaluations, (("samples", samples), ("local", "unirandi")))
+    options = (("samples", samples), ("local", "unirandi"), ("as_published", True))
+    return Search("GLOBAL", ("global_clustering",), evaluations, options)
 
 
 def direct(iterations: int, evaluations: int) -> Search:

@@ -112,8 +112,11 @@ def test_a_ray_and_a_slice_take_what_the_allowance_counts() -> None:
 
 
 def test_a_method_that_may_end_by_its_own_rule_has_a_range() -> None:
-    for method, whole in (("genetic", False), ("of_another_package", False), ("portfolio", True), ("cma_es", True)):
-        search = {"method": method, "evaluations": 4000}
+    for method, options, whole in (
+        ("genetic", {"as_published": True}, False), ("of_another_package", {}, False), ("genetic", {}, True),
+        ("cma_es", {}, True),
+    ):  # fmt: skip
+        search = {"method": method, "evaluations": 4000, "options": options}
         (told,) = [s for s in expected(load_document(document(stages__search=[search])), KNOWN) if s.kind == "search"]
         assert told.most == 4000
         assert (told.least == told.evaluations == 4000) is whole

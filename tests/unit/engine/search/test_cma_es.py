@@ -49,6 +49,24 @@ def test_a_minimum_on_the_bound_is_found_and_no_point_is_outside() -> None:
     assert found.points.min() >= 0.0
 
 
+def test_a_minimum_on_some_faces_is_found_to_the_last_digits_in_all_parameters() -> None:
+    """Clipped or mirrored points alone shrink or grow the deviations of the others before they have converged."""
+
+    def wedge(x: Floats) -> Floats:
+        steep = 3.0 * x[:, 0] + 0.3 * (1.0 - x[:, 1])
+        return np.asarray(steep + (x[:, 2] - 0.3) ** 2 + 9.0 * (x[:, 3] + x[:, 4] - 1.0) ** 2 + (x[:, 4] - 0.2) ** 2)
+
+    for seed in range(3):
+        found = run(method, wedge, 5, 5000, seed=seed)
+        assert found.lowest < 1e-9
+        assert found.points.max() <= 1.0
+
+
+def test_corners_are_evaluated_exactly() -> None:
+    found = run(method, lambda x: x.sum(axis=1), 3, 1000)
+    assert found.lowest == 0.0
+
+
 def test_points_without_a_value_come_last_and_move_nothing() -> None:
     values = np.array([3.0, np.inf, 1.0, np.inf, -2.0])
     assert np.argsort(last(values), kind="stable").tolist() == [4, 2, 0, 1, 3]
@@ -89,4 +107,4 @@ def test_its_own_time_is_within_its_limit() -> None:
         points = search.send(answer)
         own += time.process_time() - began
     search.close()
-    assert own / asked < 200e-6  # 100 us on an idle machine; here others may be at work
+    assert own / asked < 20e-6  # 3 us on an idle machine; here others may be at work

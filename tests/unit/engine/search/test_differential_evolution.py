@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.optimize import differential_evolution
 
 from campaigns.codes import StopCode
-from clearance.testing.searching import run
+from clearance.testing.searching import Searched
+from clearance.testing.searching import run as searched
 from tests.given.ended_searches import ending
 from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Floats
 from worker.engine.search.methods.differential_evolution import method
+
+
+def run(*given: Any, options: Mapping[str, object] | None = None, **more: Any) -> Searched:
+    """As published, unless other options are given."""
+    return searched(*given, options={"as_published": True, **(options or {})}, **more)
 
 
 def bowl(x: Floats) -> Floats:
@@ -38,8 +47,37 @@ def test_the_known_minimum_is_found(name: str) -> None:
     assert function.gap(found.lowest) < 0.01
 
 
-def test_points_without_a_value_lose() -> None:
-    found = run(method, lambda x: np.where(x[:, 0] > 0.5, np.nan, bowl(x)), 2, 2000)
+@pytest.mark.parametrize("name", ["Shekel 10", "Ackley 10", "Hartman 6"])
+def test_the_adaptive_one_finds_the_known_minimum_sooner_and_uses_its_budget(name: str) -> None:
+    function = on_unit_cube(name, 2)
+    found = searched(method, function, function.dimension, 5000)
+    assert function.gap(found.lowest) < 0.01
+    assert (found.text, len(found.points) >= 5000) == (None, True)
+    assert found.lowest < run(method, function, function.dimension, 5000).lowest
+    assert len(found.batches[0]) == max(3 * function.dimension, 10)
+
+
+def test_the_adaptive_one_restarts_with_a_larger_population_and_reports_each() -> None:
+    found = searched(method, bowl, 2, 6000)
+    sizes = list(dict.fromkeys(map(len, found.batches)))
+    assert sizes[:3] == [10, 15, 20]
+    assert len(found.minima) >= 3
+    assert found.minima[0].cost < 1e-15
+    flat = searched(method, lambda x: np.zeros(len(x)), 2, 500)
+    assert len(flat.points) >= 500
+
+
+@pytest.mark.parametrize("option", [{"recombination": 0.2}, {"tolerance": 0.1}, {"mutation": 0.3}, {"dither": 0.0}])
+def test_stated_options_of_scipys_strategies_are_never_ignored(option: dict[str, float]) -> None:
+    found, named = (searched(method, bowl, 3, 500, options=o) for o in (option, {"strategy": "best1bin", **option}))
+    assert np.array_equal(found.points, named.points)
+
+
+@pytest.mark.parametrize("as_published", [True, False])
+def test_points_without_a_value_lose(as_published: bool) -> None:
+    found = run(
+        method, lambda x: np.where(x[:, 0] > 0.5, np.nan, bowl(x)), 2, 2000, options={"as_published": as_published}
+    )
     assert (np.stack(found.batches[-1])[:, 0] <= 0.5).all()
     assert found.lowest < 1e-3
     nothing = run(method, lambda x: np.full(len(x), np.nan), 2, 500)
@@ -57,7 +95,7 @@ def test_options_reach_it() -> None:
 def test_extended_it_repeats_its_first_points() -> None:
     short = run(method, bowl, 2, 100_000)
     assert method.extend is not None
-    extended = method.extend(method.options(), 1000)
+    extended = method.extend(method.options(as_published=True), 1000)
     long = run(method, bowl, 2, len(short.points) + 1000, options={"restarts": extended.restarts})
     assert len(long.points) >= len(short.points) + 1000
     assert long.minima[0].text == short.text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -10,13 +11,19 @@ import pytest
 
 from campaigns.codes import StopCode
 from campaigns.results.base import EXCLUDED, FAILED
-from clearance.testing.searching import run
+from clearance.testing.searching import Searched
+from clearance.testing.searching import run as searched
 from tests.given.ended_searches import ending
 from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import genetic
 from worker.engine.search.methods.genetic import Options, method
 from worker.engine.search.parts import breeding
+
+
+def run(*given: Any, options: Mapping[str, object] | None = None, **more: Any) -> Searched:
+    """As published, unless other options are given."""
+    return searched(*given, options={"as_published": True, **(options or {})}, **more)
 
 
 def bowl(x: Floats) -> Floats:
@@ -131,6 +138,18 @@ def test_a_generation_is_one_batch_and_copies_of_a_parent_are_not_evaluated_agai
     assert best[-1] < 0.05 < best[0]
 
 
+def test_by_default_it_begins_again_at_other_points_until_the_budget_ends() -> None:
+    published, found = run(method, flat, 3, 5000), searched(method, flat, 3, 5000)
+    count = len(published.points)
+    assert (len(found.points) >= 5000, found.text) == (True, None)
+    assert np.array_equal(found.points[:count], published.points)
+    fresh = found.points[count : count + 20]
+    assert fresh.std(axis=0).min() > 0.2
+    assert not np.array_equal(fresh, found.points[:20])
+    assert method.extend is not None
+    assert method.extend(Options(), 1000) == Options()
+
+
 def test_the_elite_lives_on() -> None:
     """With only elite and new mutants, the best is never lost and never evaluated again."""
     found = run(method, bowl, 2, 3000, options={"crossover_fraction": 0.0, "mutation": "uniform", "rate": 1.0})
@@ -213,7 +232,7 @@ def test_it_resumes_from_where_it_ended() -> None:
 def test_extended_options_last_for_the_evaluations_asked_for(options: dict[str, Any], more: int) -> None:
     assert method.extend is not None
     before = run(method, bowl, 4, 10**6, options=options).points
-    longer = asdict(method.extend(Options(**options), more))
+    longer = asdict(method.extend(Options(as_published=True, **options), more))
     after = run(method, bowl, 4, len(before) + more, options=longer).points
     assert len(after) >= len(before) + more
     assert np.array_equal(after[: len(before)], before)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,8 @@ import pytest
 
 from campaigns.codes import StopCode
 from campaigns.results.base import EXCLUDED, FAILED
-from clearance.testing.searching import Function, batch, run
+from clearance.testing.searching import Function, Searched, batch
+from clearance.testing.searching import run as searched
 from tests.given.ended_searches import ending
 from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Batch, Floats, Minimum
@@ -26,6 +27,11 @@ from worker.engine.search.methods.global_clustering import (
 )
 from worker.engine.search.parts.descent import End
 from worker.engine.search.parts.unirandi import STEP, unirandi
+
+
+def run(*given: Any, options: Mapping[str, object] | None = None, **more: Any) -> Searched:
+    """As published, unless other options are given."""
+    return searched(*given, options={"as_published": True, **(options or {})}, **more)
 
 
 def two_bowls(x: Floats) -> Floats:
@@ -142,6 +148,15 @@ def test_it_finds_the_minimisers_of_functions_with_several(name: str, known: int
     ]  # fmt: skip
     assert len(reached) >= known
     assert len(found.minima) < 400
+
+
+def test_by_default_it_begins_again_with_another_sample_until_the_budget_ends() -> None:
+    published, found = run(method, two_bowls, 2, 3000), searched(method, two_bowls, 2, 3000)
+    count = len(published.points)
+    assert published.text is not None
+    assert (len(found.points) >= 3000, found.text) == (True, None)
+    assert np.array_equal(found.points[:count], published.points)
+    assert not np.array_equal(found.points[count : count + 20], found.points[:20])
 
 
 def test_it_stops_at_the_number_of_minima_asked_for() -> None:

@@ -1,13 +1,13 @@
 """CMA-ES with restarts: samples from a normal distribution that adapts to the shape of the valley.
 
-Hansen and Ostermeier, Completely derandomized self-adaptation in evolution strategies (Evol. Comput. 9, 2001), as
-pycma; restarts with twice the population each time (Auger and Hansen, IPOP, CEC 2005) or, by default, alternating with
-small ones (Hansen, BIPOP, GECCO 2009). A point without a value ranks last in its generation. Global by its restarts.
+Hansen, The CMA evolution strategy: a tutorial (arXiv:1604.00772, 2016), compiled; restarts with twice the population
+each time (Auger and Hansen, IPOP, CEC 2005) or, by default, alternating with small ones (Hansen, BIPOP, GECCO 2009; the
+first run counts as a small one, as in pycma). A point without a value ranks last in its generation. Global by its
+restarts.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -16,8 +16,8 @@ import numpy as np
 from pydantic import Field
 
 from worker.engine.search.base import Batch, Floats, Method, MethodLook, Search, Space
+from worker.engine.search.parts.cma import Strategy, default_population
 from worker.engine.search.parts.lowest import Reported
-from worker.engine.search.parts.pycma import ending, last, strategy
 
 
 @dataclass(frozen=True)
@@ -28,15 +28,15 @@ class Options:
         Literal["bipop", "ipop"], Field(description="Alternate small and growing populations, or only growing ones")
     ] = "bipop"
     population: Annotated[int, Field(ge=0, le=10_000, description="First population; 0: 4 + 3 ln(n)")] = 0
-    deviation: Annotated[float, Field(gt=0, le=1, description="Deviation of the first generation")] = 0.3
+    deviation: Annotated[float, Field(gt=0, le=1, description="Deviation of the first generation")] = 0.2
     growth: Annotated[float, Field(ge=1, le=10, description="Growth factor of the population at a restart")] = 2.0
 
 
 def search(space: Space, options: Options) -> Search:
     """One generation is one request; it restarts until the budget ends."""
-    default = max(options.population or 4 + int(3 * np.log(space.dimension)), 4)
+    default = max(options.population or default_population(space.dimension), 4)
     large, spent = default, {"large": 0, "small": 0}
-    spent["large"] += yield from _descend(space, default, options.deviation)
+    spent["small"] += yield from _descend(space, default, options.deviation)
     while True:
         if options.restarts == "bipop" and spent["small"] < spent["large"]:
             share = space.random.random() ** 2
@@ -52,24 +52,16 @@ def _descend(space: Space, population: int, deviation: float, most: float = np.i
     """One run of the strategy from a random point; returns its evaluations."""
     start = space.random.random(space.dimension)
     with Reported(space, start) as best:
-        running = strategy(start, deviation, population, space.random)
+        running = Strategy(start, deviation, population, space.random)
+        best.text = "used its share of the evaluations"
         while best.evaluations < most:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                generation = running.ask()
-            points = np.clip(np.array(generation), 0.0, 1.0)
-            batch = yield points.copy()
-            values = batch.ranked()
+            points = running.ask()
+            values = (yield points.copy()).ranked()
             best.see(points, values)
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                running.tell(generation, last(values).tolist())
-                stopped = running.stop()
-            if stopped:
-                best.text = ending(stopped)
+            running.tell(values)
+            if running.ending is not None:
+                best.text = running.ending
                 break
-        else:
-            best.text = "used its share of the evaluations"
     return best.evaluations
 
 
@@ -78,11 +70,12 @@ method = Method(
     title="CMA-ES",
     kind="global",
     how="Global by restarts. Adapts to the valley's shape",
-    source="Hansen and Ostermeier 2001, as pycma",
+    source="Hansen 2016, restarts Hansen 2009",
     evaluations=5000,
     options=Options,
     search=search,
     extend=lambda options, more: options,
+    compiles=True,
     family="normal distribution",
     whole_budget=True,
     parallel="a generation",

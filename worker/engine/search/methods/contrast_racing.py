@@ -42,7 +42,7 @@ class Options:
     neighbours: Annotated[int, Field(ge=1, le=50, description="Neighbours for the contrast")] = 2
     apart: Annotated[float, Field(gt=0, le=0.5, description="Least distance of a start from earlier ones")] = 0.05
     hops: Annotated[float, Field(ge=0, le=1, description="Fraction of starts that are hops")] = 0.25
-    reserve: Annotated[float, Field(ge=0, le=0.9, description="Fraction of the budget reserved for the finish")] = 0.2
+    reserve: Annotated[float, Field(ge=0, le=0.9, description="Fraction of the budget reserved for the finish")] = 0.35
     hill: Annotated[
         float, Field(ge=0, le=1, description="Height of a barrier, relative to the sample's median less the best")
     ] = 0.05

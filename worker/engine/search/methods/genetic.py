@@ -3,7 +3,8 @@
 Goldberg, Genetic algorithms in search, optimization and machine learning (1989); operators and defaults as published
 with MATLAB's ga: population 20, elite 2, crossover fraction 0.8 scattered, roulette selection on fitness 1/sqrt(rank),
 Gaussian mutation shrinking to nothing over 100 generations, tolerance 1e-6 over 50 stalled generations. A generation
-is one batch; a child equal to a parent keeps its parent's cost. Failed points rank last. No guarantee.
+is one batch; a child equal to a parent keeps its parent's cost. Failed points rank last. It restarts from random points
+until the budget ends; the published one stops (`as_published`). No guarantee.
 """
 
 from __future__ import annotations
@@ -48,8 +49,22 @@ class Options:
     shrink: Annotated[float, Field(ge=0, le=1, description="Fraction of the deviation lost at the end")] = 1.0
     rate: Annotated[float, Field(ge=0, le=1, description="Of uniform mutation: fraction of parameters redrawn")] = 0.01
     schedules: Annotated[
-        int, Field(ge=1, le=1_000_000, description="Number of repetitions of the generations, on the same population")
-    ] = 1
+        int,
+        Field(
+            ge=0,
+            le=1_000_000,
+            description="Number of repetitions of the generations, on the same population; 0: from random points, "
+            "until the budget ends",
+        ),
+    ] = 0
+    as_published: Annotated[bool, Field(description="Stop after the generations, as published: 0 schedules mean 1")] = (
+        False
+    )
+
+    @property
+    def repetitions(self) -> int:
+        """0: until the budget ends."""
+        return self.schedules or int(self.as_published)
 
 
 @dataclass
@@ -72,11 +87,16 @@ def search(space: Space, options: Options) -> Search:
     batch = yield points.copy()
     population = Population(points, batch.ranked())
     ending = ""
-    for _ in range(options.schedules):
+    while options.repetitions == 0:
+        yield from _schedule(space, options, population)
+        points = space.random.random((options.population, space.dimension))
+        batch = yield points.copy()
+        population = Population(points, batch.ranked())
+    for _ in range(options.repetitions):
         population, ending = yield from _schedule(space, options, population)
-    if options.schedules == 1:
+    if options.repetitions == 1:
         return ending
-    return Ended("iterations", "{schedule}, {times} times", schedule=ending, times=options.schedules)
+    return Ended("iterations", "{schedule}, {times} times", schedule=ending, times=options.repetitions)
 
 
 def _schedule(
@@ -168,12 +188,15 @@ def _mutated(random: np.random.Generator, options: Options, parents: Floats, len
 def extend(options: Options, more: int) -> Options:
     """Repeat the generations on the same population, often enough for the budget, which then ends the search.
 
-    The count assumes the fewest generations of a schedule and a quarter of its mutants; others may be copies.
+    The count assumes the fewest generations of a schedule and a quarter of its mutants; others may be copies. A search
+    that restarts continues until the budget ends anyway.
     """
+    if options.repetitions == 0:
+        return options
     size, elite = options.population, min(options.elite, options.population - 1)
     mutants = size - elite - round(options.crossover_fraction * (size - elite))
     shortest = max(min(options.stall_generations, options.generations) * mutants // 4, 1)
-    return replace(options, schedules=min(options.schedules + -(-more // shortest), 1_000_000))
+    return replace(options, schedules=min(options.repetitions + -(-more // shortest), 1_000_000))
 
 
 method = Method(
@@ -189,8 +212,9 @@ method = Method(
     starts=True,
     extend=extend,
     family="population",
+    whole_budget=True,
     parallel="a generation",
-    suits="criteria with jumps",
+    suits="comparison with published results; DE reaches 0.72 of the targets of BBOB at 1,000 n, this 0.20",
     proposed=4,
     look=MethodLook(colour="#b97c00", dark="#e69f00", marker="circle", short="GA"),
 )

@@ -4,7 +4,8 @@ Boender, Rinnooy Kan, Timmer, Stougie, A stochastic method for global optimizati
 Csendes, Nonlinear parameter estimation by global optimization (Acta Cybernetica 8, 1988), whose rules are used;
 Csendes, Pal, Sendin, Banga, The GLOBAL optimization method revisited (Optimization Letters 2, 2008). Single linkage in
 the maximum norm with critical distance b = (1 - alpha^(1/(N-1)))^(1/n), alpha = 0.01, N points sampled so far, on a box
-of side 2. Stops when a cycle finds no new minimum: the probability that all are known grows, but is never 1.
+of side 2. A cycle that finds no new minimum ends it: the probability that all are known grows, but is never 1. It then
+begins again with a new sample until the budget ends; the published one stops (`as_published`).
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ from worker.engine.search.parts.unirandi import unirandi
 
 ALPHA = 0.01
 ALONE = -1
+PUBLISHED_MINIMA = 50
 IN_VAIN = 10
 """Consecutive cycles without a single value after which it stops."""
 
@@ -52,11 +54,21 @@ class Options:
     local_evaluations: Annotated[
         int, Field(ge=0, le=10_000_000, description="Maximum evaluations of a local search (MAXFN); 0: 100 n")
     ] = 0
-    minima: Annotated[int, Field(ge=1, le=100_000, description="Stop at this number of local minima (MAXNLM)")] = 50
+    minima: Annotated[
+        int, Field(ge=0, le=100_000, description="Stop at this number of local minima (MAXNLM); 0: 50, or no such stop")
+    ] = 0
     local: Literal["unirandi", "bfgs"] = "unirandi"
     at_once: Annotated[
         bool, Field(description="Run a cycle's local searches side by side: more of them, in larger batches")
     ] = False
+    as_published: Annotated[
+        bool, Field(description="Stop at 50 minima and after a cycle without a new one, as published")
+    ] = False
+
+    @property
+    def most(self) -> float:
+        """The number of minima at which it stops."""
+        return self.minima or (PUBLISHED_MINIMA if self.as_published else np.inf)
 
 
 @dataclass
@@ -151,15 +163,18 @@ def search(space: Space, options: Options) -> Parallel:
         clusters.grow_all()
         known = len(minima)
         yield from _search_locally(space, options, clusters)
-        if len(minima) >= options.minima:
-            return Ended("found", "found the requested {minima} local minima", minima=options.minima)
-        if len(minima) == known:
+        if len(minima) >= options.most:
+            return Ended("found", "found the requested {minima} local minima", minima=len(minima))
+        if len(minima) > known:
+            continue
+        if options.as_published:
             return Ended(
                 "exhausted",
                 "found no new local minimum in cycle {cycle}; {minima} are known",
                 cycle=cycles,
                 minima=known,
             )
+        sample, cycles = Sample(np.empty((0, n)), np.empty(0), np.empty(0, dtype=np.int64)), 0
 
 
 def critical_distance(sampled: int, dimension: int) -> float:
@@ -174,7 +189,7 @@ def _search_locally(space: Space, options: Options, clusters: Clusters) -> Gener
         yield from side_by_side(searches, in_slots=bool(space.slots))
         return
     for i in clusters.alone():
-        if clusters.is_alone(i) and len(clusters.minima) < options.minima:
+        if clusters.is_alone(i) and len(clusters.minima) < options.most:
             end = yield from _local(space, options, *clusters.sample.at(i))
             _settle(space, options, clusters, i, end)
 
@@ -240,7 +255,9 @@ method = Method(
     search=search,
     repeats=True,
     family="multistart",
+    whole_budget=True,
+    extend=lambda options, more: options,
     parallel="every local search on its own",
-    suits="a list of all valleys",
+    suits="a list of all valleys; CMA-ES reaches 0.66 of the targets of BBOB at 1,000 n, this 0.28",
     look=MethodLook(colour="#857c00", dark="#d8cd3c", marker="hexagon"),
 )

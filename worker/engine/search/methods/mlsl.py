@@ -2,8 +2,8 @@
 
 Rinnooy Kan and Timmer, Stochastic global optimization methods II: multi level methods (Math. Programming 39, 1987),
 with Sobol points (Kucherenko and Sytsko 2005), as NLopt's G_MLSL_LDS. In the limit it finds every local minimum,
-each from one start. The library requests one point at a time, does not report where a local search ends, and needs a
-thread switch per point (tens of microseconds), so batch simulators are used poorly. Only the lowest is reported.
+each from one start. The library requests one point at a time and does not report where a local search ends, so batch
+simulators are used poorly. Only the lowest is reported.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def search(space: Space, options: Options) -> Search:
         whole.set_population(options.sample)
         return whole
 
-    return (yield from optimised(space, build))
+    return (yield from optimised(space, build, random=False))
 
 
 method = Method(

@@ -6,6 +6,7 @@ everything counted, stored and reported comes from the evaluations themselves.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -13,7 +14,7 @@ import nlopt
 import numpy as np
 
 from worker.engine.search.base import Ended, Floats, Search, Space
-from worker.engine.search.parts.callback import Ask, called_back_in_thread
+from worker.engine.search.parts.callback import Ask, called_back, called_back_in_thread
 from worker.engine.search.parts.lowest import Lowest, Reported
 
 STOPPED = {
@@ -26,11 +27,15 @@ STOPPED = {
 OWN = Ended("library", "the library's own rule stopped the search")
 
 
-def optimised(space: Space, build: Callable[[], Any]) -> Search:
-    """Run the optimiser returned by `build` on the unit cube until it ends; reports its lowest point."""
+def optimised(space: Space, build: Callable[[], Any], random: bool = True) -> Search:
+    """Run the optimiser returned by `build` on the unit cube until it ends; reports its lowest point.
+
+    random: it draws from NLopt's random stream, which belongs to a thread; others need none of their own.
+    """
+    called = called_back_in_thread if random else called_back
     seed = int(space.random.integers(1, 2**31))
     with Reported(space) as best:
-        best.text = yield from called_back_in_thread(lambda ask: _run(ask, space.dimension, build, best, seed))
+        best.text = yield from called(lambda ask: _run(ask, space.dimension, build, best, seed))
     return best.text
 
 
@@ -39,8 +44,9 @@ def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed:
 
     def cost(x: Floats, gradient: Floats) -> float:
         nonlocal highest
-        # An internal model degraded by rounding may request NaN: use the centre instead.
-        point = np.where(np.isfinite(x), np.clip(x, 0.0, 1.0), 0.5)[None, :]
+        point = x.clip(0.0, 1.0)[None, :]
+        if not math.isfinite(float(x.sum())):  # a model degraded by rounding may request NaN: use the centre instead
+            point = np.where(np.isfinite(x), point, 0.5)
         values = ask(point.copy()).ranked()
         best.see(point, values)
         value = float(values[0])

@@ -151,10 +151,6 @@ PEERS: dict[str, Library] = {
     "nlopt_crs": Library("NLopt CRS2", "nlopt", ("nlopt",), nlopt_crs),
     "nlopt_mlsl": Library("NLopt MLSL with BOBYQA", "nlopt", ("nlopt",), nlopt_mlsl),
     "nevergrad": Library("nevergrad NgIohTuned", "nevergrad", ("nevergrad",), nevergrad, plans=True, slow=True),
-    "optuna_tpe": Library(
-        "Optuna TPE", "optuna", ("optuna",), _optuna(lambda s, seed: s.TPESampler(seed=seed)), slow=True
-    ),
-    "optuna_gp": Library(
-        "Optuna GP", "optuna", ("optuna", "torch"), _optuna(lambda s, seed: s.GPSampler(seed=seed)), slow=True
-    ),
+    "optuna_tpe": Library("Optuna TPE", "optuna", ("optuna",), _optuna("TPESampler"), slow=True),
+    "optuna_gp": Library("Optuna GP", "optuna", ("optuna", "torch"), _optuna("GPSampler"), slow=True),
 }

@@ -22,7 +22,10 @@ from tests.bench.scoreboard.peers import PEERS
 from worker.running.catalogue.installed import methods
 
 ROOT = Path(__file__).parents[3]
-BOARD = ("tests/bench/scoreboard", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching")
+BOARD = (
+    "tests/bench/scoreboard", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching",
+    "tests/golden/library_verdicts.json",
+)  # fmt: skip
 OURS = ("worker", "campaigns", "clearance/testing", "clearance/function")
 PRESENTATION = ("__main__.py", "bars.py", "page.py")
 """Modules of the board that change no figure of a cell."""
@@ -68,8 +71,9 @@ def code(names: Iterable[str]) -> str:
     digest = hashlib.sha256()
     for name in names:
         path = ROOT / name
-        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path] * path.exists():
-            if file.name not in PRESENTATION:
+        files = sorted(path.rglob("*")) if path.is_dir() else [path] * path.exists()
+        for file in files:
+            if file.suffix in (".py", ".yaml", ".npz", ".json") and file.name not in PRESENTATION:
                 digest.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -81,7 +85,7 @@ def versions(names: Iterable[str]) -> dict[str, str]:
 
 
 def stored(file: Path, versions_of: dict[str, str]) -> dict[Cell, Row]:
-    """The valid cells of a file; a line that an interruption cut off is left out."""
+    """The valid cells of a file. A line that an interruption cut off is left out, and a cell that failed altogether."""
     found: dict[Cell, Row] = {}
     for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else []:
         try:
@@ -89,7 +93,7 @@ def stored(file: Path, versions_of: dict[str, str]) -> dict[Cell, Row]:
         except json.JSONDecodeError:
             continue
         cell = Cell(**{**entry["cell"], "budgets": tuple(entry["cell"]["budgets"])})
-        if versions_of.get(cell.method) == entry["code"]:
+        if versions_of.get(cell.method) == entry["code"] and entry["figures"]:
             found[cell] = Row(cell, entry["figures"], entry["error"], entry["seconds"])
     return found
 

@@ -1,7 +1,7 @@
 """Cells of the score board: one search on one problem with one seed; measured in processes, stored line by line.
 
 A finished cell is a line of `build/scoreboard/cells.jsonl`, so that an interrupted board continues. A line counts only
-for the code that measured it: a change of the worker or of the board makes the cells of our methods anew, a change of a
+for the code that measured it: a change of the engine or of the board makes the cells of our methods anew, a change of a
 library's version those of the library.
 """
 
@@ -26,7 +26,7 @@ BOARD = (
     "tests/bench/scoreboard", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching",
     "tests/golden/library_verdicts.json",
 )  # fmt: skip
-OURS = ("worker", "campaigns", "clearance/testing", "clearance/function")
+OURS = ("worker/engine", "campaigns/asked", "campaigns/library", "campaigns/limits.py", "clearance/testing")
 PRESENTATION = ("__main__.py", "bars.py", "page.py")
 """Modules of the board that change no figure of a cell."""
 

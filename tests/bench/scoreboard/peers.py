@@ -20,20 +20,23 @@ from scipy import optimize
 
 from tests.bench.scoreboard.searches import Evaluations, Peer, Spent
 
-FOLDER = Path("build/peers")
-INSTALL = f"pip install --no-deps --target {FOLDER} -r tests/bench/scoreboard/peers.txt"
+FOLDER = Path(__file__).parents[3] / "build" / "peers"
+INSTALL = "python -m pip install --no-deps --target build/peers -r tests/bench/scoreboard/peers.txt"
 
 
 def allow() -> None:
     """Let the packages of the peers' folder be imported, after those that are installed."""
-    if str(FOLDER.resolve()) not in sys.path:
-        sys.path.append(str(FOLDER.resolve()))
+    if str(FOLDER) not in sys.path:
+        sys.path.append(str(FOLDER))
 
 
 def module(name: str) -> Any:
     """A module of the peers' folder."""
     allow()
-    return import_module(name)
+    try:
+        return import_module(name)
+    except ModuleNotFoundError as missing:
+        raise ModuleNotFoundError(f"{missing.name} is not installed: {INSTALL}", name=missing.name) from None
 
 
 @dataclass(frozen=True)

@@ -195,3 +195,15 @@ def test_every_part_has_cells_of_both_halves_with_different_numbers() -> None:
             numbers[half] = {(cell.half, cell.number) for cell in made}
         assert not numbers["setting"] & numbers["judging"]
     assert set(own_names()) < set(names())
+
+
+@pytest.mark.skipif(not bbob.available(), reason=f"BBOB needs ioh: {peers.INSTALL}")
+def test_the_short_form_of_bbob() -> None:
+    for method in ("direct", "pycma_bipop"):
+        found = bbob.share(method, functions=(1, 8, 15), instances=(1,), dimension=2, budgets=(5, 20))
+        assert found == bbob.share(method, functions=(1, 8, 15), instances=(1,), dimension=2, budgets=(5, 20))
+        assert 0.0 < found[5] <= found[20] < 1.0
+    function = bbob.OnCube(1, 1, 3)
+    optimum = (np.array(function.problem.optimum.x) + 5.0) / 10.0
+    assert function(optimum[None, :])[0] == 0.0
+    assert (function(np.random.default_rng(1).random((50, 3))) > 0.0).all()

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, ConfigDict
 
 from campaigns.documented import UNSTATED, Documented
 from campaigns.documents import JsonObject
-from campaigns.effort import Descents, Iterations, Situation
+from campaigns.effort import Descents, Iterations
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook, readable
 from campaigns.versions import CodeParts
 
@@ -120,6 +120,11 @@ class ComponentEntry(Entry):
     """Equations, symbols and source, as the component's own file states them."""
 
 
+def _rank(stated: object) -> object:
+    """Earlier versions stated ranks by situation."""
+    return min(stated.values(), default=0) if isinstance(stated, dict) else stated
+
+
 class MethodEntry(Entry):
     """A search method: what it does and guarantees, and its options as JSON Schema."""
 
@@ -140,6 +145,8 @@ class MethodEntry(Entry):
     """The principle by which it searches. Methods of one family do not confirm each other; omitted if not declared."""
     families: Annotated[dict[str, dict[str, str]], UNSTATED] = {}
     """The family by option and value, where an option decides it; omitted if none does."""
+    apart: Annotated[dict[str, str], UNSTATED] = {}
+    """Families of its members, by method, that are told nothing of the others' evaluations; omitted without any."""
     whole_budget: Annotated[bool, UNSTATED] = False
     """Whether it uses its whole budget; omitted if it may end by its own rule."""
     effort: Annotated[Iterations | Descents | None, UNSTATED] = None
@@ -148,10 +155,14 @@ class MethodEntry(Entry):
     """How many points it requests at a time, in a few words; omitted if not declared."""
     at_once: Annotated[str, UNSTATED] = ""
     """The option that states that number; omitted if it has none."""
+    takes: Annotated[str, UNSTATED] = ""
+    """The option that states the time of an evaluation [s]; omitted if it has none."""
     suits: Annotated[str, UNSTATED] = ""
     """What it is for, in a few words; omitted if not declared."""
-    proposed: Annotated[dict[Situation, int], UNSTATED] = {}
-    """Its rank among the methods that are proposed, by situation; omitted if it is never proposed."""
+    proposed: Annotated[int, BeforeValidator(_rank), UNSTATED] = 0
+    """Its rank among the methods that are proposed, from 1; omitted if it is never proposed."""
+    confirms: Annotated[int, UNSTATED] = 0
+    """Evaluations per parameter from which its parts that are apart can confirm each other; omitted without any."""
     options: JsonObject
     look: Annotated[MethodLook | None, BeforeValidator(readable), UNSTATED] = None
     """Its colours and marker; omitted if not declared."""

@@ -6,11 +6,6 @@ Plain dataclasses, which a method's file declares and the catalogue contains. `c
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
-
-Situation = Literal["cheap", "costly", "alone"]
-"""When a method is proposed. cheap: evaluations take less than the methods' own time; costly: they take longer; alone:
-they are costly and there is time for one method only."""
 
 
 @dataclass(frozen=True)

@@ -7,20 +7,17 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from campaigns.catalogue import MethodEntry
-from campaigns.effort import Situation
-from campaigns.rules import GLOBAL_LEAST
 
-SEVERAL, MANY = 100, 500
-"""Evaluations per parameter and method: above the first models of the cost pay less, and no method is given more than
-the second, if that is above the usual."""
+MANY = 1000
+"""Evaluations per parameter: no more are proposed, unless this is below the usual number."""
 CHEAP = 0.02
-"""Time of an evaluation [s] below which methods that model the cost, which take milliseconds themselves, do not pay."""
-USUAL = 5000
-"""The usual budget of a search; the lowest limit of a proposed one where evaluations are cheap."""
+"""Time of an evaluation [s] below which it is not stated to a method: its own milliseconds count then."""
+USUAL = 10_000
+"""The largest number of evaluations that is proposed where there are few parameters."""
 
 NOTABLE = 0.1
 """Fraction of the time of a call above which a sentence names that of starting a process."""
@@ -32,7 +29,7 @@ class Budget:
 
     method: str
     evaluations: int
-    options: dict[str, int] = field(default_factory=dict)
+    options: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -139,10 +136,10 @@ class Cost:
         if not found.searches:
             return found
         room = _two(math.floor((patience - self.start) / seconds) * at_once)
-        named = {method.name: method for method in methods}
-        names = _listed([named[search.method] for search in found.searches])
-        each = f"{found.searches[0].evaluations:,}{' each' if len(found.searches) > 1 else ''}"
-        text = f"In {lasting(patience)} on {self._on}: about {room} evaluations. Proposed: {names} with {each}, "
+        [search] = found.searches
+        name = next(method.title for method in methods if method.name == search.method)
+        text = f"In {lasting(patience)} on {self._on}: about {room} evaluations. Proposed: {name} with "
+        text += f"{search.evaluations:,}, "
         return replace(found, sentence=f"{text}about {lasting(found.seconds)} in all{found.note}")
 
 
@@ -161,63 +158,40 @@ def proposed(
     """
     _possible(cost, parameters, slots, patience, start)
     methods = list(methods)
-    plain, models = ranked(methods, "cheap")[:2], ranked(methods, "costly")[:2]
-    if not (plain and models):
+    chosen = next(iter(ranked(methods)), None)
+    if chosen is None:
         return Proposal((), 0.0, "No installed method states when it is proposed: start a worker of this version")
     rounds = int(min((patience - start) / cost, 1e12))
     if rounds <= 0:
         first = f" and the start of its process {lasting(start)}" if start > NOTABLE * cost else ""
         text = f"One evaluation takes about {lasting(cost)}{first}, longer than the {lasting(patience)} that are "
         return Proposal((), 0.0, text + "available: allow more time")
-    most = max(USUAL, MANY * parameters)
-    needed = 2 * math.ceil(GLOBAL_LEAST.value * parameters / slots)
-    if rounds < needed:
-        # One method gets them all: for two, and so for a verdict of "cleared", there are too few in any case.
-        more = lasting(start + needed * cost)
-        note = f"; a second method, without which nothing is cleared, fits if you allow {more}"
-        one = plain if cost < CHEAP else ranked(methods, "alone") or models
-        return _proposal(one[:1], rounds, most, (cost, start), slots, note)
-    if cost < CHEAP:
-        return _proposal(plain, rounds, most, (cost, start), slots)
-    if rounds // 2 * slots <= SEVERAL * parameters or rounds < 3:
-        return _proposal(models, rounds, most, (cost, start), slots)
-    return _proposal([models[0], *plain], rounds, most, (cost, start), slots)
-
-
-def ranked(methods: Iterable[MethodEntry], situation: Situation) -> list[MethodEntry]:
-    """The methods that are proposed in this situation, the preferred ones first."""
-    return sorted((m for m in methods if situation in m.proposed), key=lambda m: m.proposed[situation])
-
-
-def _proposal(
-    methods: Sequence[MethodEntry], rounds: int, most: int, times: tuple[float, float], slots: int, note: str = ""
-) -> Proposal:
-    """Every method gets the same number of rounds, in each of which all slots evaluate, and at most `most` points.
-
-    times: of an evaluation, and until the slots are ready [s].
-    """
-    (cost, start), methods = times, methods[:rounds]
-    own = min(rounds // len(methods), max(most // slots, 1))
-    searches = tuple(Budget(m.name, own * slots, _side_by_side(m, slots)) for m in methods)
-    count, seconds = own * slots * len(methods), start + own * len(methods) * cost
+    own = min(rounds, max(max(USUAL, MANY * parameters) // slots, 1))
+    needed = math.ceil(chosen.confirms * parameters / slots)
+    note = ""
+    if own < needed:
+        note = f"; too few for a verdict of cleared, for which {lasting(start + needed * cost)} are enough"
+    count, seconds = own * slots, start + own * cost
     places = f" on {slots} slots" if slots > 1 else ""
     taken = "1 evaluation takes" if count == 1 else f"{count:,} evaluations take"
-    text = (
-        f"One evaluation takes about {lasting(cost)}: {taken} about {lasting(seconds)}{places}; use {_listed(methods)}"
-    )
-    return Proposal(searches, seconds, text + note, note)
+    known = f"One evaluation takes about {lasting(cost)}"
+    text = f"{known}: {taken} about {lasting(seconds)}{places}; use {chosen.title}{note}"
+    return Proposal((Budget(chosen.name, count, _options(chosen, cost, slots)),), seconds, text, note)
 
 
-def _listed(methods: Sequence[MethodEntry]) -> str:
-    *names, last = [method.title for method in methods]
-    return f"{', '.join(names)} and {last}" if names else last
+def ranked(methods: Iterable[MethodEntry]) -> list[MethodEntry]:
+    """The methods that are proposed, the preferred ones first."""
+    return sorted((m for m in methods if m.proposed), key=lambda m: m.proposed)
 
 
-def _side_by_side(method: MethodEntry, slots: int) -> dict[str, int]:
-    """The option that makes a method request as many points as run side by side, within its limit."""
-    if not method.at_once:
-        return {}
-    return {method.at_once: min(slots, method.options["properties"][method.at_once].get("maximum", slots))}
+def _options(method: MethodEntry, cost: float, slots: int) -> dict[str, float]:
+    """What a method has options for: how many evaluations run side by side, within its limit, and what one takes."""
+    stated: dict[str, float] = {}
+    if method.at_once and slots > 1:
+        stated[method.at_once] = min(slots, method.options["properties"][method.at_once].get("maximum", slots))
+    if method.takes and cost >= CHEAP:
+        stated[method.takes] = float(f"{cost:.2g}")
+    return stated
 
 
 def _possible(cost: float, parameters: int, slots: int, patience: float, start: float) -> None:

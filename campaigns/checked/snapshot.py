@@ -39,8 +39,9 @@ _WORDS = {
     "evaluations": "usual budget",
     "family": "family",
     "families": "families",
+    "apart": "members that are apart",
 }
-_ADVICE = ("whole_budget", "effort", "parallel", "at_once", "suits", "proposed")
+_ADVICE = ("whole_budget", "effort", "parallel", "at_once", "takes", "suits", "proposed", "confirms")
 """What a method states for its choice and for estimates; it changes no result."""
 _GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}
 

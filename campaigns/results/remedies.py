@@ -159,7 +159,7 @@ def _more(more: Sequence[tuple[int, Search, int]], titles: Sequence[str]) -> Rem
 def _further(ran: Ran, globally: Sequence[Search]) -> Iterator[Remedy]:
     searches = ran.campaign.stages.search
     used = {search.method for search in searches}
-    another = next((m for m in ranked(ran.methods, "cheap") if m.name not in used), None)
+    another = next((m for m in ranked(ran.methods) if m.name not in used), None)
     if another is None:
         return
     least = rules.GLOBAL_LEAST.value * len(ran.campaign.uncertain)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
+from campaigns.documented import UNLESS_EMPTY
 from campaigns.results.base import Described, MethodKind, Result, Stop, Values, Worse
 from campaigns.results.sample import GridPoint, Sample
 from campaigns.results.stage import StageResult
@@ -56,6 +57,20 @@ class FrontPoint(Result):
     values: Values
 
 
+class Apart(Result):
+    """A part of a search that was told nothing of what the others evaluated: what it found, it found by itself."""
+
+    member: str
+    """The member that found its best; of several that share what they know, the lowest."""
+    title: str
+    family: str
+    """The principle by which that member searches."""
+    evaluations: int
+    best: float
+    index: int
+    """Of its best evaluation, counted from 0 within the stage."""
+
+
 class Member(Result):
     """The evaluations of one method of a portfolio."""
 
@@ -87,6 +102,8 @@ class SearchResult(StageResult):
     """The statement of a random method's points."""
     gap: Gap | None = None
     members: list[Member] = []
+    apart: Annotated[list[Apart], UNLESS_EMPTY] = []
+    """Its parts that were told nothing of each other's evaluations; omitted if it has only one."""
     criteria: list[FrontCriterion] = []
     """The one that decides first."""
     front: list[FrontPoint] | None = None

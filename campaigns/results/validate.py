@@ -63,6 +63,9 @@ class Compared(Result):
     findings: list[str]
     """Labels of the findings that it found by itself."""
     stop: Stop | None
+    apart: Annotated[list[str | None], UNLESS_EMPTY] = []
+    """The finding whose basin contains the best of each of its parts that were apart, in their order; null if there is
+    none; omitted if it has only one part."""
     minima: Annotated[list[str | None], UNLESS_EMPTY] = []
     """The finding whose basin contains each of its minima, in their order; null if there is none; omitted if it has no
     minima, and in results of earlier versions."""

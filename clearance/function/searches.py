@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-PER_PARAMETER = 500
-"""Evaluations of each search, for each parameter."""
+PER_PARAMETER = 1000
+"""Evaluations of the search that is proposed, for each parameter; half of it for each of those that are chosen."""
 
 Document = Mapping[str, object]
 """A part of a campaign file."""
@@ -18,8 +18,9 @@ def searches(
     from campaigns.asked.proposal import ranked
     from worker.running.catalogue.installed import catalogue
 
-    plain = [method.name for method in ranked(catalogue().methods, "cheap")]
-    spent = _spent(methods, plain, PER_PARAMETER * len(ranges) if budget is None else budget)
+    plain = [method.name for method in ranked(catalogue().methods)]
+    usual = PER_PARAMETER * len(ranges) // (1 if methods is None else 2)
+    spent = _spent(methods, plain, usual if budget is None else budget)
     stated = _options(options, spent)
     points = _starts(starts, ranges)
     takes = {method.name for method in catalogue().methods if method.starts} if points else set()
@@ -34,11 +35,11 @@ def searches(
 
 def _spent(methods: object, plain: list[str], usual: int) -> dict[str, int]:
     if methods is None:
-        methods = plain[:2]
+        methods = plain[:1]
     if isinstance(methods, str):
         methods = [methods]
     if not isinstance(methods, (Mapping, Sequence)) or not methods:
-        raise TypeError(f"methods must be names such as {plain[:2]}, given {methods!r:.60}")
+        raise TypeError(f"methods must be names such as {plain[1:3]}, given {methods!r:.60}")
     spent = dict(methods) if isinstance(methods, Mapping) else dict.fromkeys(methods, usual)
     if len(spent) < len(methods):
         raise ValueError("methods: the same method is given twice; list each once")

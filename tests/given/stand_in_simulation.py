@@ -14,7 +14,7 @@ for line in sys.stdin:
     columns = {"t": [0.0, 1.0], "x": [0.0, None], "y": [0.0, 1.0], "z": [0.0, 0.0], "yaw": [0.0, 0.1]}
     meta = {"obstacles": [{"moving": False}], "threshold": 0.5, "frame": "enu", "closest": None}
     failed = {"status": "failed", "reason": "it overturned", "cost": None, "margin": None}
-    print(json.dumps({"id": asked["id"], **failed, "data": columns, "meta": meta}), flush=True)
+    print(json.dumps({"id": asked["id"], **failed, "data": columns, "meta": meta, "identity": {}}), flush=True)
 """
 
 FLYING = """
@@ -27,6 +27,6 @@ for line in sys.stdin:
     data = {"t": [0.0, 1.0], "x": [0.0, 1.0], "y": [0.0, 1.0]}
     meta = {"parameters": asked.get("parameters", {}), "status": "ok", "cost": 1.0, "values": {"separation": 1.0}}
     told = {"status": "ok", "reason": "", "cost": 1.0, "margin": 0.5, "columns": columns, "data": data, "meta": meta}
-    print(json.dumps({"id": asked["id"], **told}), flush=True)
+    print(json.dumps({"id": asked["id"], **told, "identity": {}}), flush=True)
 """
 """That of what-ifs, whose flight has two rows."""

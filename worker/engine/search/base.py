@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.effort import Descents, Iterations, Situation
+from campaigns.effort import Descents, Iterations
 from campaigns.results.base import OK
 
 Floats = NDArray[np.float64]
@@ -160,10 +160,14 @@ class Method:
     give it smaller budgets.
     `family`: the principle by which it searches; methods of one family do not confirm each other. `families`: where an
     option decides it, by option and value.
+    `apart`: families of its members, by method, that are told nothing of the others' evaluations: what such a member
+    reaches, it confirms.
     `whole_budget`: it uses its whole budget; others may end by their own rule, after their `effort` if it is known.
     `parallel`, `at_once`: how many points it requests at a time, in a few words; the option that states this number.
+    `takes`: the option that states the time of an evaluation [s].
     `suits`: what it is for, in a few words.
-    `proposed`: its rank among the methods that are proposed, by situation.
+    `proposed`: its rank among the methods that are proposed, from 1; 0 for one that never is.
+    `confirms`: evaluations per parameter from which its parts that are apart can confirm each other.
     `sampling`: of a random method, what so many points with these options support at a confidence.
     `divide`: of a method that divides the cube, its rectangles, and the search with these options that fills them.
     `earlier`: its names in earlier versions.
@@ -185,12 +189,15 @@ class Method:
     costly: bool = False
     family: str = ""
     families: Mapping[str, Mapping[str, str]] = field(default_factory=dict, hash=False)
+    apart: Mapping[str, str] = field(default_factory=dict, hash=False)
     whole_budget: bool = False
     effort: Iterations | Descents | None = None
     parallel: str = ""
     at_once: str = ""
+    takes: str = ""
     suits: str = ""
-    proposed: Mapping[Situation, int] = field(default_factory=dict, hash=False)
+    proposed: int = 0
+    confirms: int = 0
     earlier: tuple[str, ...] = ()
     look: MethodLook | None = None
     sampling: Callable[[Any, int, float], Sampling] = lambda options, drawn, confidence: Sampling()

@@ -58,7 +58,8 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
     leading = min((row for row in rows if row.best is not None), key=lambda row: row.best or 0.0, default=None)
     known = None if leading is None else context.methods.get(leading.member)
     family = method.family_with(options) if known is None else known.family_with(known.options())
-    return Outcome(result.model_copy(update={"members": rows, "family": family}))
+    apart = members.apart(driven.columns, context.methods, method.apart) if driven.columns else []
+    return Outcome(result.model_copy(update={"members": rows, "family": family, "apart": apart}))
 
 
 @cache

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns.asked.allowance import validation
-from campaigns.catalogue import MethodEntry
 from campaigns.checked import extents, rates
 from campaigns.checked.check import parameters
 from campaigns.claims import earlier
@@ -25,6 +24,7 @@ from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
 from campaigns.stages.plan import most
 from worker.evidence.audit import charts, limits
+from worker.evidence.audit.agreement import agreement, apart, family
 from worker.evidence.audit.points import grid, required
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
@@ -299,7 +299,9 @@ def _settings(run: Run) -> Tree:
 def _charts(run: Run, k: int) -> Tree:
     """What a search shows besides its best."""
     stated = run.claims["results"][k]
-    found = charts.front(run, k) | {"minima": charts.minima(run, k, stated["minima"]), "family": _family(run, k)}
+    found = charts.front(run, k) | {"minima": charts.minima(run, k, stated["minima"]), "family": family(run, k)}
+    if stated.get("apart"):
+        found["apart"] = apart(run, k)
     if stated.get("gap") and not run.reworded:
         gap = stated["gap"]
         best = gap["lower_bound"] + gap["gap"]  # of the centres alone, as taken
@@ -355,7 +357,7 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
         "search": ended and not any(math.isnan(run.best[k]) for k in run.searches),
         "no violation": run.lowest > run.threshold and not run.confirmed,
         "minimum": bool(findings) and findings[0]["cost"] <= run.lowest and results[-1]["findings"]["complete"],
-        "agreement": _agreement(run),
+        "agreement": agreement(run),
         system: agreed and compared,
         "evaluations": run.total["failed"] == 0,
         "influence": run.calls.influence(run.varies, run.highest - run.lowest),
@@ -405,41 +407,6 @@ def _continued(run: Run) -> int:
         succeeded, drawn = run.status[run.stage == k] == OK, run.claims["results"][k]["drawn_realisations"]
         total += int(succeeded[:drawn].sum()) + each * int(succeeded[drawn:].sum())
     return total
-
-
-def _agreement(run: Run) -> bool:
-    """Whether methods that searched, of two families and all global ones, reached the worst case and its cost."""
-    findings, came = run.claims["findings"], dict[int, bool]()
-    stated = [f["cost"] for f in findings if f["validation"]["realisation"] is None]
-    worst = min(stated or [f["cost"] for f in findings], default=math.nan)
-    fall = min(run.campaign.agreement, limits.AGREEMENT_AT_MOST) * (run.nominal - worst)
-    if worst > run.threshold:
-        fall = min(fall, limits.AGREEMENT_OF_MARGIN * (worst - run.threshold))
-    for k, row in zip(run.searches, run.claims["comparison"], strict=True):
-        kind, spent = run.methods[k].kind, run.ended[k]["evaluations"]
-        near = run.best[k] - worst <= max(fall, limits.AGREEMENT_ROUNDING * max(abs(worst), 1.0))
-        there = near and row["basin"] in {f["label"] for f in findings}
-        searched = kind in limits.LEAST and spent >= limits.LEAST[kind] * len(run.bounds)
-        came[k] = there and searched and not (kind == "local" and spent >= run.plan[k].planned)
-    globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
-    several = len({_family(run, k) for k in run.searches if came[k]}) >= limits.METHODS
-    return bool(globally) and all(globally) and several and (not run.varies or worst < run.nominal)
-
-
-def _family(run: Run, k: int) -> str:
-    """The principle by which a search searched; that of a portfolio's leading member is taken as given."""
-    method, result = run.methods[k], run.claims["results"][k]
-    options = run.campaign.stages.search[run.searches.index(k)].options
-    if result.get("members"):
-        return str(result.get("family") or method.name)
-    chosen: list[str] = [
-        by.get(str(options.get(name, _usual(method, name))), "") for name, by in method.families.items()
-    ]
-    return next(filter(None, chosen), method.family or method.name)
-
-
-def _usual(method: MethodEntry, option: str) -> Any:
-    return method.options.get("properties", {}).get(option, {}).get("default")
 
 
 def _probability(run: Run) -> dict[str, bool]:

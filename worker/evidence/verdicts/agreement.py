@@ -3,18 +3,24 @@
 A method's own best counts if it is in the basin of a listed finding (by the findings' own test) and its cost is within
 the campaign's `agreement` and a tenth of the margin of the worst; so mirrored worst cases agree. A method counts only
 if it really searched: with a minimum budget, until its own stopping rule or the end of its budget, and to a best below
-nominal. Methods of one family search by the same principle and miss the same cases: they count once.
+nominal. Methods of one family search by the same principle and miss the same cases: they count once. A search of
+several parts that were told nothing of each other's evaluations counts as so many methods; parts that shared what they
+knew are one.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from campaigns import rules
-from campaigns.claims.say import Part, count, finding, joined, listed, method, number, say
+from campaigns.claims.say import Part as Said
+from campaigns.claims.say import count, finding, joined, listed, method, number, say
 from campaigns.claims.spans import Span, Spans
 from campaigns.codes import CheckCode
 from campaigns.results import SearchResult
+from campaigns.results.validate import Compared
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence, check
@@ -42,11 +48,33 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
     if elsewhere:
         return _check(False, "the best of ", listed(elsewhere), " is not in the basin of any listed finding")
     counted = [
-        s for s in aiming
-        if not _not_searched(s, problem.dimension) and not _stopped_short(s, worst, within, problem)
-        and _finding_of(s, evidence) is not None
+        part for s in aiming if not _not_searched(s, problem.dimension) for part in _parts(s, evidence)
+        if part.evaluations >= _least(s, problem.dimension) and part.best - worst <= within and part.finding is not None
     ]  # fmt: skip
     return _agreed(counted, evidence, worst, nominal, unit)
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one search found by itself, or one of its parts that were apart: its best and the finding in whose basin
+    that is."""
+
+    title: Span
+    family: str
+    evaluations: int
+    best: float
+    finding: str | None
+
+
+def _parts(search: SearchResult, evidence: Evidence) -> list[Part]:
+    row = _row(search, evidence)
+    if not search.apart:
+        best = math.inf if search.best is None else search.best.cost
+        return [Part(_titled(search), family(search), search.evaluations, best, row.basin)]
+    return [
+        Part(method(search.method, f"{search.title}: {a.title}"), a.family, a.evaluations, a.best, basin)
+        for a, basin in zip(search.apart, row.apart, strict=True)
+    ]
 
 
 def allowed(problem: Problem, nominal: float, worst: float) -> float:
@@ -72,11 +100,13 @@ def varies(evidence: Evidence) -> float:
     return by if by > rules.ROUNDING.value * max(abs(spread.lowest), abs(spread.highest)) else 0.0
 
 
-def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
-    reached = listed([_titled(s) for s in counted])
-    families = sorted({family(s) for s in counted})
+def _agreed(counted: Sequence[Part], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
+    reached = listed([part.title for part in counted])
+    families = sorted({part.family for part in counted})
+    if not counted:
+        return _check(False, "no part of a search that reached the worst case has enough evaluations to count as one")
     if len(families) < rules.METHODS.value:
-        of_one = f", of one family ({families[0]})," if len({s.method for s in counted}) > 1 else ""
+        of_one = f", of one family ({families[0]})," if len({part.title for part in counted}) > 1 else ""
         second = " reached the worst case; a method of another family must confirm it"
         return _check(False, "only ", reached, of_one, second)
     if not varies(evidence):
@@ -88,12 +118,12 @@ def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, n
             "no method found a value below the nominal case, so their agreement shows nothing; widen the bounds, or "
             "move the nominal values away from the worst case",
         )
-    apart = max(s.best.cost - worst for s in counted if s.best is not None)
-    labels = listed([finding(label) for label in sorted({str(_finding_of(s, evidence)) for s in counted})])
+    apart = max(part.best - worst for part in counted)
+    labels = listed([finding(label) for label in sorted({str(part.finding) for part in counted})])
     return _check(True, reached, " agree on the worst case (", labels, ") within ", number(apart, unit, "apart"))
 
 
-def _check(ok: bool, *statement: Part) -> Check:
+def _check(ok: bool, *statement: Said) -> Check:
     return check(CheckCode.AGREEMENT, ok, *statement)
 
 
@@ -103,16 +133,20 @@ def _titled(search: SearchResult) -> Span:
 
 def _not_searched(search: SearchResult, dimension: int) -> Spans:
     """Why a stage does not count as a search, as a sentence; empty if it does."""
-    title, spent = _titled(search), search.evaluations
-    family = rules.FAMILIES[search.kind]
-    least = dimension * (family.least.value if family.least is not None else 0)
+    title, spent, least = _titled(search), search.evaluations, _least(search, dimension)
     if spent < least:
         many = " evaluation" if spent == 1 else " evaluations"
         ended = say(title, " ended after ", count(spent), many)
         return say(ended, "; at least ", count(least), " are required to count as a search")
-    if family.converges and (search.stop is None or search.stop.kind != "rule"):
+    if rules.FAMILIES[search.kind].converges and (search.stop is None or search.stop.kind != "rule"):
         return say(title, " spent its budget before it converged")
     return ()
+
+
+def _least(search: SearchResult, dimension: int) -> int:
+    """The evaluations without which nothing was searched."""
+    least = rules.FAMILIES[search.kind].least
+    return dimension * (least.value if least is not None else 0)
 
 
 def _stopped_short(search: SearchResult, worst: float, within: float, problem: Problem) -> Spans:
@@ -124,5 +158,9 @@ def _stopped_short(search: SearchResult, worst: float, within: float, problem: P
 
 def _finding_of(search: SearchResult, evidence: Evidence) -> str | None:
     """The finding whose basin contains a stage's best; stages are identified by their position among the searches."""
+    return _row(search, evidence).basin
+
+
+def _row(search: SearchResult, evidence: Evidence) -> Compared:
     at = next(i for i, s in enumerate(evidence.searches) if s is search)
-    return evidence.validation.comparison[at].basin
+    return evidence.validation.comparison[at]

@@ -15,6 +15,7 @@ from campaigns.asked.proposal import Cost, lasting
 from campaigns.rules import GLOBAL_LEAST
 from clearance.cli import WRONG_INPUT, invoke
 from tests.given.case_campaigns import searching
+from worker.engine.search.methods import auto
 from worker.running.catalogue.installed import catalogue, methods
 
 METHODS = catalogue().methods
@@ -26,8 +27,8 @@ GRID = list(itertools.product([1e-6, 1e-3, 0.03, 1.0, 12.0, 900.0], [1, 4, 25], 
 def test_a_simulator_of_twelve_seconds() -> None:
     found = proposed(12.0, 4, slots=4, patience=1200.0)
     assert [(s.method, s.evaluations, s.options) for s in found.searches] == [
-        ("lq_cma_es", 200, {"at_once": 4}), ("turbo", 200, {"batch": 4})
-    ]  # fmt: skip
+        ("auto", 400, {"at_once": 4, "seconds": 12.0})
+    ]
     assert found.seconds == 1200.0
 
 
@@ -40,7 +41,7 @@ def test_whatever_is_proposed_fits_and_can_be_run(cost: float, parameters: int, 
     assert f"about {lasting(cost)}" in found.sentence
     for search in found.searches:
         assert search.evaluations >= 1
-        assert cost >= 0.02 or not methods()[search.method].costly
+        assert ("seconds" in search.options) == (cost >= 0.02)
     if found.searches:
         stages = [{"method": s.method, "evaluations": s.evaluations, "options": s.options} for s in found.searches]
         assert check(searching(*stages), catalogue()) == []
@@ -77,25 +78,27 @@ def test_processes_that_are_replaced_or_fresh_take_their_start(
     assert f"; {2 * at_once} more{cost.fresh} " in known
 
 
-def test_two_methods_each_get_enough_to_count_as_a_search() -> None:
+def test_what_is_proposed_is_enough_for_two_parts_to_confirm_each_other_or_says_so() -> None:
     for cost, parameters, slots, patience in GRID:
         found = proposed(cost, parameters, slots, patience)
-        assert (
-            all(s.evaluations >= GLOBAL_LEAST.value * parameters for s in found.searches)
-            or "second method" in found.sentence
-        )
+        enough = all(s.evaluations >= methods()[s.method].confirms * parameters for s in found.searches)
+        assert enough or "too few for a verdict of cleared" in found.sentence
 
 
-def test_where_two_methods_do_not_fit_the_sentence_names_what_is_missing() -> None:
+def test_the_witness_has_enough_evaluations_to_count_as_a_search() -> None:
+    assert auto.method.confirms >= GLOBAL_LEAST.value / min(auto.WITNESS.values())
+
+
+def test_where_too_few_fit_the_sentence_names_how_long_enough_take() -> None:
     found = proposed(60.0, 5, patience=1800.0)
-    assert [(s.method, s.evaluations) for s in found.searches] == [("turbo", 30)]
-    assert found.note.endswith(" 4.2 h")
-    assert len(proposed(60.0, 5, patience=4.2 * 3600).searches) == 2
+    assert [(s.method, s.evaluations) for s in found.searches] == [("auto", 30)]
+    assert "10 h" in found.note
+    assert not proposed(60.0, 5, patience=10.5 * 3600).note
     assert not proposed(7200.0, 5, patience=600.0).searches
 
 
 def test_every_outcome_has_its_sentence() -> None:
-    """Two methods, one with what is missing, none, and none because processes start slowly; where the time is from."""
+    """Enough, too few with what is missing, none, and none because processes start slowly; where the time is from."""
     cost = Cost("R-0001", 2.0, 4, 15, start=3.0, recycle=3)
     assert [
         *(found.sentence for found in (
@@ -105,17 +108,17 @@ def test_every_outcome_has_its_sentence() -> None:
         cost.lasts(20, 5, again=2)[1], Cost("R-0001", 2.0, 1, 15, failed=3).lasts(20)[1],
         cost.proposed(METHODS, 4, 600.0).sentence,
     ] == [
-        "One evaluation takes about 12 s: 400 evaluations take about 20 min on 4 slots; use lq-CMA-ES and TuRBO",
-        "One evaluation takes about 60 s: 30 evaluations take about 30 min; use TuRBO; a second method, without which "
-        "nothing is cleared, fits if you allow 4.2 h",
+        "One evaluation takes about 12 s: 400 evaluations take about 20 min on 4 slots; use Auto; too few for "
+        "a verdict of cleared, for which 25 min are enough",
+        "One evaluation takes about 60 s: 30 evaluations take about 30 min; use Auto; too few for a verdict of "
+        "cleared, for which 10 h are enough",
         "One evaluation takes about 2 h, longer than the 10 min that are available: allow more time",
         "One evaluation takes about 10 s and the start of its process 15 min, longer than the 10 min that are "
         "available: allow more time",
         "One call took 2 s (R-0001, 15 evaluations) and the start of a process 3 s; an evaluation of 5 calls takes "
         "about 6 s, on 4 slots; 2 more, each in a fresh process, confirm results.",
         "One evaluation took 2 s (R-0001, 15 evaluations, of which 3 failed), on 1 slot.",
-        "In 10 min on 4 slots: about 800 evaluations. Proposed: lq-CMA-ES and TuRBO with 396 each, about 9.9 min in "
-        "all",
+        "In 10 min on 4 slots: about 800 evaluations. Proposed: Auto with 796, about 10 min in all",
     ]  # fmt: skip
 
 
@@ -144,7 +147,7 @@ def test_the_command_prints_stages_of_a_campaign(capsys: pytest.CaptureFixture[s
     shown = capsys.readouterr().out
     assert shown.startswith(f"# {proposed(12.0, 4, slots=4, patience=1200.0).sentence}")
     stages = yaml.safe_load(shown)["stages"]["search"]
-    assert stages[1] == {"method": "turbo", "evaluations": 200, "options": {"batch": 4}}
+    assert stages == [{"method": "auto", "evaluations": 400, "options": {"at_once": 4, "seconds": 12.0}}]
     assert check(searching(*stages), catalogue()) == []
 
 

@@ -97,7 +97,7 @@ def test_methods_that_ended_by_their_own_rule_ask_for_another_method() -> None:
     done = Stop(kind="rule", text="no box is left")
     found = remedies(failing(CheckCode.AGREEMENT), ran(asked, search("direct", stop=done), search("ga", stop=done)))
     added = again(asked, *found).stages.search
-    assert [each.method for each in added] == ["direct", "ga", "cma_es"]
+    assert [each.method for each in added] == ["direct", "ga", "auto"]
     assert added[2].evaluations == 2000
 
 
@@ -106,13 +106,13 @@ def test_a_single_global_method_asks_for_evaluations_and_for_a_second_one() -> N
     found = remedies(failing(CheckCode.AGREEMENT), ran(asked, search("direct")))
     assert [each.kind for each in found] == ["evaluations", "method"]
     both = again(asked, *found)
-    assert [(each.method, each.evaluations) for each in both.stages.search] == [("direct", 4000), ("cma_es", 1000)]
+    assert [(each.method, each.evaluations) for each in both.stages.search] == [("direct", 4000), ("auto", 1000)]
 
 
-def test_no_global_method_asks_for_direct() -> None:
+def test_no_global_method_asks_for_one() -> None:
     asked = searching({"method": "sqp", "evaluations": 300})
     found = remedies(failing(CheckCode.AGREEMENT), ran(asked, search("sqp")))
-    assert [each.method for each in again(asked, *found).stages.search] == ["sqp", "direct"]
+    assert [each.method for each in again(asked, *found).stages.search] == ["sqp", "auto"]
 
 
 def test_a_bound_above_the_target_asks_for_the_sample_that_would_meet_it() -> None:

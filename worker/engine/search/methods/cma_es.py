@@ -87,6 +87,6 @@ method = Method(
     whole_budget=True,
     parallel="a generation",
     suits="curved valleys, some thousand evaluations",
-    proposed={"cheap": 2},
+    proposed=3,
     look=MethodLook(colour="#007a6c", dark="#46c9b8", marker="pentagon"),
 )

@@ -259,7 +259,7 @@ method = Method(
     effort=Iterations("iterations", each=5.6, growth=0.25, spread=(0.55, 1.6)),  # 0.60 to 1.47 in the library
     parallel="an iteration",
     suits="a first search that can be repeated exactly, few parameters",
-    proposed={"cheap": 1},
+    proposed=2,
     divide=divide,
     look=MethodLook(colour="#0072b2", dark="#3f9bdb", marker="square"),
 )

@@ -191,6 +191,6 @@ method = Method(
     family="population",
     parallel="a generation",
     suits="criteria with jumps",
-    proposed={"cheap": 3},
+    proposed=4,
     look=MethodLook(colour="#b97c00", dark="#e69f00", marker="circle", short="GA"),
 )

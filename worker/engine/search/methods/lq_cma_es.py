@@ -83,12 +83,18 @@ class Options:
 
 def search(space: Space, options: Options) -> Search:
     """One request is a star, points of the sample or a part of a generation; it restarts until the budget ends."""
+    return (yield from continued(space, options, Explored(space, options.at_once)))
+
+
+def continued(space: Space, options: Options, explored: Explored, start: Floats | None = None) -> Search:
+    """As `search`, with what was explored before; the first descent begins at a point (n,) if one is given."""
     population = max(options.population or 4 + int(3 * np.log(space.dimension)), 4)
-    explored, deviation, descents = Explored(space, options.at_once), options.deviation, 0
+    deviation, descents = options.deviation, 0
     while True:
-        start = yield from _start(space, options, explored)
+        if start is None:
+            start = yield from _start(space, options, explored)
         yield from _descend(space, start, deviation, population, options, explored)
-        descents += 1
+        start, descents = None, descents + 1
         if options.initial:
             deviation = AGAIN * options.deviation
         if not options.initial or descents % ALIKE == 0:
@@ -266,6 +272,5 @@ method = Method(
     parallel="as stated",
     at_once="at_once",
     suits="evaluations of 20 ms and more, smooth criteria",
-    proposed={"costly": 1},
     look=MethodLook(colour="#11523f", dark="#b4efdc", marker="left"),
 )

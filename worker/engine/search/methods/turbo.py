@@ -198,6 +198,5 @@ method = Method(
     parallel="as stated",
     at_once="batch",
     suits="evaluations of 20 ms and more, many valleys, up to a thousand",
-    proposed={"costly": 2, "alone": 1},
     look=MethodLook(colour="#a4262c", dark="#f07a7a", marker="hourglass"),
 )

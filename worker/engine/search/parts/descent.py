@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import nlopt
 import numpy as np
@@ -35,7 +35,11 @@ class End(NamedTuple):
 
 @dataclass(frozen=True)
 class Settings:
-    """Differences and tolerances as fractions of each parameter's range and of the cost. most: evaluation limit."""
+    """Differences and tolerances as fractions of each parameter's range and of the cost. most: evaluation limit.
+
+    apart: a slope is requested only where the library asks for one, after its point and not with it: a line search then
+    takes one evaluation a step, in smaller requests. SciPy's only.
+    """
 
     library: Library = "nlopt"
     differences: Literal["central", "forward"] = "central"
@@ -44,6 +48,7 @@ class Settings:
     cost_tolerance: float = 1e-10
     iterations: int = 200
     most: int = 2**62
+    apart: bool = False
 
 
 def descend(start: Floats, settings: Settings) -> Generator[Floats, Batch, End]:
@@ -68,6 +73,8 @@ class _Trail:
         self.cost = np.inf
         self.seen: set[bytes] = set()
         self.unit = 1.0
+        self.at: Floats | None = None
+        self.value_there = np.inf
 
     def __call__(self, x: Floats) -> tuple[float, Floats]:
         """Cost and gradient, divided by a number that keeps the first slopes from being large.
@@ -75,20 +82,38 @@ class _Trail:
         A library's own quadratic programme overflows at slopes of 1e11 per range.
         """
         points, steps = stencil(_snapped(x), self.settings)
+        first = not self.seen
+        values = self._values(points)
+        slope = gradient(values, steps)
+        if first:
+            steepest = float(np.abs(slope).max())
+            self.unit = steepest if steepest > LARGE else 1.0
+        return float(values[0]) / self.unit, slope / self.unit
+
+    def value(self, x: Floats) -> float:
+        """The cost alone, in its own unit."""
+        self.at = _snapped(x)
+        self.value_there = float(self._values(self.at[None])[0])
+        return self.value_there
+
+    def slope(self, x: Floats) -> Floats:
+        """The gradient alone; SciPy asks for it where it has just asked for the cost."""
+        if self.at is None or not np.array_equal(self.at, _snapped(x)):
+            self.value(x)
+        points, steps = stencil(_snapped(x), self.settings)
+        return gradient(np.concatenate([[self.value_there], self._values(points[1:])]), steps)
+
+    def _values(self, points: Floats) -> Floats:
         if self.seen and len(self.seen) + len(points) > self.settings.most:
             raise _Spent
         values = self.ask(points).ranked()
         low = int(np.argmin(values))
         if values[low] < self.cost:
             self.cost, self.point = float(values[low]), points[low].copy()
-        slope = gradient(values, steps)
-        if not self.seen:
-            if not np.isfinite(values[0]):
-                raise _NoStart
-            steepest = float(np.abs(slope).max())
-            self.unit = steepest if steepest > LARGE else 1.0
+        if not self.seen and not np.isfinite(values[0]):
+            raise _NoStart
         self.seen.update(p.tobytes() for p in points)
-        return float(values[0]) / self.unit, slope / self.unit
+        return values
 
 
 def _run(ask: Ask, start: Floats, settings: Settings) -> End:
@@ -136,11 +161,13 @@ def _nlopt(trail: Objective, settings: Settings, start: Floats) -> str:
     }.get(optimiser.last_optimize_result(), HOLDS)
 
 
-def _scipy(trail: Objective, settings: Settings, start: Floats) -> str:
+def _scipy(trail: _Trail, settings: Settings, start: Floats) -> str:
     from scipy.optimize import minimize  # imported late: slow to load, and not the default
 
+    costs: Any = trail.value if settings.apart else trail
+    slopes: Any = trail.slope if settings.apart else True
     found = minimize(
-        trail, start, method="SLSQP", jac=True, bounds=[(0.0, 1.0)] * len(start),
+        costs, start, method="SLSQP", jac=slopes, bounds=[(0.0, 1.0)] * len(start),
         options={"ftol": settings.cost_tolerance, "maxiter": settings.iterations},
     )  # fmt: skip
     return {0: HOLDS, 8: FAILED, 9: ITERATIONS}.get(found.status, FAILED)

@@ -42,6 +42,7 @@ def compare(context: Context, findings: Sequence[Finding], found: Found, labels:
                 seconds=result.seconds,
                 to_near_best=near,
                 basin=None if basin is None else labels[basin],
+                apart=[None if (b := found.basin_of(at, a.best)) is None else labels[b] for a in result.apart],
                 findings=[f.label for f in findings if any(by.position == at for by in f.found)],
                 minima=[labels[minima[i]] if i in minima else None for i in range(len(result.minima))],
                 stop=result.stop,

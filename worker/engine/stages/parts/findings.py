@@ -220,8 +220,8 @@ def _polished(context: Context, position: int, found: Found, random: np.random.G
 
 
 def gather(context: Context, position: int, state: Found) -> list[Candidate]:
-    """The candidates of all stages before this one, the lowest first; the best of every stage is among them, and every
-    evaluation of a stage that is followed. A small allowance is spent on few of them."""
+    """The candidates of all stages before this one, the lowest first; among them the best of every stage, and of every
+    part of it that was apart, and every evaluation of a stage that is followed. A small allowance is spent on few."""
     found: list[Candidate] = []
     best: list[Candidate] = []
     searched = context.searched
@@ -234,6 +234,10 @@ def gather(context: Context, position: int, state: Found) -> list[Candidate]:
         best += mine if known else mine[:1]
         found += mine
         if at in searched:
+            alone = [Candidate(columns.points[part.index].copy(), part.best, at) for part in searched[at].apart]
+            alone = [next((m for m in mine if np.array_equal(m.point, part.point)), part) for part in alone]
+            best += [part for part in alone if part is not mine[0]]
+            found += [part for part in alone if not any(part is m for m in mine)]
             found += [Candidate(np.array(m.point), m.cost, at, i) for i, m in enumerate(searched[at].minima)]
     kept = sorted(found, key=lambda c: c.cost)[: validation(context.campaign, noisy(context)).starts]
     state.skipped = min(len(found), STARTS) - len(kept)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from itertools import chain
 
 import numpy as np
 
 from campaigns.results.base import OK
-from campaigns.results.search import Member
+from campaigns.results.search import Apart, Member
 from worker.engine.search.base import Method, Parallel, Several
 from worker.engine.stages.parts.store import Columns
 
@@ -47,7 +47,7 @@ class Members:
         """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
         if not self.owner:
             return []
-        names = [self.owner.get(point.tobytes(), "") for point in columns.points]
+        names = self._names(columns)
         ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
         before = np.r_[np.inf, np.minimum.accumulate(ranked)[:-1]]
         rows = []
@@ -65,3 +65,31 @@ class Members:
                 )
             )
         return rows
+
+    def apart(self, columns: Columns, methods: Mapping[str, Method], alone: Collection[str]) -> list[Apart]:
+        """The parts that were told nothing of each other: every member of `alone`, and the others together; those that
+        have a value, and none if that is one part only."""
+        if not self.owner or not alone:
+            return []
+        names = np.array(self._names(columns))
+        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        found = []
+        for mine in [~np.isin(names, list(alone)), *(names == name for name in alone)]:
+            if not np.isfinite(ranked[mine]).any():
+                continue
+            low = int(np.flatnonzero(mine)[np.argmin(ranked[mine])])
+            known = methods[names[low]]
+            found.append(
+                Apart(
+                    member=known.name,
+                    title=known.title,
+                    family=known.family_with(known.options()),
+                    evaluations=int(mine.sum()),
+                    best=float(ranked[low]),
+                    index=low,
+                )
+            )
+        return found if len(found) > 1 else []
+
+    def _names(self, columns: Columns) -> list[str]:
+        return [self.owner.get(point.tobytes(), "") for point in columns.points]

@@ -1,0 +1,327 @@
+"""Auto: what searches where nobody has chosen. Several methods share one budget by rules; one of them stays apart.
+
+Four members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
+CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019), CMA-ES with restarts (BIPOP, Hansen
+2009), DIRECT for what none of them covers. The order is that of what each needs: a first descent takes tens of
+evaluations per parameter and solves what is smooth; the model goes on from there for as long as evaluations are few;
+later, CMA-ES and descents from the lowest unexplored points take turns. Nothing is evaluated twice.
+
+The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few,
+then contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the others are
+lower and improve, two fifths while both are equally low or the others are stuck, three fifths while it is lower:
+separated and jumping valleys are its own (algorithm portfolios: Baudis and Posik, PPSN 2014). The record states who requested what. No guarantee of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Generator
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from worker.engine.search.base import (
+    Batch,
+    Ended,
+    Floats,
+    Method,
+    MethodLook,
+    Minimum,
+    Parallel,
+    Search,
+    Several,
+    Space,
+)
+from worker.engine.search.methods import cma_es, contrast_racing, direct, lq_cma_es, sqp, turbo
+from worker.engine.search.parts.descent import End, Settings, descend
+from worker.engine.search.parts.explored import Explored
+from worker.engine.search.parts.portfolio_record import Record
+
+OPENING = 60
+"""Evaluations per parameter at most until the first descent has ended and the other members begin."""
+MODELLED = 250
+"""Evaluations per parameter up to which the quadratic model may replace CMA-ES where evaluations are cheap."""
+STALE = 30
+"""Evaluations per parameter without a lower cost after which the model makes way for CMA-ES."""
+COSTLY = 0.02
+"""Time of an evaluation [s] from which the model's milliseconds do not count: it never stops."""
+STUCK = 100
+"""Evaluations per parameter without a lower cost after which the others get no more than if the witness were equal."""
+FEW = 60
+"""Evaluations per parameter up to which TuRBO is the witness."""
+WITNESS = {"above": 0.2, "equal": 0.4, "below": 0.6}
+"""The witness's share of the evaluations while its lowest cost is above, equal to, or below that of the others."""
+EQUAL = 1e-3
+"""Two costs are equal if they differ by less than this fraction of the spread of the costs."""
+DESCENTS, COVER = 0.3, 0.1
+"""Shares of the leading members' evaluations that descents and DIRECT get beside CMA-ES."""
+FIRST = Settings("scipy", "forward", 1.5e-9, cost_tolerance=1e-13, iterations=1000, apart=True)
+"""Differences near the square root of the rounding errors of a smooth cost."""
+COARSE = replace(FIRST, difference=1e-5)
+"""Differences for costs with larger errors, where a first descent moved nowhere."""
+EPOCH = 2000
+"""The first budget of contrast racing, which doubles it when it is used up."""
+PENDING = 16
+"""Requested points below which a further member gets its turn in slots, whose number may change on a resume."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is known of an evaluation beforehand."""
+
+    seconds: Annotated[
+        float,
+        Field(ge=0, le=1e6, description="Time of an evaluation [s], if known; from 0.02 on the model never stops"),
+    ] = 0.0
+    at_once: Annotated[int, Field(ge=1, le=100, description="Evaluations that run side by side")] = 1
+
+
+def search(space: Space, options: Options) -> Parallel:
+    """Give the members their turns until the budget ends."""
+    team = Team(space, options)
+    try:
+        return (yield from (team.in_slots() if space.slots else team.in_batches()))
+    finally:
+        for member in team.members:
+            member.search.close()
+
+
+@dataclass
+class Member:
+    """A running search: whose name its evaluations have, what it requests, and what it has used and found."""
+
+    name: str
+    search: Search
+    apart: bool = False
+    requested: Floats | None = None
+    used: int = 0
+    stale: int = 0
+    """Evaluations since its last improvement."""
+    credit: float = 0.0
+    lowest: float = np.inf
+    ended: bool = False
+
+    def ready(self) -> bool:
+        """Whether it requests points."""
+        if self.requested is None and not self.ended:
+            self._advance(None)
+        return self.requested is not None
+
+    def tell(self, batch: Batch) -> None:
+        """Pass the values of the points that it requested."""
+        self.used += len(batch.status)
+        lowest = float(batch.ranked().min())
+        self.stale = 0 if lowest < self.lowest else self.stale + len(batch.status)
+        self.lowest = min(self.lowest, lowest)
+        self._advance(batch)
+
+    def _advance(self, batch: Batch | None) -> None:
+        try:
+            request = next(self.search) if batch is None else self.search.send(batch)
+            assert isinstance(request, np.ndarray)
+            self.requested = request.copy()
+        except StopIteration:
+            self.requested, self.ended = None, True
+
+
+@dataclass
+class Shared:
+    """What the leading members know together: all points of the first part, and ever the lowest ones."""
+
+    space: Space
+    explored: Explored
+    record: Record
+    used: int = 0
+    stale: int = 0
+    """Evaluations since the last improvement."""
+    lowest: float = np.inf
+    best: Floats | None = None
+    opened: bool = False
+    """Whether the first descent has ended."""
+
+    def see(self, points: Floats, values: Floats) -> None:
+        """Points (m, n) of a leading member with their values (m,), infinite where failed."""
+        self.used += len(points)
+        low = int(np.argmin(values))
+        self.stale += len(points)
+        if values[low] < self.lowest:
+            self.stale, self.lowest, self.best = 0, float(values[low]), points[low].copy()
+        self.record.see(points, values)
+
+    def archived(self, descent: Generator[Floats, Batch, End]) -> Generator[Floats, Batch, End]:
+        """A descent, whose points the model knows from then on; not beyond those that it can use."""
+        try:
+            points = next(descent)
+            while True:
+                batch = yield points
+                if len(self.explored.points) < MODELLED * self.space.dimension:
+                    self.explored.add(points.copy(), batch.ranked())
+                points = descent.send(batch)
+        except StopIteration as end:
+            reached: End = end.value
+            return reached
+        finally:
+            descent.close()
+
+
+class Team:
+    """All members, and the rules by which they take turns."""
+
+    def __init__(self, space: Space, options: Options) -> None:
+        n = space.dimension
+        self.space, self.costly = space, options.seconds >= COSTLY
+        self.shared = Shared(space, Explored(space, options.at_once), Record(n))
+        self.descents = Member(sqp.method.name, descents(self.shared, self._own()))
+        self.model = Member(lq_cma_es.method.name, modelled(self.shared, self._own(), options.at_once))
+        self.cma = Member(cma_es.method.name, cma_es.search(self._own(), cma_es.Options()))
+        self.cover = Member(direct.method.name, direct.search(self._own(), direct.Options()))
+        self.few = Member(
+            turbo.method.name, turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4))), apart=True
+        )
+        self.many = Member(
+            contrast_racing.method.name, contrast_racing.search(self._own(), contrast_racing.Options()), apart=True
+        )
+        self.members = [self.descents, self.model, self.cma, self.cover, self.few, self.many]
+
+    def _own(self) -> Space:
+        """The space of a member: with random numbers of its own."""
+        random = np.random.default_rng(self.space.random.integers(2**63))
+        starts = np.empty((0, self.space.dimension))
+        return replace(self.space, budget=EPOCH, random=random, starts=starts, attribute=_nobody, slots=0)
+
+    def in_batches(self) -> Parallel:
+        """A request has the points of one member."""
+        while True:
+            member = self._next(())
+            if member is None:
+                return Ended("members", "every member has ended")
+            assert member.requested is not None
+            self.space.attribute(member.name, len(member.requested))
+            self._tell(member, (yield member.requested))
+
+    def in_slots(self) -> Parallel:
+        """A member continues when its own points have ended; others get a turn while the slots have little to do."""
+        pending: dict[int, Member] = {}
+        while True:
+            request = Several([])
+            while sum(len(m.requested) for m in pending.values() if m.requested is not None) < PENDING:
+                member = self._next(pending.values())
+                if member is None or member.requested is None:
+                    break
+                number = self.members.index(member)
+                pending[number] = member
+                self.space.attribute(member.name, len(member.requested))
+                request.groups.append((number, member.requested))
+            if not pending:
+                return Ended("members", "every member has ended")
+            batch = yield request
+            self._tell(pending.pop(request.answered), batch)
+
+    def _tell(self, member: Member, batch: Batch) -> None:
+        assert member.requested is not None
+        if not member.apart:
+            self.shared.see(member.requested, batch.ranked())
+        member.tell(batch)
+
+    @property
+    def used(self) -> int:
+        """The evaluations of all members."""
+        return sum(member.used for member in self.members)
+
+    def _next(self, busy: Collection[Member]) -> Member | None:
+        """The member whose turn it is: every request of a member costs it credit, which all get by their shares."""
+        weights = {m.name: w for m, w in self._weights() if w > 0.0}
+        able = [m for m in self.members if m.name in weights and m not in busy and m.ready()]
+        if not able:
+            return None
+        total = sum(weights[m.name] for m in able)
+        need = {
+            m.name: (len(m.requested) - m.credit) * total / weights[m.name] for m in able if m.requested is not None
+        }
+        chosen = min(able, key=lambda m: need[m.name])
+        for member in able:
+            member.credit += max(need[chosen.name], 0.0) * weights[member.name] / total
+        assert chosen.requested is not None
+        chosen.credit -= len(chosen.requested)
+        return chosen
+
+    def _weights(self) -> list[tuple[Member, float]]:
+        """The shares of the coming evaluations."""
+        n = self.space.dimension
+        witness = self.few if self.costly and self.used < FEW * n else self.many
+        share = self._share()
+        if not (self.shared.opened or self.descents.ended or self.descents.used >= OPENING * n):
+            return [(self.descents, 1.0 - share), (witness, share)]
+        if self.costly or (self.used < MODELLED * n and self.model.stale < STALE * n):
+            return [(self.model, 1.0 - share), (witness, share)]
+        lead = 1.0 - share
+        others = [(self.descents, DESCENTS * lead), (self.cover, COVER * lead)]
+        return [*others, (self.cma, (1.0 - DESCENTS - COVER) * lead), (witness, share)]
+
+    def _share(self) -> float:
+        """The witness's share of the coming evaluations."""
+        ours, its = self.shared.lowest, min(self.few.lowest, self.many.lowest)
+        tie = EQUAL * self.shared.record.spread()
+        if not np.isfinite(its) or its > ours + tie:
+            stuck = self.shared.stale >= STUCK * self.space.dimension
+            return WITNESS["equal" if stuck else "above"]
+        return WITNESS["equal"] if its >= ours - tie else WITNESS["below"]
+
+
+def descents(shared: Shared, space: Space) -> Search:
+    """A first descent from the centre, then from the lowest points away from all earlier starts."""
+    n = space.dimension
+    start: Floats | None = np.full(n, 0.5)
+    settings = replace(FIRST, most=OPENING * n)
+    while True:
+        while start is None:
+            yield from shared.explored.grow(2 * n)
+            start = shared.record.start()
+        end = yield from shared.archived(descend(start, settings))
+        if not shared.opened and not end.cost < np.inf:
+            start = None
+            continue
+        if end.cost < np.inf:
+            space.report(Minimum(end.point, end.cost, start, end.evaluations, end.text))
+        shared.explored.visit(start)
+        shared.explored.visit(end.point)
+        shared.record.take(start)
+        shared.record.take(end.point)
+        shared.opened, start = True, None
+
+
+def modelled(shared: Shared, space: Space, at_once: int) -> Search:
+    """lq-CMA-ES from the lowest point of all, with what the other leading members evaluated."""
+    options = lq_cma_es.Options(at_once=at_once)
+    return (yield from lq_cma_es.continued(space, options, shared.explored, shared.best))
+
+
+def _nobody(member: str, points: int) -> None:
+    pass
+
+
+method = Method(
+    name="auto",
+    title="Auto",
+    kind="global",
+    how="Global. Methods take turns by rules, one of them apart",
+    source="Clearance 2026",
+    evaluations=5000,
+    options=Options,
+    search=search,
+    compiles=True,
+    repeats=True,
+    costly=True,
+    extend=lambda options, more: options,
+    family="auto",
+    apart={m.name: m.family for m in (turbo.method, contrast_racing.method)},
+    whole_budget=True,
+    parallel="every member on its own",
+    at_once="at_once",
+    takes="seconds",
+    suits="everything, where nothing is known",
+    proposed=1,
+    confirms=125,  # a fifth of it is 25, which a global search must have
+    look=MethodLook(colour="#3d4f60", dark="#dbe4ec", marker="hexagon"),
+)

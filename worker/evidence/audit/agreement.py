@@ -1,0 +1,70 @@
+"""Agreement, judged again: the methods, and parts of one that were apart, which reached the worst case and its cost."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from campaigns.catalogue import MethodEntry
+from campaigns.results.base import OK
+from worker.evidence.audit import limits
+from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.record import MISSING
+
+
+def agreement(run: Run) -> bool:
+    """Whether methods that searched, of two families and all global ones, reached the worst case and its cost."""
+    findings, came, by = run.claims["findings"], dict[int, bool](), set[str]()
+    stated = [f["cost"] for f in findings if f["validation"]["realisation"] is None]
+    worst = min(stated or [f["cost"] for f in findings], default=math.nan)
+    fall = min(run.campaign.agreement, limits.AGREEMENT_AT_MOST) * (run.nominal - worst)
+    if worst > run.threshold:
+        fall = min(fall, limits.AGREEMENT_OF_MARGIN * (worst - run.threshold))
+    for k, row in zip(run.searches, run.claims["comparison"], strict=True):
+        kind, spent = run.methods[k].kind, run.ended[k]["evaluations"]
+        within = worst + max(fall, limits.AGREEMENT_ROUNDING * max(abs(worst), 1.0))
+        least, labels = limits.LEAST.get(kind, math.inf) * len(run.bounds), {f["label"] for f in findings}
+        searched = spent >= least and not (kind == "local" and spent >= run.plan[k].planned)
+        came[k] = searched and run.best[k] <= within and row["basin"] in labels
+        parts = run.claims["results"][k].get("apart") or []
+        if came[k] and not parts:
+            by.add(family(run, k))
+        for part, basin in zip(parts, row.get("apart") or [], strict=True):
+            if came[k] and part["evaluations"] >= least and part["best"] <= within and basin in labels:
+                by.add(run.methods[k].apart.get(part["member"], part["family"]))
+    globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
+    several = len(by) >= limits.METHODS
+    return bool(globally) and all(globally) and several and (not run.varies or worst < run.nominal)
+
+
+def apart(run: Run, k: int) -> list[Tree]:
+    """The parts of a search: their bests as its evaluations have them; at most one part of members that its method does
+    not declare apart, and no more evaluations than the search has."""
+    parts, declared = run.claims["results"][k].get("apart") or [], run.methods[k].apart
+    costs = np.where(run.status == OK, run.raw, np.nan)[run.stage == k]
+    together = [part["member"] not in declared for part in parts]
+    sound = len(parts) > 1 and sum(together) <= 1 and len({part["member"] for part in parts}) == len(parts)
+    sound = sound and sum(part["evaluations"] for part in parts) <= len(costs)
+    if parts and not sound:
+        return [{"member": MISSING}]
+    return [
+        {"best": float(costs[part["index"]]), "family": declared.get(part["member"], part["family"])} for part in parts
+    ]
+
+
+def family(run: Run, k: int) -> str:
+    """The principle by which a search searched; that of a portfolio's leading member is taken as given."""
+    method, result = run.methods[k], run.claims["results"][k]
+    options = run.campaign.stages.search[run.searches.index(k)].options
+    if result.get("members"):
+        return str(result.get("family") or method.name)
+    chosen: list[str] = [
+        by.get(str(options.get(name, _usual(method, name))), "") for name, by in method.families.items()
+    ]
+    return next(filter(None, chosen), method.family or method.name)
+
+
+def _usual(method: MethodEntry, option: str) -> Any:
+    return method.options.get("properties", {}).get(option, {}).get("default")

@@ -27,6 +27,7 @@ BOARD = (
     "tests/golden/library_verdicts.json",
 )  # fmt: skip
 OURS = ("worker/engine", "campaigns/asked", "campaigns/library", "campaigns/limits.py", "clearance/testing")
+RUNS = ("worker/evidence", "worker/running", "campaigns", "clearance/function")
 PRESENTATION = ("__main__.py", "bars.py", "page.py")
 """Modules of the board that change no figure of a cell."""
 
@@ -78,9 +79,9 @@ def code(names: Iterable[str]) -> str:
     return digest.hexdigest()[:16]
 
 
-def versions(names: Iterable[str]) -> dict[str, str]:
-    """What each method's cells are valid for."""
-    board, ours = code(BOARD), code((*BOARD, *OURS))
+def versions(names: Iterable[str], runs: bool = False) -> dict[str, str]:
+    """What each method's cells are valid for; runs: whether they are whole runs, not searches alone."""
+    board, ours = code(BOARD), code((*BOARD, *OURS, *(RUNS if runs else ())))
     return {n: f"{board} {PEERS[n].version()}" if n in PEERS else ours for n in names}
 
 

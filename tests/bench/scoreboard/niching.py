@@ -108,4 +108,5 @@ PART = Part(
     measure,
     _table,
     shown="all",
+    runs=True,
 )

@@ -91,7 +91,8 @@ LANDSCAPES = Part(
 
 
 @cache
-def _loop(name: str) -> Problem:
+def closed_loop(name: str) -> Problem:
+    """The problem of a campaign of the library."""
     return Problem(load_file(library()[name]))
 
 
@@ -126,17 +127,18 @@ def _loops(request: Request) -> list[Cell]:
 
 
 def _measure_loop(cell: Cell) -> dict[str, Any]:
-    problem = _loop(cell.problem)
+    problem = closed_loop(cell.problem)
     worst = problem.threshold + known_margins()[cell.problem]
-    nominal = float(_costs(problem, problem.nominal_point[None, :])[0])
+    nominal = float(costs(problem, problem.nominal_point[None, :])[0])
     fall = nominal - worst if np.isfinite(nominal) and nominal > worst else abs(worst)
     targets = {"": worst + WITHIN * fall}
     if worst <= problem.threshold:
         targets[", violated"] = problem.threshold
-    return reached(cell, lambda points: _costs(problem, points), targets, cell.number)
+    return reached(cell, lambda points: costs(problem, points), targets, cell.number)
 
 
-def _costs(problem: Problem, points: Floats) -> Floats:
+def costs(problem: Problem, points: Floats) -> Floats:
+    """The deciding costs (m,), NaN where an evaluation failed or was excluded."""
     found, _ = problem.evaluate(points)
     return np.where(found.status == OK, found.costs[:, 0], np.nan)
 

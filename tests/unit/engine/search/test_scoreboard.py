@@ -189,7 +189,7 @@ def test_every_part_has_cells_of_both_halves_with_different_numbers() -> None:
     for part in board.PARTS.values():
         numbers = {}
         for half in ("setting", "judging"):
-            made = part.cells(Request(half, ("contrast_racing",), 2))
+            made = part.cells(Request(half, ("contrast_racing", "auto"), 2))
             assert made
             assert len(set(made)) == len(made)
             numbers[half] = {(cell.half, cell.number) for cell in made}

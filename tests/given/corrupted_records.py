@@ -66,8 +66,8 @@ CERTIFY, GRID = 4, 9
 """The position of that stage, and how many points its grid has."""
 
 
-def certifying(samples: int, **changes: Any) -> Campaign:
-    document = searching(DIRECT, SQP, **SHORT, **changes).document()
+def certifying(samples: int, *searches: dict[str, Any], **changes: Any) -> Campaign:
+    document = searching(*(searches or (DIRECT, SQP)), **SHORT, **changes).document()
     document["stages"] |= {"certify": {"samples": samples, "grid": {"points": 3}}}
     return load_document(document)
 
@@ -77,6 +77,7 @@ RUNS: dict[str, Callable[[], Campaign]] = {
     "violated": lambda: searching(DIRECT, SQP, SAMPLE, criterion__threshold=0.94175, stages__certify=None, **SHORT),
     "inconclusive": lambda: searching(DIRECT, scenario__horizon=1.0),
     "noisy": lambda: certifying(60, **NOISE),
+    "alone": lambda: certifying(60, {"method": "auto", "evaluations": 300}),
     "excluded": lambda: searching(
         {"method": "monte_carlo", "evaluations": 100, "options": {"interval": 0.5}},
         uncertain={"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}},
@@ -97,7 +98,7 @@ FORGED: dict[str, Callable[[], Campaign]] = {
 }
 """As a service writes it that leaves out the check `sampling`."""
 
-VERDICTS = {"noisy": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
+VERDICTS = {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
 
 
 @cache
@@ -314,6 +315,21 @@ ENCOUNTER = "evidence/results/5/encounter"
 FINDING, STATISTICS = "result/findings/0", "result/statistics"
 
 CORRUPTIONS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
+    ("a part with another best", "alone", edit("evidence/results/2/apart/1/best", 0.1), "results.2.apart.1.best"),
+    ("a part with another evaluation", "alone", edit("evidence/results/2/apart/1/index", 3), "results.2.apart.1.best"),
+    ("a part that is none", "alone", edit("evidence/results/2/apart/1/member", "sqp"), "results.2.apart.count"),
+    (
+        "a part of another family",
+        "alone",
+        edit("evidence/results/2/apart/1/family", "other"),
+        "results.2.apart.1.family",
+    ),
+    (
+        "a part of too many evaluations",
+        "alone",
+        edit("evidence/results/2/apart/1/evaluations", 299),
+        "results.2.apart.count",
+    ),
     ("a changed cost", "cleared", lambda f: f.arrays["costs_2"].__setitem__((7, 0), 0.3), "evaluations.lowest"),
     ("violations hidden", "violated", lambda f: f.arrays["costs_2"].clip(1, out=f.arrays["costs_2"]), "stages.2.best"),
     ("a dropped evaluation", "cleared", lambda f: f.shorten(2), "evaluations.stored"),

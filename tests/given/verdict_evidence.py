@@ -11,7 +11,7 @@ from campaigns.results import Finding, SearchResult, ValidateResult, Verdict
 from campaigns.results.base import MethodKind, Result, Stop
 from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost, Validation
 from campaigns.results.sample import QuantileBound, Sample
-from campaigns.results.search import Best
+from campaigns.results.search import Apart, Best
 from campaigns.results.validate import Compared, Encounter, Gathered, SpotChecks, Spread, Unseen, Violations
 from campaigns.results.verdict import Check
 from campaigns.stages.certify import CertifyResult
@@ -29,7 +29,7 @@ NOMINAL, WORST = 0.94, 0.84
 CONVERGED = Stop(kind="rule", text="all starts converged")
 TITLES = {
     "direct": "DIRECT", "sqp": "SQP multistart", "monte_carlo": "Monte Carlo", "ga": "Genetic algorithm",
-    "portfolio": "Portfolio", "nsga2": "NSGA-II",
+    "portfolio": "Portfolio", "auto": "Auto", "nsga2": "NSGA-II",
 }  # fmt: skip
 KINDS: dict[str, MethodKind] = {"sqp": "local", "monte_carlo": "random", "nsga2": "multi"}
 """All others are global."""
@@ -59,6 +59,12 @@ def search(method: str, cost: float | None = WORST, **changes: Any) -> SearchRes
         stop=CONVERGED if method == "sqp" else Stop(kind="budget", text="used its budget of 1000 evaluations"),
     )
     return changed(made, **changes)
+
+
+def part_apart(member: str, family: str, cost: float = WORST, evaluations: int = 500) -> Apart:
+    """A part of a search that was apart."""
+    title = TITLES.get(member, member)
+    return Apart(member=member, title=title, family=family, evaluations=evaluations, best=cost, index=0)
 
 
 def sample(violations: int = 0, samples: int = 1000, **changes: Any) -> Sample:
@@ -199,6 +205,7 @@ def _row(position: int, search: SearchResult, basin: str | None) -> Compared:
         seconds=search.seconds,
         to_near_best=None,
         basin=basin,
+        apart=[basin] * len(search.apart),
         findings=[],
         stop=search.stop,
     )

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from campaigns.codes import CheckCode
 from campaigns.results.finding import Repeated
+from campaigns.results.search import Apart
 from campaigns.results.slices import Curve
 from campaigns.results.validate import Spread
 from campaigns.results.verdict import NominalCost, Provenance, Worst, not_sampled
@@ -29,6 +30,7 @@ from tests.given.verdict_evidence import (
     finding,
     gathered,
     nominal,
+    part_apart,
     sample,
     search,
     validation,
@@ -488,3 +490,30 @@ def test_a_search_for_a_front_plays_no_part_in_agreement() -> None:
 
 def test_a_portfolio_is_a_global_method() -> None:
     assert concluded(searches=[search("portfolio"), search("sqp")]).verdict == "cleared"
+
+
+APART = [part_apart("sqp", "gradients"), part_apart("contrast_racing", "racing of descents")]
+
+
+def test_two_parts_that_were_apart_confirm_each_other() -> None:
+    found = concluded(searches=[search("auto", apart=APART)])
+    assert found.verdict == "cleared"
+    named = [span for span in check_of("agreement", found).statement if span.kind == "reference"]
+    assert {span.label for span in named} >= {f"Auto: {one.title}" for one in APART}
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        [],
+        [part_apart("sqp", "gradients"), part_apart("cma_es", "gradients")],
+        [APART[0], part_apart("contrast_racing", "racing of descents", WORST + 0.03)],
+        [APART[0], part_apart("contrast_racing", "racing of descents", evaluations=49)],
+        [part_apart(one.member, one.family, WORST + 0.03) for one in APART],
+    ],
+    ids=["one part", "of one family", "one stopped short", "one of too few evaluations", "only polishing"],
+)
+def test_a_search_alone_needs_two_parts_that_reached_the_worst_case(parts: list[Apart]) -> None:
+    found = concluded(searches=[search("auto", apart=parts)])
+    assert found.verdict == "inconclusive"
+    assert not check_of("agreement", found).ok

@@ -3,13 +3,14 @@
 Four members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
 CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019), CMA-ES with restarts (BIPOP, Hansen
 2009), DIRECT for what none of them covers. The order is that of what each needs: a first descent takes tens of
-evaluations per parameter and solves what is smooth; the model goes on from there for as long as evaluations are few;
-later, CMA-ES and descents from the lowest unexplored points take turns. Nothing is evaluated twice.
+evaluations per parameter and solves what is smooth; the model goes on from there while it improves and evaluations are
+few; later, CMA-ES and descents from the lowest unexplored points take turns. Nothing is evaluated twice.
 
-The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few,
-then contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the others are
-lower and improve, two fifths while both are equally low or the others are stuck, three fifths while it is lower:
-separated and jumping valleys are its own (algorithm portfolios: Baudis and Posik, PPSN 2014). The record states who requested what. No guarantee of its own.
+The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
+and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
+others are lower and improve, two fifths while both are equally low or the others are stuck, three fifths while it is
+lower: separated and jumping valleys are its own (algorithm portfolios: Baudis and Posik, PPSN 2014). The record states
+who requested what. No guarantee of its own.
 """
 
 from __future__ import annotations
@@ -60,8 +61,8 @@ FIRST = Settings("scipy", "forward", 1.5e-9, cost_tolerance=1e-13, iterations=10
 """Differences near the square root of the rounding errors of a smooth cost."""
 COARSE = replace(FIRST, difference=1e-5)
 """Differences for costs with larger errors, where a first descent moved nowhere."""
-EPOCH = 2000
-"""The first budget of contrast racing, which doubles it when it is used up."""
+EPOCH = 150
+"""Evaluations per parameter of the first budget of contrast racing, which doubles it when it is used up."""
 PENDING = 16
 """Requested points below which a further member gets its turn in slots, whose number may change on a resume."""
 
@@ -187,8 +188,9 @@ class Team:
     def _own(self) -> Space:
         """The space of a member: with random numbers of its own."""
         random = np.random.default_rng(self.space.random.integers(2**63))
-        starts = np.empty((0, self.space.dimension))
-        return replace(self.space, budget=EPOCH, random=random, starts=starts, attribute=_nobody, slots=0)
+        n = self.space.dimension
+        own = replace(self.space, budget=EPOCH * n, random=random, starts=np.empty((0, n)), slots=0)
+        return replace(own, attribute=_nobody)
 
     def in_batches(self) -> Parallel:
         """A request has the points of one member."""

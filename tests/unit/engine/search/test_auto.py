@@ -1,0 +1,118 @@
+"""Auto: shares follow who leads, the witness learns nothing of the others, and two parts confirm each other."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clearance.testing.searching import Function, batch, space
+from worker.engine.search.base import Floats
+from worker.engine.search.methods import contrast_racing
+from worker.engine.search.methods.auto import MODELLED, OPENING, WITNESS, Options, Team, method
+
+Parts = list[tuple[str, Floats, Floats]]
+
+
+def bowl(x: Floats) -> Floats:
+    """Smooth: the first descent solves it."""
+    return np.asarray(((x - 0.3) ** 2).sum(axis=1))
+
+
+def stairs(x: Floats) -> Floats:
+    """Of plateaus, on which descents along gradients stay where they begin."""
+    return np.asarray(np.round(8 * np.abs(x - 0.3)).sum(axis=1))
+
+
+def requested(function: Function, dimension: int, budget: int, options: Options | None = None) -> Parts:
+    """The points and their costs, by member and request."""
+    told: list[tuple[str, int]] = []
+    given = replace(space(dimension, budget), attribute=lambda member, count: told.append((member, count)))
+    search, parts, asked = method.search(given, options or Options()), Parts(), 0
+    points = next(search)
+    while asked < budget:
+        assert isinstance(points, np.ndarray)
+        values = function(points)
+        [(member, count)] = told
+        assert count == len(points)
+        parts.append((member, points.copy(), values))
+        told.clear()
+        asked += len(points)
+        points = search.send(batch(values))
+    search.close()
+    return parts
+
+
+def counted(parts: Parts) -> Counter[str]:
+    count: Counter[str] = Counter()
+    for member, points, _ in parts:
+        count[member] += len(points)
+    return count
+
+
+@pytest.mark.parametrize("function", [bowl, stairs], ids=["bowl", "stairs"])
+def test_the_witness_requests_what_it_would_request_alone(function: Function) -> None:
+    """Fed with its own costs only, it asks for the same points to the bit, whatever the others found."""
+    parts = [(points, values) for member, points, values in requested(function, 3, 1500) if member == "contrast_racing"]
+    alone = Team(space(3, 1500), Options()).many.search
+    points = next(alone)
+    assert len(parts) > 5
+    for mine, values in parts:
+        assert np.array_equal(points, mine)
+        points = alone.send(batch(values))
+    alone.close()
+
+
+def test_the_witness_has_its_smallest_share_while_the_others_lead() -> None:
+    count = counted(requested(bowl, 4, 3000))
+    share = count["contrast_racing"] / sum(count.values())
+    assert WITNESS["above"] - 0.05 < share < WITNESS["equal"] + 0.05
+
+
+def test_the_witness_gets_most_where_it_is_lower() -> None:
+    """A basin that it finds, and that the others have left."""
+
+    def trap(x: Floats) -> Floats:
+        far = np.sqrt(((x - 0.9) ** 2).sum(axis=1))
+        return np.asarray(((x - 0.2) ** 2).sum(axis=1) + np.where(far < 0.08, -50.0 + far, 0.0))
+
+    team = Team(space(2, 1000), Options())
+    team.shared.lowest, team.many.lowest = 1.0, -3.0
+    assert team._share() == WITNESS["below"]
+    team.many.lowest = 1.0
+    assert team._share() == WITNESS["equal"]
+    count = counted(requested(trap, 2, 4000))
+    assert count["contrast_racing"] > WITNESS["above"] * 4000
+
+
+def test_a_smooth_cost_is_solved_by_the_first_descent() -> None:
+    early = requested(bowl, 5, OPENING * 5)
+    assert min(float(values.min()) for _, _, values in early) < 1e-12
+    assert early[0][0] == "sqp"
+
+
+def test_the_model_makes_way_for_other_members_and_stays_where_evaluations_are_costly() -> None:
+    budget = 2 * MODELLED * 2
+    cheap = counted(requested(stairs, 2, budget))
+    assert cheap["cma_es"] > cheap["lq_cma_es"] > 0
+    assert cheap["direct"] > 0
+    costly = counted(requested(stairs, 2, 400, Options(seconds=1.0)))
+    assert set(costly) == {"sqp", "lq_cma_es", "turbo", "contrast_racing"}
+
+
+def test_what_is_never_evaluated_is_searched_on() -> None:
+    """Half of the box fails, the centre included."""
+
+    def half(x: Floats) -> Floats:
+        return np.where(x[:, 0] < 0.6, np.nan, bowl(x))
+
+    parts = requested(half, 3, 600)
+    assert np.nanmin(np.concatenate([values for _, _, values in parts])) < 0.0901
+
+
+def test_every_declared_member_that_is_apart_is_a_method_of_another_family() -> None:
+    assert method.apart["contrast_racing"] == contrast_racing.method.family
+    leading = {member.name for member in Team(space(2, 100), Options()).members if not member.apart}
+    assert not leading & set(method.apart)

@@ -71,12 +71,12 @@ class Constants:
 HALVES: dict[Half, Constants] = {
     "setting": Constants(
         salt=20260114, dimensions=(3, 5, 8, 12, 18), few=(3, 5), shear=0.4, wells=(4, 9, 16), widths=(0.05, 0.08),
-        levels=(15, 35), steepness=(8.0, 60.0), bends=(0.0, 1.5), jumps=(0.5, 2.0), volumes=(6e-3, 8e-4),
+        levels=(15, 35), steepness=(8.0, 60.0), bends=(0.0, 1.5), jumps=(0.5, 2.0), volumes=(2e-3, 3e-4),
         conditions=(1e2, 1e4, 1e6), waves=(3, 5), holes=(0.02, 0.15), integers=(4, 9, 21), modes=(2, 4),
     ),
     "judging": Constants(
         salt=71830905, dimensions=(2, 4, 6, 10, 20), few=(2, 4, 6), shear=0.55, wells=(3, 7, 20), widths=(0.045, 0.1),
-        levels=(20, 50), steepness=(15.0, 90.0), bends=(0.7, 2.2), jumps=(0.3, 4.0), volumes=(4e-3, 5e-4),
+        levels=(20, 50), steepness=(15.0, 90.0), bends=(0.7, 2.2), jumps=(0.3, 4.0), volumes=(1.5e-3, 2e-4),
         conditions=(3e2, 3e3, 3e5), waves=(2, 7), holes=(0.01, 0.22), integers=(3, 6, 33), modes=(3, 5),
     ),
 }  # fmt: skip
@@ -161,19 +161,20 @@ def ridges(random: np.random.Generator, c: Constants) -> Landscape:
 
 
 def cliffs(random: np.random.Generator, c: Constants) -> Landscape:
-    """Falls towards the edge of a cliff, at which the lowest point is."""
-    at, jump = frame(random, int(random.choice(c.dimensions)), c.shear), random.choice(c.jumps)
+    """Falls towards the edges of cliffs, in whose corner the lowest point is."""
+    n = int(random.choice(c.dimensions))
+    at, jump, edges = frame(random, n, c.shear), random.choice(c.jumps), max(1, n // 3)
 
     def value(x: Floats) -> Floats:
         u = at(x)
-        rest = 4.0 * (u[:, 1:] ** 2).sum(axis=1)
-        return np.asarray(np.where(u[:, 0] >= 0.0, u[:, 0], jump - 0.2 * u[:, 0]) + rest)
+        side, rest = u[:, :edges], 4.0 * (u[:, edges:] ** 2).sum(axis=1)
+        return np.asarray(np.where(side >= 0.0, side, jump - 0.2 * side).sum(axis=1) + rest)
 
     return _made(at, value, target=0.01)
 
 
 def needles(random: np.random.Generator, c: Constants) -> Landscape:
-    """A wide bowl, and a box of stated volume elsewhere that is lower."""
+    """A wide bowl, and a box of stated volume elsewhere that is lower; around the box, the bowl is a little lower."""
     n, volume = int(random.choice(c.few)), float(random.choice(c.volumes))
     half_side = 0.5 * volume ** (1.0 / n)
     at = frame(random, n, 0.0, margin=half_side)
@@ -181,7 +182,8 @@ def needles(random: np.random.Generator, c: Constants) -> Landscape:
 
     def value(x: Floats) -> Floats:
         inside = np.abs(x - at.minimiser).max(axis=1) / half_side
-        return np.asarray(np.where(inside < 1.0, 0.5 * inside - 1.0, (decoy(x) ** 2).mean(axis=1)))
+        bowl = (decoy(x) ** 2).mean(axis=1) - 0.1 * np.maximum(1.0 - inside / 3.0, 0.0)
+        return np.asarray(np.where(inside < 1.0, 0.5 * inside - 1.0, bowl))
 
     return _made(at, value, target=-0.5, minimum=-1.0, volume=volume)
 
@@ -190,30 +192,30 @@ def bowls(random: np.random.Generator, c: Constants) -> Landscape:
     """A quadratic bowl with axes of very different curvature."""
     n, condition = int(random.choice(c.dimensions)), random.choice(c.conditions)
     at, curvature = frame(random, n, 2.0 * c.shear), condition ** np.linspace(0.0, 1.0, n)
-    return _made(at, lambda x: np.asarray((curvature * at(x) ** 2).sum(axis=1)), target=1e-4)
+    return _made(at, lambda x: np.asarray((curvature * at(x) ** 2).sum(axis=1)), target=1e-6)
 
 
 def mixed(random: np.random.Generator, c: Constants) -> Landscape:
     """Waves in some directions, jumps in the others, on a bowl."""
-    n, waves, levels = int(random.choice(c.few)), random.choice(c.waves), random.choice(c.levels)
+    n, waves, levels = int(random.choice(c.dimensions)), random.choice(c.waves), random.choice(c.levels)
     at = frame(random, n, c.shear)
 
     def value(x: Floats) -> Floats:
         u = at(x)
         smooth, jumping = u[:, : n // 2], u[:, n // 2 :]
-        wavy = smooth**2 + 0.1 * (1.0 - np.cos(2 * np.pi * waves * smooth))
+        wavy = smooth**2 + 0.2 * (1.0 - np.cos(2 * np.pi * waves * smooth))
         return np.asarray(wavy.sum(axis=1) + (np.floor(levels * np.abs(jumping)) / levels).sum(axis=1))
 
     return _made(at, value, target=0.01)
 
 
 def failing(random: np.random.Generator, c: Constants) -> Landscape:
-    """A bowl that fails close beyond the minimiser and in balls in the way."""
+    """A bowl that fails close beyond the minimiser and in balls in the way, and a wider one that is less deep."""
     n = int(random.choice(c.dimensions))
     at, (edge, radius) = frame(random, n, c.shear), c.holes
     if at(np.full((1, n), 0.5))[0, 0] < 0.0:  # the middle of the cube is on the side that does not fail
         at = replace(at, matrix=np.concatenate([-at.matrix[:1], at.matrix[1:]]))
-    balls = random.random((n, n))
+    balls, decoy = random.random((n, n)), random.random(n)
     balls = balls[np.sqrt(((balls - at.minimiser) ** 2).mean(axis=1)) > 1.1 * radius]
 
     def value(x: Floats) -> Floats:
@@ -221,15 +223,17 @@ def failing(random: np.random.Generator, c: Constants) -> Landscape:
         failed = u[:, 0] < -edge
         for ball in balls:
             failed |= np.sqrt(((x - ball) ** 2).mean(axis=1)) < radius
-        return np.where(failed, np.nan, np.abs(u[:, 0]) + (u[:, 1:] ** 2).sum(axis=1))
+        deep = np.abs(u[:, 0]) + 4.0 * (u[:, 1:] ** 2).sum(axis=1)
+        return np.asarray(np.where(failed, np.nan, np.minimum(deep, 0.1 + 0.3 * ((x - decoy) ** 2).sum(axis=1))))
 
     return _made(at, value, target=0.01)
 
 
 def integers(random: np.random.Generator, c: Constants) -> Landscape:
-    """A bowl in which every second parameter takes whole numbers only."""
-    n, count = int(random.choice(c.dimensions)), int(random.choice(c.integers))
-    at, whole = frame(random, n, c.shear), np.arange(0, n, 2)
+    """A sheared bowl in which every second parameter takes whole numbers only."""
+    n, count, condition = int(random.choice(c.dimensions)), int(random.choice(c.integers)), min(c.conditions)
+    at, whole = frame(random, n, 3.0 * c.shear), np.arange(0, n, 2)
+    curvature = condition ** np.linspace(0.0, 1.0, n)
 
     def rounded(x: Floats) -> Floats:
         x = x.copy()
@@ -237,15 +241,15 @@ def integers(random: np.random.Generator, c: Constants) -> Landscape:
         return x
 
     at = replace(at, minimiser=rounded(at.minimiser[None, :])[0])
-    return _made(at, lambda x: np.asarray((at(rounded(x)) ** 2).sum(axis=1)), target=1e-3)
+    return _made(at, lambda x: np.asarray((curvature * at(rounded(x)) ** 2).sum(axis=1)), target=1e-3)
 
 
 def switched(random: np.random.Generator, c: Constants) -> Landscape:
-    """One parameter chooses among bowls with different minimisers; one mode is lowest."""
+    """One parameter chooses among bowls with different minimisers; the steepest is the lowest."""
     n, count = int(random.choice(c.dimensions)), int(random.choice(c.modes))
     bowls_of = [frame(random, n, c.shear) for _ in range(count)]
     switch, best = int(random.integers(n)), int(random.integers(count))
-    floors = random.uniform(0.1, 0.6, count)
+    floors, slopes = random.uniform(0.1, 0.3, count), np.where(np.arange(count) == best, 8.0, 1.0)
     floors[best] = 0.0
 
     def value(x: Floats) -> Floats:
@@ -256,7 +260,7 @@ def switched(random: np.random.Generator, c: Constants) -> Landscape:
         for m, at in enumerate(bowls_of):
             rows = mode == m
             centre = np.where(np.arange(n) == switch, 0.0, at.minimiser)
-            found[rows] = floors[m] + (replace(at, minimiser=centre)(x[rows]) ** 2).sum(axis=1)
+            found[rows] = floors[m] + slopes[m] * (replace(at, minimiser=centre)(x[rows]) ** 2).sum(axis=1)
         return found
 
     lowest = bowls_of[best].minimiser.copy()

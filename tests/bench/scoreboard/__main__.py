@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from tests.bench.scoreboard import bbob, niching, page, reaching
+from tests.bench.scoreboard import bbob, niching, page, reaching, verdicts
 from tests.bench.scoreboard.bars import bars
 from tests.bench.scoreboard.cells import Cell, Row, measured, versions
 from tests.bench.scoreboard.contestants import names, own_names
@@ -28,9 +28,8 @@ from tests.given.landscapes import Half
 
 BUILD = Path("build")
 SEEDS = 30
-PARTS: dict[str, Part] = {
-    part.name: part for part in (bbob.PART, reaching.LANDSCAPES, niching.PART, reaching.LOOPS, reaching.FALSIFICATION)
-}
+IN_ORDER = (bbob.PART, reaching.LANDSCAPES, niching.PART, reaching.LOOPS, reaching.FALSIFICATION, verdicts.PART)
+PARTS: dict[str, Part] = {part.name: part for part in IN_ORDER}
 
 
 def main(arguments: Sequence[str] | None = None, build: Path = BUILD) -> dict[str, Any]:
@@ -56,7 +55,7 @@ def main(arguments: Sequence[str] | None = None, build: Path = BUILD) -> dict[st
         file = build / "scoreboard" / ("again.jsonl" if asked.again else "cells.jsonl")
         if asked.again:
             file.unlink(missing_ok=True)
-        rows = measured(cells, PARTS[name].measure, file, asked.processes, versions({*installed}))
+        rows = measured(cells, PARTS[name].measure, file, asked.processes, versions({*installed}, PARTS[name].runs))
         if chosen:
             print("\n".join(json.dumps({**row.cell._asdict(), **row.figures, "error": row.error}) for row in rows))
         found["parts"][name] = _summary(PARTS[name], rows)

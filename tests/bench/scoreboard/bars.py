@@ -44,6 +44,7 @@ def bars(tables: Mapping[str, Table], ours: list[str]) -> list[Bar]:
         *(Bar("niching", name, least, _own(tables, "niching", f"all, {name}")) for name, least in NICHING.items()),
         *_violations("loops", tables.get("loops", {}), singles, ", violated @ "),
         *_violations("falsification", tables.get("falsification", {}), singles, " @ "),
+        *_verdicts(tables.get("verdicts", {})),
     ]
 
 
@@ -82,6 +83,13 @@ def _violations(part: str, table: Table, singles: list[str], ending: str) -> Ite
         judged = column.endswith(last) and ending in column and not column.startswith("all")
         if judged and best is not None and best[0] >= WHERE - 1e-9:
             yield Bar(part, f"{column.removesuffix(last)}, as {best[1]} does", FOUND, by_method.get(JUDGED))
+
+
+def _verdicts(table: Table) -> Iterator[Bar]:
+    yield Bar("verdicts", "never cleared where a violation exists", 1.0, table.get("all, not cleared", {}).get(JUDGED))
+    for column, by_method in table.items():
+        if column.endswith(", found") and not column.startswith("all"):
+            yield Bar("verdicts", column, FOUND, by_method.get(JUDGED))
 
 
 def _last(table: Table) -> str:

@@ -1,7 +1,7 @@
 """Cells of the score board: one search on one problem with one seed; measured in processes, stored line by line.
 
 A finished cell is a line of `build/scoreboard/cells.jsonl`, so that an interrupted board continues. A line counts only
-for the code that measured it: a change of the worker or of the board makes the cells of our methods anew, a change of a
+for the code that measured it: a change of the engine or of the board makes the cells of our methods anew, a change of a
 library's version those of the library.
 """
 
@@ -22,8 +22,12 @@ from tests.bench.scoreboard.peers import PEERS
 from worker.running.catalogue.installed import methods
 
 ROOT = Path(__file__).parents[3]
-BOARD = ("tests/bench/scoreboard", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching")
-OURS = ("worker", "campaigns", "clearance/testing", "clearance/function")
+BOARD = (
+    "tests/bench/scoreboard", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching",
+    "tests/golden/library_verdicts.json",
+)  # fmt: skip
+OURS = ("worker/engine", "campaigns/asked", "campaigns/library", "campaigns/limits.py", "clearance/testing")
+RUNS = ("worker/evidence", "worker/running", "campaigns", "clearance/function")
 PRESENTATION = ("__main__.py", "bars.py", "page.py")
 """Modules of the board that change no figure of a cell."""
 
@@ -68,20 +72,21 @@ def code(names: Iterable[str]) -> str:
     digest = hashlib.sha256()
     for name in names:
         path = ROOT / name
-        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path] * path.exists():
-            if file.name not in PRESENTATION:
+        files = sorted(path.rglob("*")) if path.is_dir() else [path] * path.exists()
+        for file in files:
+            if file.suffix in (".py", ".yaml", ".npz", ".json") and file.name not in PRESENTATION:
                 digest.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def versions(names: Iterable[str]) -> dict[str, str]:
-    """What each method's cells are valid for."""
-    board, ours = code(BOARD), code((*BOARD, *OURS))
+def versions(names: Iterable[str], runs: bool = False) -> dict[str, str]:
+    """What each method's cells are valid for; runs: whether they are whole runs, not searches alone."""
+    board, ours = code(BOARD), code((*BOARD, *OURS, *(RUNS if runs else ())))
     return {n: f"{board} {PEERS[n].version()}" if n in PEERS else ours for n in names}
 
 
 def stored(file: Path, versions_of: dict[str, str]) -> dict[Cell, Row]:
-    """The valid cells of a file; a line that an interruption cut off is left out."""
+    """The valid cells of a file. A line that an interruption cut off is left out, and a cell that failed altogether."""
     found: dict[Cell, Row] = {}
     for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else []:
         try:
@@ -89,7 +94,7 @@ def stored(file: Path, versions_of: dict[str, str]) -> dict[Cell, Row]:
         except json.JSONDecodeError:
             continue
         cell = Cell(**{**entry["cell"], "budgets": tuple(entry["cell"]["budgets"])})
-        if versions_of.get(cell.method) == entry["code"]:
+        if versions_of.get(cell.method) == entry["code"] and entry["figures"]:
             found[cell] = Row(cell, entry["figures"], entry["error"], entry["seconds"])
     return found
 

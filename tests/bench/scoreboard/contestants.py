@@ -17,8 +17,8 @@ LIMITS = {"turbo": 1000, "nevergrad": 5000, "optuna_tpe": 1000, "optuna_gp": 300
 """Evaluations beyond which a contestant's own time grows to minutes a run; such a budget is left out for it."""
 SHORT = 200
 """Evaluations per parameter up to which costly methods take part."""
-PLANS = {"auto"}
-"""Methods that plan by their budget although they can be extended."""
+AT_FIRST = {"auto"}
+"""Methods that are costly for their first evaluations only, and take every budget."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Contestant:
     def plans(self) -> bool:
         """Whether its points depend on its budget, so that every budget is a run of its own."""
         library = PEERS.get(self.name)
-        return library.plans if library else self.name in PLANS or self._method.extend is None
+        return library.plans if library else self._method.extend is None
 
     @property
     def title(self) -> str:
@@ -42,7 +42,7 @@ class Contestant:
 
     def takes(self, evaluations: int, dimension: int) -> bool:
         """Whether it takes part at this budget."""
-        short = self.name not in PEERS and self._method.costly and self.name not in PLANS
+        short = self.name not in PEERS and self._method.costly and self.name not in AT_FIRST
         return evaluations <= LIMITS.get(self.name, evaluations) and not (short and evaluations > SHORT * dimension)
 
     def trace(self, function: Function, dimension: int, budget: int, seed: int, stop: float = -np.inf) -> Trace:

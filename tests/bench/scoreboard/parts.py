@@ -28,7 +28,7 @@ class Part:
     """One part: its name and title, what its figures are, and how they are made.
 
     cells: those of a request. table: figures by column and method, a column being `GROUP @ BUDGET` or `GROUP`.
-    shown: what columns of the page begin with; the file has all.
+    shown: what columns of the page begin with; the file has all. runs: whether its cells are whole runs.
     """
 
     name: str
@@ -38,6 +38,7 @@ class Part:
     measure: Measure
     table: Callable[[Sequence[Row]], Table]
     shown: str = ""
+    runs: bool = False
 
 
 def averaged(rows: Sequence[Row], figures: Callable[[Row], Mapping[str, float | None]]) -> Table:

@@ -20,20 +20,23 @@ from scipy import optimize
 
 from tests.bench.scoreboard.searches import Evaluations, Peer, Spent
 
-FOLDER = Path("build/peers")
-INSTALL = f"pip install --no-deps --target {FOLDER} -r tests/bench/scoreboard/peers.txt"
+FOLDER = Path(__file__).parents[3] / "build" / "peers"
+INSTALL = "python -m pip install --no-deps --target build/peers -r tests/bench/scoreboard/peers.txt"
 
 
 def allow() -> None:
     """Let the packages of the peers' folder be imported, after those that are installed."""
-    if str(FOLDER.resolve()) not in sys.path:
-        sys.path.append(str(FOLDER.resolve()))
+    if str(FOLDER) not in sys.path:
+        sys.path.append(str(FOLDER))
 
 
 def module(name: str) -> Any:
     """A module of the peers' folder."""
     allow()
-    return import_module(name)
+    try:
+        return import_module(name)
+    except ModuleNotFoundError as missing:
+        raise ModuleNotFoundError(f"{missing.name} is not installed: {INSTALL}", name=missing.name) from None
 
 
 @dataclass(frozen=True)
@@ -151,10 +154,6 @@ PEERS: dict[str, Library] = {
     "nlopt_crs": Library("NLopt CRS2", "nlopt", ("nlopt",), nlopt_crs),
     "nlopt_mlsl": Library("NLopt MLSL with BOBYQA", "nlopt", ("nlopt",), nlopt_mlsl),
     "nevergrad": Library("nevergrad NgIohTuned", "nevergrad", ("nevergrad",), nevergrad, plans=True, slow=True),
-    "optuna_tpe": Library(
-        "Optuna TPE", "optuna", ("optuna",), _optuna(lambda s, seed: s.TPESampler(seed=seed)), slow=True
-    ),
-    "optuna_gp": Library(
-        "Optuna GP", "optuna", ("optuna", "torch"), _optuna(lambda s, seed: s.GPSampler(seed=seed)), slow=True
-    ),
+    "optuna_tpe": Library("Optuna TPE", "optuna", ("optuna",), _optuna("TPESampler"), slow=True),
+    "optuna_gp": Library("Optuna GP", "optuna", ("optuna", "torch"), _optuna("GPSampler"), slow=True),
 }

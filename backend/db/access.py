@@ -125,7 +125,7 @@ def create_token(
     if not _NAME.fullmatch(name):
         raise AccessError(f"the name {name!r} is invalid: use 1 to 64 letters, digits and . _ + -, no spaces")
     lower = name.lower()
-    if connection.scalar(sa.select(Token.id).where(sa.func.lower(Token.name) == lower)) is not None:
+    if token_named(connection, lower):
         raise AccessError(f"a token named {name!r} exists or existed; choose another name", RefusalCode.NAME_TAKEN)
     if connection.scalar(sa.select(User.name).where(User.name == lower)) is not None:
         raise AccessError(
@@ -149,6 +149,11 @@ def create_token(
     values["expires"] = None if lifetime is None else created + lifetime
     connection.execute(sa.insert(Token).values(**values))
     return secret
+
+
+def token_named(connection: sa.Connection, lower: str) -> bool:
+    """Whether a token has or had this name, in small letters; SQLite knows only those of ASCII."""
+    return any(name.lower() == lower for name in connection.scalars(sa.select(Token.name)))
 
 
 def tokens(connection: sa.Connection, owner: str | None = None) -> list[TokenInfo]:

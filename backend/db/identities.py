@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
-from backend.db.access import close_sessions
+from backend.db.access import close_sessions, token_named
 from backend.db.engine import now
 from backend.db.roles import ROLES, Role, Scope, has_scope, widest
 from backend.db.tables import Token, User
@@ -99,8 +99,7 @@ def _free(reader: sa.Connection, wish: str, identity: str) -> str:
     plain = _LEFT.sub("", wish.strip().lower()[:1]) + _FOREIGN.sub("-", wish.strip().lower()[:200])[1:]
     name = plain[:64] if re.fullmatch(r"[a-z0-9][a-z0-9._+@-]*", plain) else f"user-{short}"
     for candidate in (name, f"{name[:53]}-{short}"):
-        lower = sa.func.lower(Token.name) == candidate
         taken = reader.scalar(sa.select(User.name).where(User.name == candidate))
-        if taken is None and reader.scalar(sa.select(Token.id).where(lower)) is None:
+        if taken is None and not token_named(reader, candidate):
             return candidate
     return f"user-{identity.removeprefix(PREFIX)[:50]}"

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
-from backend.db.access import LOCAL, AccessError, close_sessions, hashed
+from backend.db.access import LOCAL, AccessError, close_sessions, hashed, token_named
 from backend.db.engine import now
 from backend.db.roles import ROLES, Role
-from backend.db.tables import Invitation, ServiceSetting, Session, Token, User
+from backend.db.tables import Invitation, ServiceSetting, Session, User
 
 INVITATION_LIFETIME = 3 * 24 * 3600.0
 """How long an unused invitation is valid [s]."""
@@ -86,7 +86,7 @@ def invite(writer: sa.Connection, name: str, role: Role, by: str) -> str:
         )
     if role_of(writer, name) is not None:
         raise AccessError(f"there is a user {name!r} already: make a new link for that user, or choose another name")
-    if writer.scalar(sa.select(Token.id).where(sa.func.lower(Token.name) == name)) is not None:
+    if token_named(writer, name):
         raise AccessError(f"a token named {name!r} exists or existed: choose another name")
     writer.execute(sa.insert(User).values(name=name, role=role, created=now(writer), created_by=by))
     return renew(writer, name, by)

@@ -103,6 +103,15 @@ def test_a_token_is_shown_once_and_stored_as_its_hash(tmp_path: Path, capsys: py
     engine.dispose()
 
 
+@pytest.mark.parametrize(("first", "second"), [("ci", "CI"), ("ÉH", "ÉH"), ("ÉH", "éh"), ("Ж", "ж")])
+def test_names_of_tokens_differ_by_more_than_case_in_every_script(
+    first: str, second: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = ["--data", str(tmp_path)]
+    assert invoke(["token", "create", first, *data]) == 0
+    assert refused(capsys, "token", "create", second, *data) == RefusalCode.NAME_TAKEN
+
+
 def test_a_login_link_for_the_service_of_that_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     data = ["--data", str(tmp_path)]
     assert refused(capsys, "login-link", *data) == RefusalCode.NO_DATABASE

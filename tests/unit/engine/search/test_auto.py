@@ -11,7 +11,7 @@ import pytest
 from clearance.testing.searching import Function, batch, space
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import contrast_racing
-from worker.engine.search.methods.auto import MODELLED, OPENING, WITNESS, Options, Team, method
+from worker.engine.search.methods.auto import MODELLED, OPENING, SMALL, WITNESS, Options, Team, method
 
 Parts = list[tuple[str, Floats, Floats]]
 
@@ -96,7 +96,8 @@ def test_a_smooth_cost_is_solved_by_the_first_descent() -> None:
 def test_the_model_makes_way_for_other_members_and_stays_where_evaluations_are_costly() -> None:
     budget = 2 * MODELLED * 2
     cheap = counted(requested(stairs, 2, budget))
-    assert cheap["cma_es"] > cheap["lq_cma_es"] > 0
+    assert cheap["differential_evolution"] > cheap["lq_cma_es"] > 0
+    assert cheap["cma_es"] == 0 < counted(requested(stairs, SMALL + 1, 200 * SMALL))["cma_es"]
     assert cheap["direct"] > 0
     costly = counted(requested(stairs, 2, 400, Options(seconds=1.0)))
     assert set(costly) == {"sqp", "lq_cma_es", "turbo", "contrast_racing"}

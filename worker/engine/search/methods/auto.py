@@ -1,10 +1,11 @@
 """Auto: what searches where nobody has chosen. Several methods share one budget by rules; one of them stays apart.
 
 Four members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
-CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019), CMA-ES with restarts (BIPOP, Hansen
-2009), DIRECT for what none of them covers. The order is that of what each needs: a first descent takes tens of
-evaluations per parameter and solves what is smooth; the model goes on from there while it improves and evaluations are
-few; later, CMA-ES and descents from the lowest unexplored points take turns. Nothing is evaluated twice.
+CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019), an evolution strategy with restarts (of
+few parameters differential evolution, SHADE, else CMA-ES, BIPOP), DIRECT for what none of them covers. The order is
+that of what each needs: a first descent takes tens of evaluations per parameter and solves what is smooth; the model
+goes on from there while it improves and evaluations are few; later, the evolution strategy and descents from the lowest
+unexplored points take turns. Nothing is evaluated twice.
 
 The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
 and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
@@ -34,15 +35,16 @@ from worker.engine.search.base import (
     Several,
     Space,
 )
-from worker.engine.search.methods import cma_es, contrast_racing, direct, lq_cma_es, sqp, turbo
+from worker.engine.search.methods import cma_es, contrast_racing, differential_evolution, direct, lq_cma_es, sqp, turbo
 from worker.engine.search.parts.descent import End, Settings, descend
 from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.portfolio_record import Record
 
 OPENING = 60
 """Evaluations per parameter at most until the first descent has ended and the other members begin."""
-MODELLED = 250
-"""Evaluations per parameter up to which the quadratic model may replace CMA-ES where evaluations are cheap."""
+MODELLED, AT_MOST = 250, 3000
+"""Evaluations per parameter, and in all, up to which the model may lead where evaluations are cheap: its milliseconds
+are then the time of the search."""
 STALE = 30
 """Evaluations per parameter without a lower cost after which the model makes way for CMA-ES."""
 COSTLY = 0.02
@@ -55,8 +57,10 @@ WITNESS = {"above": 0.2, "equal": 0.4, "below": 0.6}
 """The witness's share of the evaluations while its lowest cost is above, equal to, or below that of the others."""
 EQUAL = 1e-3
 """Two costs are equal if they differ by less than this fraction of the spread of the costs."""
-DESCENTS, COVER = 0.3, 0.1
-"""Shares of the leading members' evaluations that descents and DIRECT get beside CMA-ES."""
+DESCENTS, COVER = 0.08, 0.02
+"""Shares of the leading members' evaluations that descents and DIRECT get beside an evolution strategy."""
+SMALL = 6
+"""Parameters up to which that is differential evolution; beyond, CMA-ES needs fewer evaluations."""
 FIRST = Settings("scipy", "forward", 1.5e-9, cost_tolerance=1e-13, iterations=1000, apart=True)
 """Differences near the square root of the rounding errors of a smooth cost."""
 COARSE = replace(FIRST, difference=1e-5)
@@ -93,7 +97,7 @@ class Member:
     """A running search: whose name its evaluations have, what it requests, and what it has used and found."""
 
     name: str
-    search: Search
+    search: Parallel
     apart: bool = False
     requested: Floats | None = None
     used: int = 0
@@ -175,7 +179,8 @@ class Team:
         self.shared = Shared(space, Explored(space, options.at_once), Record(n))
         self.descents = Member(sqp.method.name, descents(self.shared, self._own()))
         self.model = Member(lq_cma_es.method.name, modelled(self.shared, self._own(), options.at_once))
-        self.cma = Member(cma_es.method.name, cma_es.search(self._own(), cma_es.Options()))
+        evolving = differential_evolution.method if n <= SMALL else cma_es.method
+        self.evolving = Member(evolving.name, evolving.search(self._own(), evolving.options()))
         self.cover = Member(direct.method.name, direct.search(self._own(), direct.Options()))
         self.few = Member(
             turbo.method.name, turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4))), apart=True
@@ -183,7 +188,7 @@ class Team:
         self.many = Member(
             contrast_racing.method.name, contrast_racing.search(self._own(), contrast_racing.Options()), apart=True
         )
-        self.members = [self.descents, self.model, self.cma, self.cover, self.few, self.many]
+        self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many]
 
     def _own(self) -> Space:
         """The space of a member: with random numbers of its own."""
@@ -255,11 +260,11 @@ class Team:
         share = self._share()
         if not (self.shared.opened or self.descents.ended or self.descents.used >= OPENING * n):
             return [(self.descents, 1.0 - share), (witness, share)]
-        if self.costly or (self.used < MODELLED * n and self.model.stale < STALE * n):
+        if self.costly or (self.used < min(MODELLED * n, AT_MOST) and self.model.stale < STALE * n):
             return [(self.model, 1.0 - share), (witness, share)]
         lead = 1.0 - share
         others = [(self.descents, DESCENTS * lead), (self.cover, COVER * lead)]
-        return [*others, (self.cma, (1.0 - DESCENTS - COVER) * lead), (witness, share)]
+        return [*others, (self.evolving, (1.0 - DESCENTS - COVER) * lead), (witness, share)]
 
     def _share(self) -> float:
         """The witness's share of the coming evaluations."""

@@ -30,5 +30,5 @@ CONTINUED = 2
 DRAWS = 2
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""
 
-SEARCHED, SEARCHED_EACH = 5000, 1000
-"""Evaluations of the search of a campaign that states none: at least, and for each parameter."""
+SEARCH, SEARCHED, SEARCHED_EACH = "auto", 5000, 1000
+"""The search of a campaign that states none: the method, its evaluations at least, and those for each parameter."""

@@ -201,7 +201,7 @@ class Campaign(Strict):
         uncertain = document.get("uncertain")
         parameters = len(uncertain) if isinstance(uncertain, Mapping) else 0
         evaluations = max(limits.SEARCHED, limits.SEARCHED_EACH * parameters)
-        usual = {"search": [{"method": "auto", "evaluations": evaluations}], "certify": {"samples": samples}}
+        usual = {"search": [{"method": limits.SEARCH, "evaluations": evaluations}], "certify": {"samples": samples}}
         return {**document, "stages": {**usual, **stages}}
 
     @field_validator("uncertain")

@@ -108,7 +108,7 @@ class Stages(Strict):
 
     sensitivity: Sensitivity | None = Sensitivity()
     search: Annotated[list[Search], Field(min_length=1, max_length=32, json_schema_extra=no_default)] = [
-        Search(method="auto", evaluations=limits.SEARCHED)
+        Search(method=limits.SEARCH, evaluations=limits.SEARCHED)
     ]
     """If omitted, Auto with 5000 evaluations or 1000 for each parameter, whichever is more."""
     certify: Certify | None = None

@@ -22,6 +22,10 @@ ALLOWED = {
     "worker/running/reproduce",
     # The statement of a random search reads the options of one; they are to become a property of the method.
     "worker/engine/stages/parts/sample.py",
+    # The search of a campaign that states none.
+    "campaigns/limits.py",
+    # A value of CSS.
+    "frontend/src/launch/code/look.ts",
 }
 WALK = '''"""Corner walk: evaluates the corners of the box.
 

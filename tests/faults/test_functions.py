@@ -125,7 +125,7 @@ def test_three_lines_to_a_verdict_that_can_be_audited(tmp_path: Path) -> None:
     assert result.verdict == "cleared", result.verdict.sentence
     assert result.worst is not None
     assert result.worst.parameters == pytest.approx({"mass": 2.3, "drag": 0.2}, abs=1e-6)
-    assert result.worst.methods == ("direct", "cma_es")
+    assert result.worst.methods == ("auto",)
     folder = result.save(tmp_path / "saved")
     items = audited(of_folder(folder))
     assert judge.closing(items)[0]

@@ -11,7 +11,7 @@ import pytest
 from clearance.testing.searching import Function, batch, space
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import contrast_racing
-from worker.engine.search.methods.auto import MODELLED, OPENING, SMALL, WITNESS, Options, Team, method
+from worker.engine.search.methods.auto import OPENING, SMALL, WITNESS, Options, Team, method
 
 Parts = list[tuple[str, Floats, Floats]]
 
@@ -93,14 +93,23 @@ def test_a_smooth_cost_is_solved_by_the_first_descent() -> None:
     assert early[0][0] == "sqp"
 
 
-def test_the_model_makes_way_for_other_members_and_stays_where_evaluations_are_costly() -> None:
-    budget = 2 * MODELLED * 2
-    cheap = counted(requested(stairs, 2, budget))
+def test_the_model_makes_way_for_an_evolution_strategy() -> None:
+    cheap = counted(requested(stairs, 2, 1000))
     assert cheap["differential_evolution"] > cheap["lq_cma_es"] > 0
     assert cheap["cma_es"] == 0 < counted(requested(stairs, SMALL + 1, 200 * SMALL))["cma_es"]
-    assert cheap["direct"] > 0
-    costly = counted(requested(stairs, 2, 400, Options(seconds=1.0)))
-    assert set(costly) == {"sqp", "lq_cma_es", "turbo", "contrast_racing"}
+
+
+def test_the_witness_of_few_costly_evaluations_is_turbo() -> None:
+    costly = counted(requested(stairs, 2, 100, Options(seconds=1.0)))
+    assert set(costly) == {"sqp", "lq_cma_es", "turbo"}
+
+
+def test_a_cost_of_few_digits_is_descended_with_larger_differences() -> None:
+    def printed(x: Floats) -> Floats:
+        return np.round(bowl(x), 7)
+
+    found = requested(printed, 4, OPENING * 4)
+    assert min(float(values.min()) for _, _, values in found) < 1e-3
 
 
 def test_what_is_never_evaluated_is_searched_on() -> None:

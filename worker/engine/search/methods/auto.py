@@ -48,7 +48,7 @@ are then the time of the search."""
 STALE = 30
 """Evaluations per parameter without a lower cost after which the model makes way for CMA-ES."""
 COSTLY = 0.02
-"""Time of an evaluation [s] from which the model's milliseconds do not count: it never stops."""
+"""Time of an evaluation [s] from which the milliseconds of models do not count."""
 STUCK = 100
 """Evaluations per parameter without a lower cost after which the others get no more than if the witness were equal."""
 FEW = 60
@@ -64,7 +64,7 @@ SMALL = 6
 FIRST = Settings("scipy", "forward", 1.5e-9, cost_tolerance=1e-13, iterations=1000, apart=True)
 """Differences near the square root of the rounding errors of a smooth cost."""
 COARSE = replace(FIRST, difference=1e-5)
-"""Differences for costs with larger errors, where a first descent moved nowhere."""
+"""Differences for costs with larger errors, from the first descent on that moved nowhere."""
 EPOCH = 150
 """Evaluations per parameter of the first budget of contrast racing, which doubles it when it is used up."""
 PENDING = 16
@@ -77,7 +77,7 @@ class Options:
 
     seconds: Annotated[
         float,
-        Field(ge=0, le=1e6, description="Time of an evaluation [s], if known; from 0.02 on the model never stops"),
+        Field(ge=0, le=1e6, description="Time of an evaluation [s], if known; from 0.02 on, models take part longer"),
     ] = 0.0
     at_once: Annotated[int, Field(ge=1, le=100, description="Evaluations that run side by side")] = 1
 
@@ -260,7 +260,7 @@ class Team:
         share = self._share()
         if not (self.shared.opened or self.descents.ended or self.descents.used >= OPENING * n):
             return [(self.descents, 1.0 - share), (witness, share)]
-        if self.costly or (self.used < min(MODELLED * n, AT_MOST) and self.model.stale < STALE * n):
+        if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self.model.stale < STALE * n:
             return [(self.model, 1.0 - share), (witness, share)]
         lead = 1.0 - share
         others = [(self.descents, DESCENTS * lead), (self.cover, COVER * lead)]
@@ -280,12 +280,15 @@ def descents(shared: Shared, space: Space) -> Search:
     """A first descent from the centre, then from the lowest points away from all earlier starts."""
     n = space.dimension
     start: Floats | None = np.full(n, 0.5)
-    settings = replace(FIRST, most=OPENING * n)
+    settings, coarse = (replace(each, most=OPENING * n) for each in (FIRST, COARSE))
     while True:
         while start is None:
             yield from shared.explored.grow(2 * n)
             start = shared.record.start()
         end = yield from shared.archived(descend(start, settings))
+        if settings is not coarse and end.cost < np.inf and np.abs(end.point - start).max() <= settings.difference:
+            settings = coarse
+            continue
         if not shared.opened and not end.cost < np.inf:
             start = None
             continue

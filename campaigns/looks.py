@@ -21,7 +21,7 @@ EXTRA = {
 
 Marker = Literal[
     "square", "box", "diamond", "triangle", "down", "right", "circle", "hexagon", "pentagon", "star", "plus", "bow",
-    "asterisk", "cross", "left", "hourglass", "ring",
+    "asterisk", "cross", "left", "hourglass", "shield", "ring",
 ]  # fmt: skip
 
 Way = Literal["still", "goal", "waypoints", "orbit", "heading", "velocity"]

@@ -43,7 +43,7 @@ def test_the_launch_page_proposes_searches(visit: Visit) -> None:
     use.click()
     expect(card).to_contain_text("The campaign states these searches.")
     expect(use).to_be_disabled()
-    expect(page.get_by_label("CMA-ES, evaluations at most", exact=True)).to_have_value("5000")
+    expect(page.get_by_label("Auto, evaluations at most", exact=True)).to_have_value("10000")
     expect(page.get_by_label("Run Genetic algorithm")).not_to_be_checked()
     visit.shot("simulator-proposal")
 

@@ -113,6 +113,7 @@ export const OUTLINE: Record<Shape, string> = {
   right: 'M9.2 5 1.1.4v9.2z',
   left: 'M.8 5 8.9.4v9.2z',
   hourglass: 'M.9.7v8.6L5 5.9l4.1 3.4V.7L5 4.1z',
+  shield: 'M1 .9h8v4.4L5 9.4 1 5.3z',
   star: 'M5 0l1.4 3.3 3.6.3-2.7 2.4.8 3.5L5 7.7 1.9 9.5l.8-3.5L0 3.6l3.6-.3z',
   plus: 'M3.5.7h3v2.8h2.8v3H6.5v2.8h-3V6.5H.7v-3h2.8z',
   bow: 'M.7.9h8.6L5.9 5l3.4 4.1H.7L4.1 5z',

@@ -333,5 +333,5 @@ method = Method(
     suits="everything, where nothing is known",
     proposed=1,
     confirms=125,  # a fifth of it is 25, which a global search must have
-    look=MethodLook(colour="#3d4f60", dark="#dbe4ec", marker="hexagon"),
+    look=MethodLook(colour="#3d4f60", dark="#dbe4ec", marker="shield"),
 )

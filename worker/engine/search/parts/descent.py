@@ -16,6 +16,7 @@ import numpy as np
 
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.search.parts.callback import Ask, called_back
+from worker.engine.search.parts.one_thread import one_thread
 
 Library = Literal["nlopt", "scipy", "bfgs"]
 Objective = Callable[[Floats], tuple[float, Floats]]
@@ -166,20 +167,22 @@ def _scipy(trail: _Trail, settings: Settings, start: Floats) -> str:
 
     costs: Any = trail.value if settings.apart else trail
     slopes: Any = trail.slope if settings.apart else True
-    found = minimize(
-        costs, start, method="SLSQP", jac=slopes, bounds=[(0.0, 1.0)] * len(start),
-        options={"ftol": settings.cost_tolerance, "maxiter": settings.iterations},
-    )  # fmt: skip
+    with one_thread():
+        found = minimize(
+            costs, start, method="SLSQP", jac=slopes, bounds=[(0.0, 1.0)] * len(start),
+            options={"ftol": settings.cost_tolerance, "maxiter": settings.iterations},
+        )  # fmt: skip
     return {0: HOLDS, 8: FAILED, 9: ITERATIONS}.get(found.status, FAILED)
 
 
 def _bfgs(trail: Objective, settings: Settings, start: Floats) -> str:
     from scipy.optimize import minimize
 
-    found = minimize(
-        trail, start, method="L-BFGS-B", jac=True, bounds=[(0.0, 1.0)] * len(start),
-        options={"ftol": settings.cost_tolerance, "gtol": 0.0, "maxiter": settings.iterations},
-    )  # fmt: skip
+    with one_thread():
+        found = minimize(
+            trail, start, method="L-BFGS-B", jac=True, bounds=[(0.0, 1.0)] * len(start),
+            options={"ftol": settings.cost_tolerance, "gtol": 0.0, "maxiter": settings.iterations},
+        )  # fmt: skip
     return {0: CHANGES, 1: ITERATIONS}.get(found.status, FAILED)
 
 

@@ -263,7 +263,8 @@ def _stage(run: Run, k: int) -> Tree:
         return _nominal(run, run.claims["results"][0]) if run.sealed else {}
     sample = run.samples.get(k)
     if run.plan[k].kind == "sensitivity" and run.sealed:
-        return {"curves": charts.curves(run, k)}
+        asked = run.campaign.stages.sensitivity
+        return {"curves": charts.curves(run, k)} | ({} if asked is None else {"points": asked.points})
     if sample is None:
         return {"sample": None} if k in run.searches else {}
     if not run.sealed:

@@ -115,7 +115,7 @@ class Run:
     def _granted(self, finding: Tree) -> float:
         """The mildest value of a violation whose values differ beyond tolerance, else its own."""
         case, label = finding["validation"], finding["label"]
-        given = next(f["validation"] for f in self.claims["findings"] if f["label"] == label)
+        given = next((f["validation"] for f in self.claims["findings"] if f["label"] == label), case)
         if case["agrees"] or "repeats" in case:
             return float(finding["cost"])
         return float(max(finding["cost"], *(given[k]["cost"] for k in self.others)))
@@ -212,6 +212,7 @@ class Run:
         if self.sealed:
             found["deviation"] = float(costs.std(ddof=1)) if len(costs) > 1 else None
             found["histogram"] = histogram(costs)
+            found["looks"] = None
         if self.random:
             own = certify and self.claims["results"][k]["drawn_realisations"] == draws
             found["noise"] = "drawn" if own else "stated"

@@ -63,7 +63,7 @@ def of_sample(run: Run, k: int, sample: Tree) -> Tree:
     numbers = sample["violations"], size, failed, excluded, outside, run.campaign.confidence
     counts = templates.Counts(*numbers, terms, run.campaign.simulator is not None)
     statement = counts.bound(sample["upper_bound"])
-    if "looks" in sample:
+    if sample.get("looks"):
         level = 1.0 - (1.0 - run.campaign.confidence) / (sample["looks"] * (sample["looks"] + 1))
         statement = templates.interim(statement, sample["looks"], level)
     found: Tree = {"statement": statement}

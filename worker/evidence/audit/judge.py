@@ -218,7 +218,7 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
     if sample and run.sealed:
         sample["source"] = "certify" if any(stage.kind == "certify" for stage in run.plan) else "search"
-        if run.claimed and "quantile" in sample and run.campaign.stages.certify is not None:
+        if run.claimed and sample.get("quantile") and run.campaign.stages.certify is not None:
             least = needed(run.campaign.stages.certify.quantile - run.claimed["outside"], run.campaign.confidence)
             sample["quantile"] = sample["quantile"] | {"needed": least}
     if run.campaign.baseline is not None:

@@ -212,7 +212,7 @@ class Run:
         if self.sealed:
             found["deviation"] = float(costs.std(ddof=1)) if len(costs) > 1 else None
             found["histogram"] = histogram(costs)
-            found["looks"] = None
+            found |= {"looks": None, "quantile": None}
         if self.random:
             own = certify and self.claims["results"][k]["drawn_realisations"] == draws
             found["noise"] = "drawn" if own else "stated"

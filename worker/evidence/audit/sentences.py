@@ -50,7 +50,7 @@ def shown(stated: Any, expected: Spans | Missing) -> tuple[Any, Any]:
 def of_sample(run: Run, k: int, sample: Tree) -> Tree:
     """The sentences of a sample that gives a bound; those of any other name what its method drew, as taken."""
     certify = run.campaign.stages.certify
-    if run.reworded and "quantile" in sample and certify is not None:
+    if run.reworded and sample.get("quantile") and certify is not None:
         outside = sample["outside"]
         least = needed(certify.quantile - outside, run.campaign.confidence)
         return {"quantile": {"share": certify.quantile, "needed": least}}
@@ -67,7 +67,7 @@ def of_sample(run: Run, k: int, sample: Tree) -> Tree:
         level = 1.0 - (1.0 - run.campaign.confidence) / (sample["looks"] * (sample["looks"] + 1))
         statement = templates.interim(statement, sample["looks"], level)
     found: Tree = {"statement": statement}
-    if "quantile" in sample:
+    if sample.get("quantile"):
         quantile = sample["quantile"]
         assert certify is not None
         order, least = quantile["order"] or 0, needed(certify.quantile - outside, run.campaign.confidence)

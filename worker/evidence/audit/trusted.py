@@ -25,9 +25,10 @@ TRUSTED = (
         (r"campaign\.",),
     ),
     Trusted(
-        "Which points a search evaluated, and when it stopped",
+        "Which points a search evaluated, which of its members requested them, and when it stopped",
         "searches are not run again; only samples, the grid, the nominal case and the baseline have points that follow",
-        (r"\.stop\.", r"members", r"evaluations$", r"gap\.(?!statement)", r"candidates", r"rounds"),
+        (r"\.stop\.", r"members", r"\.apart\.#\.(member|title|family|index)", r"evaluations$", r"gap\.(?!statement)",
+         r"candidates", r"rounds"),
     ),
     Trusted(
         "In a folder: that a sample's seed was drawn at the launch",
@@ -38,7 +39,7 @@ TRUSTED = (
         "Basins: which cases are one worst case, whether all were polished, what the allowance of validation left out",
         "they rest on descents and on lines between cases, which are not repeated; the allowance itself is recomputed",
         (r"left_out", r"basin", r"complete", r"since", r"found\.#\.evaluations", r"to_near_best",
-         r"comparison\.#\.minima"),
+         r"comparison\.#\.(minima|apart)"),
     ),
     Trusted(
         "Values by half the step, the reference integrator and repeated calls; spot checks; neighbours",

@@ -137,7 +137,6 @@ class Shared:
     space: Space
     explored: Explored
     record: Record
-    used: int = 0
     stale: int = 0
     """Evaluations since the last improvement."""
     lowest: float = np.inf
@@ -147,7 +146,6 @@ class Shared:
 
     def see(self, points: Floats, values: Floats) -> None:
         """Points (m, n) of a leading member with their values (m,), infinite where failed."""
-        self.used += len(points)
         low = int(np.argmin(values))
         self.stale += len(points)
         if values[low] < self.lowest:

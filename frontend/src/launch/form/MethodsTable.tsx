@@ -73,7 +73,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
       id="section-methods"
       note="Each search ends by its own rule or at its budget."
       flush
-      footer="Cleared requires two families of methods that agree on the worst case, which Auto contains, and an independent sample."
+      footer="Cleared requires methods of two families that agree on the worst case (Auto has both), and an independent sample."
     >
       <table data-dense className={clsx(tables.table, styles.ptable)}>
         <thead>

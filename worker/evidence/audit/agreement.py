@@ -58,6 +58,9 @@ def family(run: Run, k: int) -> str:
     """The principle by which a search searched; that of a portfolio's leading member is taken as given."""
     method, result = run.methods[k], run.claims["results"][k]
     options = run.campaign.stages.search[run.searches.index(k)].options
+    if result.get("apart"):
+        lowest = min(result["apart"], key=lambda part: part["best"])
+        return str(method.apart.get(lowest["member"], lowest["family"]))
     if result.get("members"):
         return str(result.get("family") or method.name)
     chosen: list[str] = [

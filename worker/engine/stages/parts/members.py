@@ -79,7 +79,9 @@ class Members:
             if not np.isfinite(ranked[mine]).any():
                 continue
             low = int(np.flatnonzero(mine)[np.argmin(ranked[mine])])
-            known = methods[names[low]]
+            known = methods.get(names[low])
+            if known is None:  # a method of its own that did not say who requested the point
+                continue
             found.append(
                 Apart(
                     member=known.name,

@@ -18,6 +18,7 @@ import sqlalchemy as sa
 from backend.db import workers
 from backend.db.engine import connect, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
+from worker.engine.systems.simulators.slots import marks, places
 from worker.running.processes.children import Child, ChildEndedError
 from worker.running.processes.lifeline import Wakeup
 from worker.running.processes.watching import Watch
@@ -79,6 +80,8 @@ class Supervisor:
 
     def run(self) -> int:
         """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal."""
+        marks.end_orphans()
+        places.remove_left()
         with self._wakeup:
             try:
                 self._despite_outage(lambda: self._notify(workers.arrive))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -31,7 +32,14 @@ class Message(TypedDict, total=False):
 
 
 class ChildEndedError(RuntimeError):
-    """The child has ended; the message states how and completes "the worker process ..."."""
+    """The child has ended; the message states how and completes "the worker process ...".
+
+    killed: by a signal that only others send.
+    """
+
+    def __init__(self, status: int) -> None:
+        super().__init__(lifeline.how_it_ended(status))
+        self.killed = -status in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 
 class Child:
@@ -97,4 +105,4 @@ class Child:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=5.0)
         self.kill()
-        return ChildEndedError(lifeline.how_it_ended(self._process.returncode))
+        return ChildEndedError(self._process.returncode)

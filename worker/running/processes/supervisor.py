@@ -49,7 +49,8 @@ SETTLE = 60.0
 
 @dataclass(frozen=True)
 class Ending:
-    """How an attempt ended: an outcome of `worker.running.processes.child`, or `died`, `cancelled`, `stopped`."""
+    """How an attempt ended: an outcome of `worker.running.processes.child`, or `died`, `killed`, `cancelled`,
+    `stopped`."""
 
     outcome: str
     text: str = ""
@@ -127,7 +128,7 @@ class Supervisor:
                     self.simulators = published["simulators"]
         except ChildEndedError as ended:
             self.child = None
-            return Ending("died", f"the worker process {ended}")
+            return Ending("killed" if ended.killed else "died", f"the worker process {ended}")
         except LostLease:
             return self._lost(child)
 
@@ -159,6 +160,7 @@ class Supervisor:
         queue = self.queue
         settle: dict[str, Callable[[], None]] = {
             "died": lambda: queue.retry(claim, ending.text),
+            "killed": lambda: queue.lost(claim, ending.text),
             "failed": lambda: queue.retry(claim, ending.text),
             "refused": lambda: queue.refuse(claim, self.installation, ending.text),
             "unusable": lambda: queue.fail(claim, ending.text),

@@ -42,10 +42,13 @@ _PROGRESS = {"attempts": 1, "losses": 0}
 
 
 class RunStore:
-    """The results of one claimed run. Writes raise `LostLease` once the run is reassigned or has ended."""
+    """The results of one claimed run. Writes raise `LostLease` once the run is reassigned or has ended.
 
-    def __init__(self, engine: sa.Engine, claim: Claim) -> None:
-        self.engine, self.claim = engine, claim
+    written: is called after every write.
+    """
+
+    def __init__(self, engine: sa.Engine, claim: Claim, written: Callable[[], None] = lambda: None) -> None:
+        self.engine, self.claim, self._written = engine, claim, written
         self._run = claim.run_id
 
     @property
@@ -278,4 +281,6 @@ class RunStore:
             connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
 
     def _write(self, work: Callable[[sa.Connection], Result]) -> Result:
-        return write(self.engine, work, PATIENCE)
+        found = write(self.engine, work, PATIENCE)
+        self._written()
+        return found

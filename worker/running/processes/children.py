@@ -16,6 +16,7 @@ from worker.engine.systems.simulators.slots.guard import END
 from worker.engine.systems.simulators.slots.slot import guarded
 from worker.running.processes import lifeline
 from worker.running.processes.lifeline import Wakeup
+from worker.running.runs.pulse import Pulse
 
 PATIENCE = 4.0
 """Time for it to end with all that it started [s]: longer than the slots have."""
@@ -47,14 +48,19 @@ class Child:
     with it whatever it started."""
 
     def __init__(self, setup: Mapping[str, object], wakeup: Wakeup) -> None:
-        command = [sys.executable, "-P", "-m", "worker.running.processes.child"]
+        self.pulse, file = Pulse.shared()
+        command = [sys.executable, "-P", "-m", "worker.running.processes.child", str(file)]
+        self.ready = False
+        """Whether it has said that it is."""
+        self.begun = time.monotonic()
         controlled, self._control = os.pipe()
         begun = guarded(controlled, asked=PATIENCE, died=PATIENCE)
         self._process = subprocess.Popen(
             [*begun, *command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
-            pass_fds=(controlled,), start_new_session=True,
+            pass_fds=(controlled, file), start_new_session=True,
         )  # fmt: skip
         os.close(controlled)
+        os.close(file)
         self._wakeup, self._received = wakeup, b""
         self.send(setup)
 

@@ -60,6 +60,11 @@ class Pooled(Simulated):
         return self._limits.recycle
 
     @property
+    def longest(self) -> float:
+        """Time that one evaluation may take [s], with the start of a process for it."""
+        return self._limits.start + self._limits.timeout
+
+    @property
     @abstractmethod
     def _limits(self) -> Limits: ...
 

@@ -291,9 +291,11 @@ def own(folder: Path, *options: str) -> Iterator[Bench]:
     url = f"sqlite:///{folder}/clearance.sqlite3"
     migrate(url)
     bench = Bench(url, folder)
-    with worker(url, folder, "own", *OPTIONS, *options) as bench.worker:
-        yield bench
-    bench.engine.dispose()
+    try:
+        with worker(url, folder, "own", *OPTIONS, *options) as bench.worker:
+            yield bench
+    finally:
+        bench.engine.dispose()
 
 
 @pytest.mark.parametrize("how", ["stopped", at_night("hang"), at_night("hold")])

@@ -36,11 +36,20 @@ class Record:
                 insort(self.first, value)
         worst = self.values[-1] if len(self.values) == KEPT else np.inf
         some = np.flatnonzero(known & (values < worst))
-        some = some[self._free(points[some])]
         if len(some):
+            some = some[self._free(points[some])]
+        if len(some) == 1:
+            self._insert(points[some], values[some])
+        elif len(some):
             points, values = np.concatenate([self.points, points[some]]), np.concatenate([self.values, values[some]])
             order = np.argsort(values, kind="stable")[:KEPT]
             self.points, self.values = points[order], values[order]
+
+    def _insert(self, point: Floats, value: Floats) -> None:
+        """One point (1, n), after those that are equally low."""
+        at, end = int(np.searchsorted(self.values, value[0], side="right")), KEPT - 1
+        self.points = np.concatenate([self.points[:at], point, self.points[at:end]])
+        self.values = np.concatenate([self.values[:at], value, self.values[at:end]])
 
     def spread(self) -> float:
         """The median of the first costs minus the lowest of all; 0 if there are no costs yet."""

@@ -213,6 +213,7 @@ method = Method(
     extend=extend,
     family="population",
     whole_budget=True,
+    own_rule="as_published",
     parallel="a generation",
     suits="comparison with published results; DE reaches 0.72 of the targets of BBOB at 1,000 n, this 0.20",
     proposed=4,

@@ -90,7 +90,7 @@ def _crossed(random: np.random.Generator, parents: Floats, options: Options) -> 
     Deb and Agrawal, Simulated binary crossover for continuous search space (Complex Systems 9, 1995), within bounds.
     """
     pairs, n = parents.shape[1:]
-    crossed = random.random(pairs) < options.crossover
+    crossed = np.less(random.random(pairs), options.crossover)
     if not crossed.any():
         return parents.reshape(-1, n)
     random.random(pairs)  # pymoo's draw whether a pair exchanges parameters: always
@@ -104,7 +104,7 @@ def _crossed(random: np.random.Generator, parents: Floats, options: Options) -> 
         """beta_q of the paper, where the nearer face is this far from the parents."""
         alpha = 2.0 - np.power(1.0 + 2.0 * room / distance, -power)
         inner = drawn <= 1.0 / alpha
-        return np.power(np.where(inner, drawn * alpha, 1.0 / (2.0 - drawn * alpha)), 1.0 / power)
+        return np.asarray(np.power(np.where(inner, drawn * alpha, 1.0 / (2.0 - drawn * alpha)), 1.0 / power))
 
     below = 0.5 * ((low + high) - spread(low) * distance)
     above = 0.5 * ((low + high) + spread(1.0 - high) * distance)

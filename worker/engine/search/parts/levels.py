@@ -58,7 +58,7 @@ class Levels:
     def critical(self) -> float:
         """The distance within which a lower point bars a local search."""
         n, m = self.points.shape[1], max(self.sampled, 2)
-        volume = math.exp(math.lgamma(1 + n / 2) / n) * (SIGMA * math.log(m) / m) ** (1 / n)
+        volume: float = math.exp(math.lgamma(1 + n / 2) / n) * (SIGMA * math.log(m) / m) ** (1 / n)
         return volume / math.sqrt(math.pi)
 
 

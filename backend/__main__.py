@@ -22,7 +22,9 @@ from fastapi import FastAPI
 
 from backend.app import create
 from backend.db.access import create_login_code
+from backend.db.alone import alone
 from backend.db.engine import migrate
+from backend.db.outages import worded
 from backend.db.private import keep_private, write_private
 from backend.db.registered import registered
 from backend.http.pages import unbuilt
@@ -84,11 +86,16 @@ def main() -> int:
         for sentence in filter(None, [*Settings.unknown(os.environ), unbuilt(settings.pages)]):
             logging.getLogger("clearance").warning(sentence)
         keep_private(settings.data, settings.database_url)
-        migrate(settings.database_url)
-        listening = _listen(settings)
+        with alone(settings.data, "backend.lock"):
+            migrate(settings.database_url)
+            _serve(settings, _listen(settings))
     except (ValueError, OSError, sa.exc.SQLAlchemyError) as error:
-        print(f"clearance: {error}", file=sys.stderr)
+        print(f"clearance: {worded(error)}", file=sys.stderr)
         return 2
+    return 0
+
+
+def _serve(settings: Settings, listening: socket.socket) -> None:
     app = create(settings)
     _announce(app, settings, listening.getsockname()[1])
     server = Server(server_config(app))
@@ -99,7 +106,6 @@ def main() -> int:
         signal.signal(number, lambda *_: setattr(server, "should_exit", True))
     with registered(settings.data, settings.database_url, settings.url(listening.getsockname()[1])):
         asyncio.run(server.serve([listening]))
-    return 0
 
 
 def server_config(app: FastAPI) -> uvicorn.Config:

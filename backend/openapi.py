@@ -102,14 +102,15 @@ def _document(app: FastAPI) -> JsonObject:
 
 def _declare(operation: JsonObject, method: str, rule: Rule) -> None:
     """Add the problem types that the middleware and the framework can return for any route."""
-    kinds = ["bad-request", "unknown-host", "too-long", "invalid-request", "internal", "busy", "too-many-requests"]
+    kinds = ["bad-request", "unknown-host", "too-long", "invalid-request", "internal", "too-many-requests"]
+    kinds += ["busy", "database-away", "database-gone", "damaged"]
     if rule.role is not None:
         kinds.append("not-signed-in")
         kinds += ["role-too-low"] if rule.role != "viewer" else []
         kinds += ["scope-too-narrow"] if rule.scope != "read" else []
         kinds += ["not-yours"] if rule.own and rule.role != "viewer" else []
     if method != "get":
-        kinds += ["foreign-origin", "too-large"]
+        kinds += ["foreign-origin", "too-large", "no-space"]
     for kind in kinds:
         declare(operation["responses"], kind, str)
     operation["responses"] = dict(sorted(operation["responses"].items()))

@@ -20,6 +20,7 @@ from starlette.requests import HTTPConnection
 from backend.db import access
 from backend.db.access import Visitor
 from backend.db.engine import connect, read
+from backend.db.outages import DatabaseOutage
 
 Result = TypeVar("Result")
 
@@ -56,6 +57,9 @@ class Door:
         """Whether the sender is still authenticated; true if the database cannot be read."""
         try:
             return await self.visitor(connection) is not None
+        except DatabaseOutage as error:
+            _log.warning("a visitor's access could not be checked again; trying again later: %s", error)
+            return True
         except sa.exc.SQLAlchemyError:
             _log.exception("a visitor's access could not be checked again; trying again later")
             return True

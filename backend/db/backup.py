@@ -18,7 +18,7 @@ from pathlib import Path
 import sqlalchemy as sa
 
 from backend.db import revision, workers
-from backend.db.engine import connect, read
+from backend.db.engine import connect, file_uri, read
 from backend.db.private import create_private
 
 
@@ -87,7 +87,7 @@ def restore(url: str, file: Path) -> Path | None:
 def damage(file: Path) -> str:
     """What is wrong with an SQLite file, in SQLite's words; empty if it is whole."""
     try:
-        with closing(sqlite3.connect(f"file:{_quoted(file)}?mode=ro", uri=True, timeout=30.0)) as connection:
+        with closing(sqlite3.connect(file_uri(file, "ro"), uri=True, timeout=30.0)) as connection:
             found = [str(row[0]) for row in connection.execute("PRAGMA quick_check(3)")]
     except sqlite3.DatabaseError as error:
         return str(error)
@@ -97,7 +97,7 @@ def damage(file: Path) -> str:
 def _copy_sqlite(source: Path, part: Path) -> None:
     part.unlink()  # VACUUM INTO makes the file, or takes one that is empty
     try:
-        with closing(sqlite3.connect(f"file:{_quoted(source)}?mode=ro", uri=True, timeout=60.0)) as connection:
+        with closing(sqlite3.connect(file_uri(source, "ro"), uri=True, timeout=60.0)) as connection:
             connection.execute("VACUUM INTO ?", (str(part),))
         part.chmod(0o600)
     except sqlite3.Error as error:
@@ -109,7 +109,7 @@ def _copy_sqlite(source: Path, part: Path) -> None:
 def _refuse_unusable(file: Path) -> None:
     if wrong := damage(file):
         raise BackupError(f"{file} is no backup that can be restored: {wrong}")
-    with closing(sqlite3.connect(f"file:{_quoted(file)}?mode=ro", uri=True)) as connection:
+    with closing(sqlite3.connect(file_uri(file, "ro"), uri=True)) as connection:
         try:
             (found,) = connection.execute("select version_num from alembic_version").fetchone()
         except (sqlite3.DatabaseError, TypeError):
@@ -189,10 +189,6 @@ def _tool(url: str, name: str, *words: str) -> None:
 
 def _file_of(url: str) -> Path:
     return Path(str(sa.make_url(url).database)).absolute()
-
-
-def _quoted(file: Path) -> str:
-    return str(file.absolute()).replace("%", "%25").replace("?", "%3f").replace("#", "%23")
 
 
 def _on_disk(path: Path) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import json
+import os
 import sqlite3
 import time
 from collections.abc import Callable, Iterator
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import sqlalchemy as sa
 from sqlalchemy.dialects import sqlite
 
-from backend.db import revision
+from backend.db import outages, revision
 from backend.db.private import create_private
 
 if TYPE_CHECKING:
@@ -29,17 +30,37 @@ Result = TypeVar("Result")
 BUSY_TIMEOUT = 30.0
 """How long an SQLite writer waits for another writer [s]."""
 
+SERVER_LIMITS = {
+    "connect_timeout": 5,
+    "keepalives_idle": 10,
+    "keepalives_interval": 5,
+    "keepalives_count": 3,
+    "tcp_user_timeout": 20_000,
+}
+"""After which a PostgreSQL server that is silent counts as away [s, the last one ms]; those of the address win."""
+
+class NewerSchemaError(ValueError):
+    """A newer version of Clearance has migrated the database."""
+
+    def __init__(self, stored: str) -> None:
+        super().__init__(
+            f"the database has schema {stored}, and this version of Clearance knows {revision.newest()}: install the "
+            "newer version again, or restore a backup that was made before the update"
+        )
+
+
 _json = functools.partial(json.dumps, allow_nan=False)
 _READ = "clearance_read"
 _MIGRATION_LOCK = 0x636C6561
 """Key of the PostgreSQL advisory lock that serialises migrations."""
 
 
-def connect(url: str, busy_timeout: float | None = None) -> sa.Engine:
-    """An engine for `sqlite:///path` or `postgresql://...`; creates the folder of an SQLite file if it is missing.
+def connect(url: str, busy_timeout: float | None = None, create: bool = True) -> sa.Engine:
+    """An engine for `sqlite:///path` or `postgresql://...`; create: whether a missing SQLite file is made now.
 
     busy_timeout: how long a writer waits for a lock [s]; on PostgreSQL it is set only if given. Every SQLite
-    transaction is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for any other database.
+    transaction is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for any other database. What is wrong
+    with the database itself is raised as `outages.DatabaseOutage`; a file that is deleted is not made again.
     """
     try:
         parsed = sa.make_url(url)
@@ -47,17 +68,16 @@ def connect(url: str, busy_timeout: float | None = None) -> sa.Engine:
         raise ValueError("invalid database address: give sqlite:///FILE or postgresql://...") from None
     backend = parsed.get_backend_name()
     if backend == "sqlite":
-        return _sqlite(parsed, BUSY_TIMEOUT if busy_timeout is None else busy_timeout)
+        return _sqlite(parsed, BUSY_TIMEOUT if busy_timeout is None else busy_timeout, create)
     if backend in ("postgresql", "postgres"):
-        limits = "" if busy_timeout is None else f"-c lock_timeout={busy_timeout * 1000:.0f}"
-        return sa.create_engine(
-            parsed.set(drivername="postgresql+psycopg"),
-            pool_pre_ping=True,
-            json_serializer=_json,
-            connect_args={"options": limits} if limits else {},
+        limits: dict[str, Any] = {name: n for name, n in SERVER_LIMITS.items() if name not in parsed.query}
+        if busy_timeout is not None:
+            limits["options"] = f"-c lock_timeout={busy_timeout * 1000:.0f}"
+        address = parsed.set(drivername="postgresql+psycopg")
+        return outages.watched(
+            sa.create_engine(address, pool_pre_ping=True, json_serializer=_json, connect_args=limits)
         )
-    address = parsed.render_as_string()
-    raise ValueError(f"the database {address!r} is not supported: give sqlite:///FILE or postgresql://...")
+    raise ValueError(f"the database {parsed.render_as_string()!r} is not supported: give sqlite:///FILE or postgresql://...")
 
 
 def default_url(data: Path) -> str:
@@ -101,8 +121,8 @@ def write(engine: sa.Engine, work: Callable[[sa.Connection], Result], patience: 
         try:
             with engine.begin() as connection:
                 return work(connection)
-        except sa.exc.OperationalError:
-            if time.monotonic() + pause > deadline:
+        except sa.exc.OperationalError as error:
+            if time.monotonic() + pause > deadline or getattr(error, "kind", "") == "damaged":
                 raise
         time.sleep(pause)
         pause = min(2.0, 2 * pause)
@@ -118,15 +138,21 @@ def migration_lock(engine: sa.Engine) -> Iterator[sa.Connection]:
 
 
 def migrate(url: str) -> None:
-    """Migrate the database to the newest schema; safe when several processes start at once."""
+    """Migrate the database to the newest schema; safe when several processes start at once.
+
+    Raises `NewerSchemaError`, and `outages.DatabaseOutage` if the database cannot be used.
+    """
     engine = connect(url)
     if is_sqlite(engine):
         # A table is altered by copying and dropping it, which must not cascade; the pragma has no effect later.
         sa.event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=OFF"))
     try:
         with migration_lock(engine) as connection:
-            if revision.stored(connection) == revision.newest():
+            stored = revision.stored(connection)
+            if stored == revision.newest():
                 return
+            if stored is not None and stored not in revision.known():
+                raise NewerSchemaError(stored)
             from backend.db.migrate import to_head  # only where it is needed: Alembic takes 0.2 s to load
 
             to_head(connection)
@@ -134,27 +160,54 @@ def migrate(url: str) -> None:
         engine.dispose()
 
 
-def _sqlite(url: sa.URL, busy_timeout: float) -> sa.Engine:
+def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:
     if not url.database or url.database == ":memory:":
         raise ValueError(
             "an SQLite database must be a file, because several processes use it: give sqlite:///path/to/file"
         )
-    create_private(Path(url.database).absolute())
+    file = Path(url.database).absolute()
+    if create:
+        create_private(file)
     engine = sa.create_engine(url, connect_args={"timeout": busy_timeout}, json_serializer=_json)
 
+    @sa.event.listens_for(engine, "do_connect")
+    def _opening(_dialect: Any, _record: Any, arguments: list[Any], options: dict[str, Any]) -> None:
+        arguments[:] = [file_uri(file, "rw")]  # a file that was deleted is not made again
+        options["uri"] = True
+
     @sa.event.listens_for(engine, "connect")
-    def _connected(connection: sqlite3.Connection, _record: Any) -> None:
+    def _connected(connection: sqlite3.Connection, record: Any) -> None:
+        record.info["file"] = _inode(file)
         connection.isolation_level = None  # otherwise the driver begins its own, deferred, transactions
         for pragma in (f"busy_timeout={busy_timeout * 1000:.0f}", "synchronous=NORMAL", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
         _set_wal(connection)
+
+    @sa.event.listens_for(engine, "checkout")
+    def _checked(_connection: Any, record: Any, _proxy: Any) -> None:
+        if record.info["file"] != _inode(file):
+            raise sa.exc.DisconnectionError(f"{file} was deleted or replaced")  # the pool opens what is there now
 
     @sa.event.listens_for(engine, "begin")
     def _begun(connection: sa.Connection) -> None:
         reads = connection.get_execution_options().get(_READ, False)
         connection.exec_driver_sql("BEGIN" if reads else "BEGIN IMMEDIATE")
 
-    return engine
+    return outages.watched(engine)
+
+
+def file_uri(file: Path, mode: str) -> str:
+    """The URI of an SQLite file; mode: ro or rw, which do not create it."""
+    path = str(file.absolute()).replace("%", "%25").replace("?", "%3f").replace("#", "%23")
+    return f"file:{path}?mode={mode}"
+
+
+def _inode(file: Path) -> tuple[int, int] | None:
+    try:
+        found = os.stat(file)
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
 
 
 def _set_wal(connection: sqlite3.Connection) -> None:
@@ -165,7 +218,8 @@ def _set_wal(connection: sqlite3.Connection) -> None:
             if connection.execute("PRAGMA journal_mode").fetchone()[0] != "wal":
                 connection.execute("PRAGMA journal_mode=WAL")
             return
-        except sqlite3.OperationalError:
-            if time.monotonic() > deadline:
+        except sqlite3.OperationalError as error:
+            locked = error.sqlite_errorname.startswith(("SQLITE_BUSY", "SQLITE_LOCKED"))
+            if not locked or time.monotonic() > deadline:
                 raise
             time.sleep(0.01)

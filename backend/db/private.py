@@ -14,7 +14,7 @@ UMASK = 0o077
 FOLDER = 0o700
 FILE = 0o600
 
-OWN = ("clearance.sqlite3*", "serve.lock", "login-link", "service-address")
+OWN = ("clearance.sqlite3*", "serve.lock", "backend.lock", "login-link", "service-address")
 """The service's own files in its data folder; other files there are not touched."""
 
 _log = logging.getLogger(__name__)

@@ -10,6 +10,7 @@ Start reading at `Queue.claim`.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -159,6 +160,9 @@ class Queue:
 
     def __init__(self, engine: sa.Engine, lease: float = LEASE) -> None:
         self.engine, self.lease = engine, lease
+        self._ahead: dict[tuple[int, int, float], float] = {}
+        """Leases further ahead than any is given, as after the clock was put back, by run and fence: when they were
+        first seen [s of the monotonic clock]."""
 
     def claim(self, worker: str, simulators: Sequence[str] = (), installation: str = "") -> Claim | None:
         """Claim the next run under a new fence; None if there is none for a worker with these simulators and this code.
@@ -170,7 +174,7 @@ class Queue:
         while self._any_ready(able):
             with self.engine.begin() as connection:
                 at = now(connection)
-                ready = sa.select(*_CLAIMED).where(_ready(at), able).order_by(*_order(at)).limit(1)
+                ready = sa.select(*_CLAIMED).where(_ready(at, self._stuck()), able).order_by(*_order(at)).limit(1)
                 row = connection.execute(ready.with_for_update(skip_locked=True, of=Run)).first()
                 if row is None:
                     return None
@@ -229,6 +233,13 @@ class Queue:
         with self.engine.begin() as connection:
             self._release(connection, claim)
 
+    def put_off(self, claim: Claim, why: str, delay: float) -> None:
+        """Release the run because the database could not be used, for another attempt after a pause [s]; this one does
+        not count."""
+        with self.engine.begin() as connection:
+            error = f"Put off: {why}."[:LONGEST_ERROR]
+            self._release(connection, claim, error=error, not_before=now(connection) + delay)
+
     def refuse(self, claim: Claim, installation: str, text: str) -> None:
         """Return a run that other code began to the queue, for a worker of another installation; no attempt counts."""
         with self.engine.begin() as connection:
@@ -244,12 +255,12 @@ class Queue:
         with self.engine.begin() as connection:
             self._end(connection, claim, RunState.CANCELLED)
 
-    def _release(self, connection: sa.Connection, claim: Claim, **more: None) -> None:
+    def _release(self, connection: sa.Connection, claim: Claim, **more: object) -> None:
         row = _locked(connection, claim)
         if row.state == RunState.CANCELLING:
             return self._end(connection, claim, RunState.CANCELLED)
         free = {"state": RunState.QUEUED, "lease_until": 0.0, "not_before": 0.0, "attempts": max(0, row.attempts - 1)}
-        return fenced(connection, claim, **free, **more)
+        return fenced(connection, claim, **free | more)
 
     def _end(self, connection: sa.Connection, claim: Claim, state: RunState, error: str | None = None) -> None:
         error = error and error[:LONGEST_ERROR]
@@ -258,8 +269,19 @@ class Queue:
     def _any_ready(self, able: sa.ColumnElement[bool]) -> bool:
         """Checked before claiming, so that an idle worker never writes."""
         with read(self.engine) as connection:
-            found = sa.select(Run.id).where(_ready(now(connection)), able).limit(1)
+            at = now(connection)
+            leases = sa.select(Run.id, Run.fence, Run.lease_until)
+            ahead = leases.where(Run.state.in_(HELD), Run.lease_until > at + _longest(self.lease))
+            seen, self._ahead = self._ahead, {}
+            for row in connection.execute(ahead):
+                self._ahead[tuple(row)] = seen.get(tuple(row), time.monotonic())
+            found = sa.select(Run.id).where(_ready(at, self._stuck()), able).limit(1)
             return connection.scalar(found) is not None
+
+    def _stuck(self) -> list[int]:
+        """The runs whose lease is too far ahead and was not renewed for the time of a lease: their worker is gone."""
+        since = time.monotonic() - _longest(self.lease)
+        return [run for (run, _, _), seen in self._ahead.items() if seen <= since]
 
     def _ended(self, connection: sa.Connection, row: Any, at: float) -> bool:
         values: dict[str, object] = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
@@ -308,11 +330,19 @@ def _order(at: float) -> tuple[Any, ...]:
     return (Run.priority.desc(), fewest, Run.created, Run.id)
 
 
-def _ready(at: float) -> sa.ColumnElement[bool]:
-    return sa.or_(
-        sa.and_(Run.state == RunState.QUEUED, Run.not_before <= at),
-        sa.and_(Run.state.in_(HELD), Run.lease_until < at),
-    )
+def _ready(at: float, stuck: Sequence[int] = ()) -> sa.ColumnElement[bool]:
+    """stuck: runs whose lease counts as expired although it is ahead.
+
+    A pause further ahead than any is given is over: the clock was put back.
+    """
+    due = sa.or_(Run.not_before <= at, Run.not_before > at + LONGEST_PAUSE)
+    expired = sa.or_(Run.lease_until < at, Run.id.in_(stuck)) if stuck else Run.lease_until < at
+    return sa.or_(sa.and_(Run.state == RunState.QUEUED, due), sa.and_(Run.state.in_(HELD), expired))
+
+
+def _longest(lease: float) -> float:
+    """The longest lease that some worker may give [s]."""
+    return max(lease, LEASE)
 
 
 def _able(simulators: Sequence[str], installation: str) -> sa.ColumnElement[bool]:

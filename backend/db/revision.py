@@ -10,8 +10,12 @@ VERSIONS = Path(__file__).parent / "migrations" / "versions"
 """Each file begins with the number of its revision."""
 
 
+def known() -> frozenset[str]:
+    return frozenset(file.name.partition("_")[0] for file in VERSIONS.glob("[0-9]*.py"))
+
+
 def newest() -> str:
-    return max(file.name.partition("_")[0] for file in VERSIONS.glob("[0-9]*.py"))
+    return max(known())
 
 
 def stored(connection: sa.Connection) -> str | None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import sqlite3
 from collections.abc import AsyncGenerator
 
 import anyio
 import anyio.to_thread
 import sqlalchemy as sa
 
+from backend.db.outages import DatabaseOutage
 from backend.events.roster import Roster
 from backend.events.watch import Event, Watch, identified
 
@@ -127,7 +129,11 @@ class Hub:
             while self._listeners:
                 try:
                     await self._look(watch, roster)
-                except sa.exc.SQLAlchemyError:
+                except DatabaseOutage as error:
+                    watch.close()  # its connection may be to a file that is no longer there
+                    _log.warning("no event streams for now: %s", error)
+                except (sa.exc.SQLAlchemyError, sqlite3.Error):
+                    watch.close()
                     _log.exception("the database could not be read for the event streams; trying again")
                 await asyncio.sleep(PERIOD)
         finally:

@@ -85,7 +85,7 @@ class Watch:
     def close(self) -> None:
         if self._raw is not None:
             self._raw.close()
-            self._raw = None
+            self._raw = self._version = None
 
     def look(self, runs: Iterable[int], moved: bool = False) -> list[Event]:
         """Changes since the last poll: summaries of all runs, stages and improvements of the given ones.

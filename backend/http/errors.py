@@ -137,6 +137,9 @@ KINDS = {
     "no-package": Kind(503, "A package that writes this file is not installed on the service's machine."),
     "busy": Kind(503, "The service is busy: try again in a few seconds."),
     "case-failed": Kind(503, "The case of a simulator could not be evaluated."),
+    "damaged": Kind(503, "The database is damaged."),
+    "database-away": Kind(503, "The database cannot be reached or written."),
+    "database-gone": Kind(503, "The database was deleted."),
     "flight-failed": Kind(503, "The flight could not be simulated."),
     "no-space": Kind(503, "The disk of the database is full."),
     "no-browser": Kind(503, "The service's machine has no Chromium."),
@@ -147,7 +150,10 @@ KINDS = {
 }
 """All problem types, by the last part of their URN."""
 
-RETRY = frozenset({"no-catalogue", "preview-busy", "busy", "too-many-requests"})
+RETRY = frozenset(
+    {"no-catalogue", "preview-busy", "busy", "too-many-requests", "no-space", "damaged", "database-away"}
+    | {"database-gone", "not-ready"}
+)
 """The problem types with a Retry-After header."""
 
 
@@ -229,7 +235,6 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(sa.exc.TimeoutError, _waited)
-    app.add_exception_handler(sa.exc.OperationalError, _unusable)
 
 
 async def _refused(request: Request, error: Exception) -> JSONResponse:
@@ -241,19 +246,6 @@ async def _waited(request: Request, error: Exception) -> JSONResponse:
     """The pool had no free database connection within its timeout."""
     detail = "the database is busy: try again in a few seconds"
     return respond(RefusedError(503, "busy", detail, headers={"Retry-After": "5"}), request.url.path)
-
-
-async def _unusable(request: Request, error: Exception) -> JSONResponse:
-    """The disk is full, or another process has locked the database for too long; anything else is an internal error."""
-    assert isinstance(error, sa.exc.OperationalError)
-    code = getattr(error.orig, "sqlite_errorname", None) or getattr(error.orig, "sqlstate", None) or ""
-    if code in ("SQLITE_FULL", "53100"):
-        detail = "the disk of the database is full; nothing was changed: an administrator must free space"
-        _log.error("the disk of the database is full")
-        return respond(RefusedError(503, "no-space", detail), request.url.path)
-    if code.startswith(("SQLITE_BUSY", "SQLITE_LOCKED")):
-        return await _waited(request, error)
-    raise error
 
 
 _SENTENCES = {

@@ -1,4 +1,4 @@
-"""The outermost middleware: security headers, a size limit on bodies, and a handler of internal errors.
+"""The outermost middleware: security headers, a size limit on bodies, and a handler of internal errors and outages.
 
 Pure ASGI, so that streams and sockets pass untouched. Sources: W3C CSP Level 3; OWASP HTTP Headers Cheat Sheet.
 """
@@ -13,6 +13,8 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from backend.db.outages import DatabaseOutage
+from backend.http import outage
 from backend.http.errors import RefusedError, broken, respond
 
 LARGEST_BODY = 2_000_000
@@ -75,6 +77,10 @@ class Frame:
             await self._limited(scope, receive, sent)
         except ClientDisconnect:
             return
+        except DatabaseOutage as error:  # here, because authentication within needs the database, too
+            if started:
+                raise
+            await outage.answer(error, scope)(scope, receive, sent)
         except Exception:
             _log.exception("%s %s failed", scope["method"], scope["path"])
             if started:
@@ -95,7 +101,13 @@ class Frame:
             await send({"type": "websocket.http.response.start", "status": 403, "headers": headers})
             await send({"type": "websocket.http.response.body", "body": b""})
 
-        await self.app(scope, receive, sent)
+        try:
+            await self.app(scope, receive, sent)
+        except DatabaseOutage as error:
+            if accepted:
+                raise
+            await receive()  # the handshake
+            await sent({"type": "websocket.close", "code": 1013, "reason": outage.refusal(error).kind})
 
     async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse by Content-Length, or by counting bytes if it is absent."""

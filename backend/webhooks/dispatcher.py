@@ -19,6 +19,7 @@ import anyio.to_thread
 import httpx
 import sqlalchemy as sa
 
+from backend.db.outages import DatabaseOutage
 from backend.webhooks.configured import Configured, Target
 from backend.webhooks.outbox import Outbox
 from backend.webhooks.sending import Message, Sent, send
@@ -67,6 +68,8 @@ class Dispatcher:
                     await self._apart(partial(box.record, message, sent))
                     if sent.error is not None:
                         _log.warning("webhook %s, attempt %d: %s", message.id, message.attempt, sent.error)
+            except DatabaseOutage as error:
+                _log.warning("no webhooks for now: %s", error)
             except Exception:  # the task must survive: without it no message would be sent, without any error
                 _log.exception("the webhook of %s could not be served; trying again", target.origin)
             await asyncio.sleep(PERIOD)

@@ -19,6 +19,8 @@ import typer
 from typer.core import TyperGroup
 
 from backend.db.access import AccessError
+from backend.db.engine import NewerSchemaError
+from backend.db.outages import DatabaseOutage
 from campaigns import CampaignError
 from campaigns.refusals import Refusal
 from worker.engine.kernels.jit import JitDisabledError
@@ -64,8 +66,11 @@ def invoke(arguments: Sequence[str]) -> int:
     except (typer.TyperException, CampaignError, AccessError, WrongInputError, JitDisabledError) as error:
         _explain(error)
         return WRONG_INPUT
+    except NewerSchemaError as error:
+        _explain(error)
+        return WRONG_INPUT
     except sa.exc.OperationalError as error:
-        typer.echo(f"Error: the database cannot be used: {error.orig}", err=True)
+        typer.echo(f"Error: {_of_the_database(error)}", err=True)
         return INTERNAL
     except UnreachableError as error:
         _explain(error)
@@ -118,6 +123,12 @@ def _add(app: typer.Typer, name: str) -> None:
 
 def _group() -> None:
     """Searches for the worst case of an obstacle-avoidance system and states what may be claimed."""
+
+
+def _of_the_database(error: sa.exc.OperationalError) -> str:
+    """What is wrong, and the driver's own words."""
+    why = " ".join(str(error.orig).split())
+    return f"{error} ({why})" if isinstance(error, DatabaseOutage) else f"the database cannot be used: {why}"
 
 
 def _of_a_component(error: Exception) -> str:

@@ -5,9 +5,7 @@ A stored run is read where it is: in a folder, in a database, or in a service, w
 
 from __future__ import annotations
 
-import fcntl
 import getpass
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,6 +16,7 @@ from typing import Annotated, TypeVar
 import sqlalchemy as sa
 import typer
 
+from backend.db import alone as locks
 from backend.db.engine import connect, default_url, migrate, read
 from campaigns.refusals import Refusal, RefusalCode
 from campaigns.runs import run_name, run_number
@@ -184,17 +183,11 @@ def counted(number: int, what: str) -> str:
 
 @contextmanager
 def alone(data: Path) -> Iterator[None]:
-    """Locks the data folder: two services on one folder would revoke each other's login links."""
-    with (data / "serve.lock").open("a+") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            lock.seek(0)
-            owner = lock.read().strip() or "another process"
-            raise WrongInputError(
-                f"{data} is in use by `clearance serve` ({owner}); stop it or name another --data"
-            ) from None
-        lock.truncate(0)
-        lock.write(f"process {os.getpid()}")
-        lock.flush()
-        yield
+    """Locks the data folder against another `clearance serve`; an error if a service without one uses it."""
+    try:
+        with locks.alone(data, "serve.lock"):
+            with locks.alone(data, "backend.lock"):
+                pass  # free for the service that is started next
+            yield
+    except locks.InUseError as error:
+        raise WrongInputError(f"{error}") from None

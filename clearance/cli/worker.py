@@ -6,9 +6,11 @@ The work is done in `worker.running.processes.supervisor`.
 from __future__ import annotations
 
 import logging
+import math
 import os
 import signal
 import socket
+import time
 from pathlib import Path
 from typing import Annotated
 
@@ -21,6 +23,9 @@ from clearance.cli._where import DATA, Data, Database, opened, reading, url_of
 
 DRAINED = 10
 """The exit code of a worker that was drained: it is not started again."""
+
+SAID_AGAIN = 60.0
+"""Time between two messages of a worker that waits for the database [s]."""
 
 app = typer.Typer(invoke_without_command=True)
 
@@ -49,7 +54,6 @@ def worker(
     """Execute runs from the queue. Start as many as there are cores; Ctrl-C returns the run to the queue."""
     if ctx.invoked_subcommand is not None:
         return
-    from backend.db.engine import migrate
     from backend.db.private import UMASK
     from worker.engine.kernels import jit
     from worker.running.catalogue.files import unusable_simulators
@@ -65,7 +69,7 @@ def worker(
     for problem in unusable_simulators():
         logging.warning("a simulator is skipped: %s", problem)
     url = url_of(data, database)
-    migrate(url)
+    _once_it_answers(url)
     supervisor = Supervisor(url, name or default_name(), runner=runner, lease=lease, standstill=standstill)
     stopped_by = supervisor.run()
     raise typer.Exit(130 if stopped_by == signal.SIGINT else DRAINED if supervisor.drained and not stopped_by else 0)
@@ -87,6 +91,24 @@ def drain(
             live = ", ".join(workers.live(connection)) or "none"
             raise WrongInputError(f"there is no live worker {name!r}; live are: {live}") from None
     typer.echo(f"{name} takes no further run and ends" + (f" when {run_name(run)} has ended." if run else "."))
+
+
+def _once_it_answers(url: str) -> None:
+    """Migrate the database, however long its server is away; a file that cannot be used ends the worker at once."""
+    from backend.db.engine import migrate
+    from backend.db.outages import DatabaseOutage
+
+    said = -math.inf
+    while True:
+        try:
+            return migrate(url)
+        except DatabaseOutage as error:
+            if url.startswith("sqlite") or error.kind != "database-away":
+                raise
+            if time.monotonic() - said >= SAID_AGAIN:
+                said = time.monotonic()
+                logging.warning("waiting for the database: %s (%s)", error, " ".join(str(error.orig).split()))
+        time.sleep(1.0)
 
 
 def _alive(data: Path, database: str) -> bool:

@@ -319,7 +319,7 @@ def test_an_outage_while_the_child_starts(tmp_path: Path) -> None:
     with own(tmp_path) as bench:
         until(lambda: bench.worker.family()[1:], "the child starts")
         locked.begin()
-        until(lambda: "the database does not respond" in bench.worker.text(), "the worker notices")
+        until(lambda: "the database is busy" in bench.worker.text(), "the worker notices")
         locked.rollback()
         locked.close()
         assert bench.ended(bench.submit("none")).state == "done"

@@ -43,6 +43,7 @@ def test_an_import_on_a_full_disk_is_refused_and_changes_nothing(service: Servic
     with full(service.app.state.engine):
         answer = client.post(FILES, params=where, content=LARGE)
         problem(answer, 503, "no-space")
+        assert int(answer.headers["Retry-After"]) > 0
         assert client.get(FILES).json() == []
         assert client.get("/api/v1/requirements").json()["total"] == 0
     assert client.post(FILES, params=where, content=LARGE).status_code == 201
@@ -62,4 +63,4 @@ def test_a_command_on_an_unusable_database_ends_with_a_sentence(
         assert invoke(["token", "create", "two", "--data", str(tmp_path)]) == INTERNAL
     finally:
         sa.event.remove(sa.Engine, "checkout", refuse)
-    assert capsys.readouterr().err.endswith(": attempt to write a readonly database\n")
+    assert capsys.readouterr().err.endswith(" (attempt to write a readonly database)\n")

@@ -17,6 +17,7 @@ from campaigns import heap  # next: loading is not interrupted
 # isort: split
 import importlib
 import json
+import math
 import os
 import sys
 import traceback
@@ -29,8 +30,9 @@ import sqlalchemy as sa
 
 from backend.db import workers
 from backend.db.engine import connect, write
+from backend.db.outages import DatabaseOutage, worded
 from backend.db.queue import Claim, LostLease
-from backend.db.store import PATIENCE, RunStore
+from backend.db.store import RunStore
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
@@ -48,7 +50,7 @@ def main() -> None:
     requests, answers = _private_streams()
     pulse.opened(int(sys.argv[1]))
     setup = json.loads(requests.readline())
-    engine = connect(setup["database"])
+    engine = connect(setup["database"], create=False)
     execute = resolve(setup["runner"])
     from worker.running.catalogue.digests import with_digests
     from worker.running.catalogue.installed import catalogue
@@ -63,7 +65,8 @@ def main() -> None:
         published = with_digests(document).model_copy(
             update={"own": sources.own(sources.own_modules()), "code": identity.code_parts()}
         )
-        write(engine, lambda connection: workers.publish(connection, published, code, setup["worker"]), PATIENCE)
+        # Its supervisor ends it if that takes too long while the database answers.
+        write(engine, lambda connection: workers.publish(connection, published, code, setup["worker"]), math.inf)
     here = {"simulators": [s.version for s in document.simulators], "installation": sources.LOADED.digest}
     send(answers, {"ready": True, "fresh": fresh, **here})
     serve(engine, execute, document, requests, answers)
@@ -88,7 +91,8 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
     """Execute a claim.
 
     Outcomes: `done`, `lost` (lease), `refused` (other code began it), `unusable` (cannot be retried), `spent` (as
-    that, and this process is not used again), `failed` (this attempt; neither is it).
+    that, and this process is not used again), `failed` (this attempt; neither is it), `database` (which cannot be used:
+    no fault of the run).
     """
     from worker.engine.stages.parts.base import ReplayMismatch
     from worker.engine.systems.base import CampaignUnusable
@@ -107,6 +111,8 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
             return {"outcome": "failed", "text": "the runner ended without a verdict"}
     except LostLease:
         return {"outcome": "lost", "text": ""}
+    except DatabaseOutage as error:
+        return {"outcome": "database", "text": str(error)}
     except OtherCode as error:
         return {"outcome": "refused", "text": str(error)}
     except (CampaignUnusable, CampaignError, ReplayMismatch) as error:
@@ -119,7 +125,7 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
         sentence = blamed(error)
         if sentence:  # the next attempt would execute the same component
             return {"outcome": "spent", "text": f"a component failed: {sentence}"}
-        what = " ".join(str(error).split())
+        what = worded(error)
         return {
             "outcome": "failed",
             "text": f"the runner raised {type(error).__name__}" + (f": {what}" if what else ""),

@@ -7,6 +7,7 @@ cancellation takes effect within a second, and the run returns to the queue. Sta
 from __future__ import annotations
 
 import logging
+import math
 import os
 import socket
 import time
@@ -17,6 +18,7 @@ import sqlalchemy as sa
 
 from backend.db import workers
 from backend.db.engine import connect, write
+from backend.db.outages import worded
 from backend.db.queue import LEASE, Claim, LostLease, Queue
 from worker.engine.systems.simulators.slots import marks, places
 from worker.running.processes import standstill
@@ -48,6 +50,9 @@ MOST_FAILURES = 3
 SETTLE = 60.0
 """Time for which writing the end of an attempt is retried while the database is unavailable; then its lease expires."""
 
+PUT_OFF = 5.0
+"""Time after which a run is tried again that a database out of order has ended [s]."""
+
 
 @dataclass(frozen=True)
 class Ending:
@@ -74,7 +79,7 @@ class Supervisor:
         self, url: str, name: str, *, runner: str, lease: float = LEASE, standstill: float = standstill.FLOOR
     ) -> None:
         self.url, self.name, self.runner = url, name, runner
-        self.engine = connect(url)
+        self.engine = connect(url, create=False)
         self.queue = Queue(self.engine, lease)
         self._floor = standstill
         self.child: Child | None = None
@@ -159,7 +164,7 @@ class Supervisor:
             self._beat(claim.run_id)
             return cancelling
         except sa.exc.OperationalError as error:
-            log.warning("run %d: heartbeat failed, the database did not respond: %s", claim.run_id, error.orig)
+            log.warning("run %d: heartbeat failed: %s", claim.run_id, worded(error))
             return False
 
     def _lost(self, child: Child) -> Ending:
@@ -185,10 +190,11 @@ class Supervisor:
             "cancelled": lambda: queue.cancelled(claim),
             "stopped": lambda: queue.give_back(claim),
             "stale": lambda: queue.give_back(claim),
+            "database": lambda: queue.put_off(claim, ending.text, PUT_OFF),
         }
         if ending.outcome not in settle:
             return
-        deadline = time.monotonic() + (SETTLE if self._wakeup.signal is None else 1.0)
+        begun, patience = time.monotonic(), math.inf if ending.outcome == "database" else SETTLE
         while True:
             try:
                 settle[ending.outcome]()
@@ -197,8 +203,8 @@ class Supervisor:
                 log.info("run %d: was reassigned to another worker", claim.run_id)
                 return
             except sa.exc.OperationalError as error:
-                if time.monotonic() > deadline:
-                    log.warning("run %d: left until its lease expires: %s", claim.run_id, error.orig)
+                if time.monotonic() > begun + (patience if self._wakeup.signal is None else 1.0):
+                    log.warning("run %d: left until its lease expires: %s", claim.run_id, worded(error))
                     return
             self._wakeup.wait(0.2)
 
@@ -271,5 +277,7 @@ class Supervisor:
         try:
             work()
         except sa.exc.OperationalError as error:
-            log.warning("the database does not respond: %s", error.orig)
+            log.warning("%s", worded(error))
+            if self.child is not None and not self.child.ready:
+                self.child.begun = time.monotonic()  # it cannot publish, either
             self._wakeup.wait(1.0)

@@ -1,0 +1,151 @@
+"""What is wrong with the database itself, as one error with a sentence: away, gone, damaged, without space, busy.
+
+`watched` has every engine raise it in the place of the driver's errors. Its text never contains a statement or a
+parameter, so that it may be stored and shown. What a statement alone has caused stays the error that it is.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import Any, Literal
+
+import sqlalchemy as sa
+
+Kind = Literal["database-away", "database-gone", "damaged", "no-space", "busy"]
+
+SENTENCES: dict[Kind, str] = {
+    "database-away": "the database cannot be reached: its server is down or its file cannot be opened; nothing was "
+    "changed, and work goes on as soon as it answers",
+    "database-gone": "the database is not there any more: its file was deleted or has no tables; an administrator must "
+    "put it back, or restore a backup and start the service again",
+    "damaged": "the database is damaged: an administrator must stop the service and workers, keep a copy of the file, "
+    "and restore the newest backup",
+    "no-space": "the disk of the database is full; nothing was changed: an administrator must free space",
+    "busy": "the database is busy: try again in a few seconds",
+}
+READ_ONLY = (
+    "the database cannot be written: its file or folder is read-only; nothing was changed: an administrator must make "
+    "it writable"
+)
+
+_SQLITE: dict[str, Kind] = {
+    "SQLITE_FULL": "no-space",
+    "SQLITE_BUSY": "busy",
+    "SQLITE_LOCKED": "busy",
+    "SQLITE_PROTOCOL": "busy",
+    "SQLITE_CORRUPT": "damaged",
+    "SQLITE_NOTADB": "damaged",
+    "SQLITE_CANTOPEN": "database-away",
+    "SQLITE_IOERR": "database-away",
+    "SQLITE_READONLY": "database-away",
+}
+"""By the name of the primary result code."""
+_POSTGRESQL: dict[str, Kind] = {
+    "08": "database-away",
+    "57P01": "database-away",
+    "57P02": "database-away",
+    "57P03": "database-away",
+    "58": "database-away",
+    "25006": "database-away",  # a standby, which only reads
+    "53100": "no-space",
+    "53": "busy",
+    "55P03": "busy",
+    "40": "busy",
+    "XX001": "damaged",
+    "XX002": "damaged",
+    "42P01": "database-gone",
+    "3D000": "database-gone",
+}
+"""By the beginning of the SQLSTATE; the longest one counts."""
+
+_damaged: dict[str, float] = {}
+"""When damage was last met, by the database's URL [s of the monotonic clock]."""
+
+
+class DatabaseOutage(sa.exc.OperationalError):
+    """The database itself cannot be used; `kind` and `sentence` say why."""
+
+    def __init__(self, kind: Kind, sentence: str, orig: BaseException, invalidated: bool) -> None:
+        super().__init__(None, None, orig, connection_invalidated=invalidated)
+        self.kind, self.sentence = kind, sentence
+
+    def __str__(self) -> str:
+        return self.sentence
+
+
+def watched(engine: sa.Engine) -> sa.Engine:
+    """Have the engine raise `DatabaseOutage`, and drop connections that cannot be used any more."""
+    url = engine.url.render_as_string(hide_password=False)
+
+    @sa.event.listens_for(engine, "handle_error")
+    def _converted(context: Any) -> BaseException | None:
+        kind = _kind(context)
+        if kind is None:
+            return None
+        if kind not in ("busy", "no-space"):
+            # A handle that was opened read-only, or before the file was replaced, stays so.
+            context.is_disconnect = True
+        if kind == "damaged":
+            _damaged[url] = time.monotonic()
+        if context.is_pre_ping:
+            return None
+        orig = context.original_exception
+        sentence = READ_ONLY if _read_only(orig, engine) else SENTENCES[kind]
+        return DatabaseOutage(kind, sentence, orig, context.is_disconnect)
+
+    return engine
+
+
+def worded(error: BaseException) -> str:
+    """An error as it may be stored with a run and shown: without the statement, its parameters and rows."""
+    if isinstance(error, DatabaseOutage) or not isinstance(error, sa.exc.SQLAlchemyError):
+        return " ".join(str(error).split())
+    cause = getattr(error, "orig", None)
+    if cause is None:
+        return " ".join(str(error).partition("[SQL")[0].split())
+    # The first line: PostgreSQL's next ones hold rows and the statement.
+    return " ".join((str(cause).splitlines() or [""])[0].split())
+
+
+def seen_damaged(engine: sa.Engine) -> bool:
+    """Whether this process has met damage in the database since `mended`."""
+    return engine.url.render_as_string(hide_password=False) in _damaged
+
+
+def mended(engine: sa.Engine) -> None:
+    """Note that a check has found it whole."""
+    _damaged.pop(engine.url.render_as_string(hide_password=False), None)
+
+
+def _kind(context: Any) -> Kind | None:
+    error, dialect = context.original_exception, context.dialect
+    if not isinstance(error, dialect.loaded_dbapi.Error):
+        return None
+    if dialect.name == "sqlite":
+        return _sqlite_kind(error, context.engine)
+    state = getattr(error, "sqlstate", None) or ""
+    for length in (5, 2):
+        if found := _POSTGRESQL.get(state[:length]):
+            return found
+    away = context.is_disconnect or (not state and isinstance(error, dialect.loaded_dbapi.OperationalError))
+    return "database-away" if away else None
+
+
+def _sqlite_kind(error: Any, engine: sa.Engine | None) -> Kind | None:
+    name = getattr(error, "sqlite_errorname", None) or ""
+    found = next((kind for code, kind in _SQLITE.items() if name == code or name.startswith(code + "_")), None)
+    if found == "database-away" and engine is not None and not Path(str(engine.url.database)).exists():
+        return "database-gone"
+    if found is None and name == "SQLITE_ERROR" and str(error).startswith("no such table"):
+        return "database-gone"
+    return found
+
+
+def _read_only(error: Any, engine: sa.Engine) -> bool:
+    name = getattr(error, "sqlite_errorname", None) or ""
+    if getattr(error, "sqlstate", None) == "25006" or name.startswith("SQLITE_READONLY"):
+        return True
+    file = Path(str(engine.url.database))
+    return name.startswith("SQLITE_CANTOPEN") and file.exists() and not os.access(file.parent, os.W_OK)

@@ -6,7 +6,7 @@ prints its own link.
 
 from __future__ import annotations
 
-from campaigns import heap  # first: loading is not interrupted
+from campaigns import heap, logs  # first: loading is not interrupted
 
 # isort: split
 import asyncio
@@ -77,7 +77,11 @@ class Server(uvicorn.Server):
 
 def main() -> int:
     """Serve; returns 2 if the settings or the database cannot be used."""
-    logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    try:
+        logs.set_up(os.environ, "%(levelname)s %(name)s: %(message)s")
+    except ValueError as error:
+        print(f"clearance: {error}", file=sys.stderr)
+        return 2
     logging.getLogger("alembic").setLevel(logging.WARNING)
     logging.getLogger("websockets").setLevel(logging.WARNING)
     logging.getLogger("uvicorn").setLevel(logging.ERROR)  # it warns of each unreadable request, which anybody can send

@@ -16,6 +16,7 @@ from backend.access.auth import Guard
 from backend.access.door import Door
 from backend.access.frames import Frames
 from backend.access.rates import Bucket, Rates
+from backend.access.rules import METRICS, OPEN, RULES
 from backend.access.shares import Shares
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
@@ -30,6 +31,9 @@ from backend.flights.turns import Turns
 from backend.health import endpoints as health
 from backend.http import errors, pages
 from backend.http.capacity import Capacities
+from backend.metrics import endpoints as metrics
+from backend.metrics.requests import Measured, Requests
+from backend.metrics.service import Metrics
 from backend.middleware.accesses import Accesses
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
@@ -81,6 +85,7 @@ def create(settings: Settings) -> FastAPI:
     """The application on the settings' database, which must be migrated (`backend.db.engine.migrate`)."""
     engine = connect(settings.database_url)
     hub, live, door, capacities = Hub(engine), Live(), Door(settings.database_url, settings.cookie), Capacities()
+    measured = Requests()
     rates, frames = Rates(settings.max_requests_per_minute), Frames()
     hosts = Hosts(settings.host, settings.public_url, settings.allowed_hosts, settings.allow_any_host)
 
@@ -104,6 +109,7 @@ def create(settings: Settings) -> FastAPI:
         middleware=[
             Middleware(Proxied, root=settings.root, trusted=settings.trusted),
             *([Middleware(Accesses)] if settings.access_log else []),
+            Middleware(Measured, requests=measured),
             Middleware(Frame, encrypted=settings.encrypted),
             Middleware(Visits, each=settings.max_connections_each),
             Middleware(Edge, hosts=hosts),
@@ -123,7 +129,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.frames, app.state.failures = frames, Failures(door)
-    app.state.lockout = Lockout()
+    app.state.lockout, app.state.metrics = Lockout(), Metrics(settings, measured)
     app.state.provider = provider.of(settings.provider)
     app.state.provider_noted = Bucket(provider.BURST, provider.PERIOD)
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
@@ -150,11 +156,13 @@ def create(settings: Settings) -> FastAPI:
     ):
         api.include_router(feature.router)
     app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
+    app.include_router(metrics.router)
     app.include_router(entrance.router)
     app.include_router(provider.router)
     app.include_router(recordings.router)  # before the viewer, whose routes match any suffix
     app.include_router(scenes.router)
     pages.serve(app, settings.pages)
-    app.state.rules = routes.Rules(app.router.routes)  # refuses to start with a route that the table of rules lacks
+    rules = RULES | ({METRICS: OPEN} if settings.metrics_open else {})
+    app.state.rules = routes.Rules(app.router.routes, rules)  # refuses to start with a route that the table of rules lacks
     openapi.install(app)
     return app

@@ -10,10 +10,11 @@ import urllib.parse
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, model_validator
 
+from backend.db import space
 from backend.db.engine import default_url
 from backend.provider.configured import Configured, default_of, is_loopback, roles_of, safe_address, secret_of
 from backend.webhooks import configured as hooked
@@ -84,6 +85,12 @@ class Settings(BaseModel):
     """Maximum number of stored evaluations of all runs of one user, tokens included."""
     max_bytes_each: Annotated[int, Field(ge=1)] = 100_000_000_000
     """Maximum size of what all runs of one user store, tokens included [bytes]."""
+    min_free: Annotated[int, Field(ge=0)] = space.MIN_FREE
+    """Free space at the database and the data folder below which no new run begins [bytes]; workers read it, too."""
+    metrics_open: bool = False
+    """Whether /metrics needs no token."""
+    log: Literal["text", "json"] = "text"
+    """Form of the log; workers read it, too."""
     max_connections: Annotated[int, Field(ge=1, le=100_000)] = 300
     """Maximum number of open connections; on further ones only the health check is answered."""
     max_connections_each: Annotated[int, Field(ge=1, le=100_000)] = 128

@@ -17,7 +17,7 @@ import sqlalchemy as sa
 from anyio import CapacityLimiter, to_thread
 from starlette.requests import HTTPConnection
 
-from backend.db import access
+from backend.db import access, damage
 from backend.db.access import Visitor
 from backend.db.engine import connect, read
 from backend.db.outages import DatabaseOutage
@@ -65,8 +65,12 @@ class Door:
             return True
 
     async def healthy(self) -> None:
-        """Returns once the database answers."""
-        await to_thread.run_sync(self._read, lambda reader: reader.execute(sa.select(1)), limiter=self._health)
+        """Returns once the database answers; raises `DatabaseOutage`, also if this process has met damage in it."""
+        await to_thread.run_sync(self._well, limiter=self._health)
+
+    async def inspected(self, question: Callable[[sa.Engine], Result]) -> Result:
+        """Ask for the health check, which is answered however many requests there are."""
+        return await to_thread.run_sync(question, self._engine, limiter=self._health)
 
     async def ask(self, question: Callable[[sa.Connection], Result]) -> Result:
         """Run a query; never waits for writers."""
@@ -77,6 +81,10 @@ class Door:
         await asyncio.gather(*self._tasks, return_exceptions=True)
         self._engine.dispose()
         self._notes.dispose()
+
+    def _well(self) -> None:
+        self._read(lambda reader: reader.execute(sa.select(1)))
+        damage.refuse(self._engine)
 
     def _read(self, question: Callable[[sa.Connection], Result]) -> Result:
         with read(self._engine) as reader:

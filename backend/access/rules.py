@@ -72,8 +72,11 @@ _READING = (
 )
 """The addresses whose GET everyone who is signed in may call."""
 
+METRICS: tuple[Method, str] = ("GET", "/metrics")
+
 RULES: dict[tuple[Method, str], Rule] = {
-    ("GET", f"{API}/health"): OPEN,
+    **{("GET", f"{API}/health{rest}"): OPEN for rest in ("", "/live", "/ready")},
+    METRICS: READ,  # open with CLEARANCE_METRICS_OPEN=true
     # For editors, which read it without a token; it is the same in every installation of a version.
     ("GET", f"{API}/campaigns/schema"): OPEN,
     ("GET", "/login"): OPEN,

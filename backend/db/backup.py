@@ -18,6 +18,7 @@ from pathlib import Path
 import sqlalchemy as sa
 
 from backend.db import revision, workers
+from backend.db.damage import damage
 from backend.db.engine import connect, file_uri, read
 from backend.db.private import create_private
 
@@ -82,16 +83,6 @@ def restore(url: str, file: Path) -> Path | None:
     finally:
         fresh.unlink(missing_ok=True)
     return former
-
-
-def damage(file: Path) -> str:
-    """What is wrong with an SQLite file, in SQLite's words; empty if it is whole."""
-    try:
-        with closing(sqlite3.connect(file_uri(file, "ro"), uri=True, timeout=30.0)) as connection:
-            found = [str(row[0]) for row in connection.execute("PRAGMA quick_check(3)")]
-    except sqlite3.DatabaseError as error:
-        return str(error)
-    return "" if found == ["ok"] else "; ".join(found)
 
 
 def _copy_sqlite(source: Path, part: Path) -> None:

@@ -6,6 +6,7 @@ turns into a writer can fail at once whatever the timeout, an immediate one wait
 
 from __future__ import annotations
 
+import errno
 import functools
 import json
 import os
@@ -144,6 +145,7 @@ def migrate(url: str) -> None:
     """
     engine = connect(url)
     if is_sqlite(engine):
+        _refuse_read_only(Path(str(engine.url.database)))
         # A table is altered by copying and dropping it, which must not cascade; the pragma has no effect later.
         sa.event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=OFF"))
     try:
@@ -158,6 +160,13 @@ def migrate(url: str) -> None:
             to_head(connection)
     finally:
         engine.dispose()
+
+
+def _refuse_read_only(file: Path) -> None:
+    """In WAL mode a write transaction begins even on a file that cannot be written, and fails later."""
+    if not (os.access(file, os.W_OK) and os.access(file.absolute().parent, os.W_OK)):
+        error = PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(file))
+        raise outages.DatabaseOutage("database-away", outages.READ_ONLY, error, False)
 
 
 def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:

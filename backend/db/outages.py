@@ -6,8 +6,9 @@ parameter, so that it may be stored and shown. What a statement alone has caused
 
 from __future__ import annotations
 
+import contextlib
 import os
-import time
+import sqlite3
 from pathlib import Path
 from typing import Any, Literal
 
@@ -60,8 +61,8 @@ _POSTGRESQL: dict[str, Kind] = {
 }
 """By the beginning of the SQLSTATE; the longest one counts."""
 
-_damaged: dict[str, float] = {}
-"""When damage was last met, by the database's URL [s of the monotonic clock]."""
+_damaged: set[str] = set()
+"""The URLs of databases in which this process has met damage."""
 
 
 class DatabaseOutage(sa.exc.OperationalError):
@@ -87,8 +88,9 @@ def watched(engine: sa.Engine) -> sa.Engine:
         if kind not in ("busy", "no-space"):
             # A handle that was opened read-only, or before the file was replaced, stays so.
             context.is_disconnect = True
+            _rolled_back(context.connection)
         if kind == "damaged":
-            _damaged[url] = time.monotonic()
+            _damaged.add(url)
         if context.is_pre_ping:
             return None
         orig = context.original_exception
@@ -96,6 +98,16 @@ def watched(engine: sa.Engine) -> sa.Engine:
         return DatabaseOutage(kind, sentence, orig, context.is_disconnect)
 
     return engine
+
+
+def _rolled_back(connection: sa.Connection | None) -> None:
+    """SQLite closes a connection with a pending statement later, and until then it would hold the write lock."""
+    if connection is None or connection.dialect.name != "sqlite" or connection.invalidated:
+        return
+    with contextlib.suppress(sa.exc.SQLAlchemyError, sqlite3.Error):
+        raw = connection.connection.driver_connection
+        if raw is not None:
+            raw.rollback()
 
 
 def worded(error: BaseException) -> str:
@@ -116,7 +128,7 @@ def seen_damaged(engine: sa.Engine) -> bool:
 
 def mended(engine: sa.Engine) -> None:
     """Note that a check has found it whole."""
-    _damaged.pop(engine.url.render_as_string(hide_password=False), None)
+    _damaged.discard(engine.url.render_as_string(hide_password=False))
 
 
 def _kind(context: Any) -> Kind | None:

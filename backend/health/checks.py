@@ -20,7 +20,7 @@ from typing import Literal
 import sqlalchemy as sa
 
 from backend.db import revision, workers
-from backend.db.backup import damage
+from backend.db.damage import damage
 from backend.db.engine import connect, is_sqlite, now, read
 from backend.http.pages import unbuilt
 from backend.reports.pdf import browser

@@ -1,4 +1,4 @@
-"""GET /health: answers if the database answers."""
+"""GET /health: the database answers; /health/live: the process answers; /health/ready: runs can be done."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from typing import Literal
 
 from fastapi import APIRouter, Request
 
+from backend.health.readiness import reasons
+from backend.http.errors import RefusedError, problems
 from backend.http.schema import Schema
+from campaigns import Problem
 
 router = APIRouter(tags=["service"])
 
@@ -21,4 +24,24 @@ class Health(Schema):
 async def health(request: Request) -> Health:
     """Whether the service and its database are available."""
     await request.app.state.door.healthy()
+    return Health(status="ok")
+
+
+@router.get("/health/live")
+async def live() -> Health:
+    """Whether the service's process answers; restart it if not."""
+    return Health(status="ok")
+
+
+@router.get("/health/ready", responses=problems("not-ready"))
+async def ready(request: Request) -> Health:
+    """Whether runs can be done: the database answers in this version's schema, a worker is alive, there is space."""
+    settings = request.app.state.settings
+    found = await request.app.state.door.inspected(
+        lambda engine: reasons(engine, settings.data, settings.database_url, settings.min_free)
+    )
+    if found:
+        errors = [Problem(reason.what, "", reason.sentence) for reason in found]
+        detail = "; ".join(reason.sentence for reason in found)
+        raise RefusedError(503, "not-ready", detail, errors, headers={"Retry-After": "5"})
     return Health(status="ok")

@@ -8,7 +8,9 @@ from typing import Annotated
 import sqlalchemy as sa
 from fastapi import Depends, Request
 
+from backend.db import space
 from backend.http.capacity import Capacities
+from backend.http.errors import RefusedError
 
 
 async def engine(request: Request) -> sa.Engine:
@@ -35,3 +37,15 @@ def capacities(request: Request) -> Capacities:
 
 
 Reader = Annotated[sa.Connection, Depends(reader)]
+
+
+def room(request: Request) -> None:
+    """Refuses what begins a run while there is little space (503)."""
+    settings = request.app.state.settings
+    why = space.short(space.places(settings.database_url, settings.data), settings.min_free)
+    if why:
+        raise RefusedError(503, "no-space", why, headers={"Retry-After": "60"})
+
+
+ROOM = [Depends(room)]
+"""For `dependencies=` of a route."""

@@ -142,6 +142,7 @@ KINDS = {
     "database-gone": Kind(503, "The database was deleted."),
     "flight-failed": Kind(503, "The flight could not be simulated."),
     "no-space": Kind(503, "The disk of the database is full."),
+    "not-ready": Kind(503, "No run can be done now: `errors` has the reasons."),
     "no-browser": Kind(503, "The service's machine has no Chromium."),
     "no-catalogue": Kind(503, "No worker has published its components yet."),
     "preview-busy": Kind(503, "The queue of previews is full."),

@@ -43,7 +43,8 @@ class Accesses:
         try:
             await self.app(scope, receive, sent)
         finally:
-            _log.info("%s", _line(scope, status, size, time.monotonic() - began))
+            more = {"address": (scope.get("client") or ("-",))[0], "status": status}
+            _log.info("%s", _line(scope, status, size, time.monotonic() - began), extra=more)
 
 
 def _line(scope: Scope, status: int, size: int, seconds: float) -> str:

@@ -224,7 +224,7 @@ class BoundedProtocol(H11Protocol):
 
     def _only_health(self, app: ASGI3Application) -> ASGI3Application:
         """The application, which answers one health check."""
-        paths = {HEALTH, f"{self.doors.root}{HEALTH}"}
+        paths = HEALTH | {f"{self.doors.root}{path}" for path in HEALTH}
 
         async def reserved(scope: Scope, receive: ASGIReceiveCallable, send: ASGISendCallable) -> None:
             if scope["type"] == "http" and scope["path"] in paths:

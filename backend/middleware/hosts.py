@@ -15,7 +15,7 @@ from starlette.types import Scope
 
 from backend.http.errors import RefusedError
 
-HEALTH = "/api/v1/health"
+HEALTH = frozenset(f"/api/v1/health{rest}" for rest in ("", "/live", "/ready"))
 """Open to every name: health checks call a machine by its address."""
 
 _HOST = re.compile(r"([A-Za-z0-9._~-]{1,253}|\[[0-9A-Fa-f:.]{2,45}\])(:[0-9]{1,5})?")
@@ -42,7 +42,7 @@ class Hosts:
     def refusal(self, scope: Scope) -> RefusedError | None:
         """421 for a request or socket under another name."""
         host = Headers(scope=scope).get("host", "")
-        if scope["path"] == HEALTH or self.allows(host):
+        if scope["path"] in HEALTH or self.allows(host):
             return None
         detail = (
             f"this service does not answer to the name {host[:200]!r}: use its address, or have its operator add the "

@@ -21,7 +21,7 @@ class Visits:
         self._open: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] not in ("http", "websocket") or not scope.get("client") or scope["path"] == HEALTH:
+        if scope["type"] not in ("http", "websocket") or not scope.get("client") or scope["path"] in HEALTH:
             await self.app(scope, receive, send)
             return
         address = network(scope["client"][0])

@@ -44,6 +44,11 @@ class Previews:
         self._thread = CapacityLimiter(1)  # separate from the threads that all requests share
         self._waiting = 0
 
+    @property
+    def waiting(self) -> int:
+        """The number of running and waiting previews."""
+        return self._waiting
+
     async def simulate(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[FlightReply, float]:
         """The answer of the simulation process, and how long it took [s]. Raises `RefusedError`.
 

@@ -13,7 +13,7 @@ from pydantic import Field
 from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.http import bodies
-from backend.http.deps import Engine, Reader, capacities
+from backend.http.deps import ROOM, Engine, Reader, capacities
 from backend.http.errors import answers, located, problems
 from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
@@ -55,6 +55,7 @@ Word = Annotated[str, Field(max_length=200)]
 @router.post(
     "/runs",
     status_code=status.HTTP_201_CREATED,
+    dependencies=ROOM,
     openapi_extra=bodies.of("RunSubmit"),
     responses=LOCATION | problems(*bodies.LAUNCH),
 )
@@ -191,13 +192,17 @@ def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSumm
     return edits.cancel(engine, [service.number(run)], visitor)[0]
 
 
-@router.post("/runs/{run}/retry", responses=problems("not-found", "not-failed", "removed", "quota-reached", "purged"))
+@router.post(
+    "/runs/{run}/retry",
+    dependencies=ROOM,
+    responses=problems("not-found", "not-failed", "removed", "quota-reached", "purged"),
+)
 def retry_run(run: RunName, request: Request, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Queue a failed run again: it goes on from its stored evaluations, none of which is simulated twice."""
     return onward.retry(engine, service.number(run), visitor, request.app.state.quota)
 
 
-@router.post("/runs/{run}/restart", responses=problems("not-found", "not-waiting"))
+@router.post("/runs/{run}/restart", dependencies=ROOM, responses=problems("not-found", "not-waiting"))
 def restart_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Begin a run again that waits for the code that began it; its evaluations are discarded."""
     return onward.restart(engine, service.number(run), visitor)
@@ -206,6 +211,7 @@ def restart_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSum
 @router.post(
     "/runs/{run}/continuation",
     status_code=status.HTTP_201_CREATED,
+    dependencies=ROOM,
     responses=LOCATION | problems("not-found", "not-waiting", "not-continuable", "invalid-campaign", "no-catalogue"),
 )
 def continue_run(

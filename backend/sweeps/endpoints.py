@@ -9,7 +9,7 @@ from fastapi.concurrency import run_in_threadpool
 
 from backend.access.auth import CurrentVisitor
 from backend.http import bodies
-from backend.http.deps import Engine, Reader, capacities
+from backend.http.deps import ROOM, Engine, Reader, capacities
 from backend.http.errors import RefusedError, answers, located, problems
 from backend.http.keys import Key
 from backend.http.root import at
@@ -28,6 +28,7 @@ LOCATION = located("The sweep that was launched, now or earlier with the same ke
     "/sweeps",
     status_code=status.HTTP_201_CREATED,
     openapi_extra=bodies.of("SweepSubmit", yaml=False),
+    dependencies=ROOM,
     responses=LOCATION | problems(*bodies.LAUNCH),
 )
 async def submit_sweep(

@@ -6,7 +6,6 @@ The work is done in `worker.running.processes.supervisor`.
 from __future__ import annotations
 
 import logging
-import math
 import os
 import signal
 import socket
@@ -16,6 +15,7 @@ from typing import Annotated
 
 import typer
 
+from campaigns import logs
 from campaigns.runs import run_name
 from clearance.cli import WrongInputError
 from clearance.cli import _evaluator as evaluators
@@ -23,9 +23,6 @@ from clearance.cli._where import DATA, Data, Database, opened, reading, url_of
 
 DRAINED = 10
 """The exit code of a worker that was drained: it is not started again."""
-
-SAID_AGAIN = 60.0
-"""Time between two messages of a worker that waits for the database [s]."""
 
 app = typer.Typer(invoke_without_command=True)
 
@@ -63,14 +60,22 @@ def worker(
         raise typer.Exit(0 if _alive(data, database) else 1)
     jit.refuse(jit.by_environment())
     evaluators.use(evaluator)
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
+    try:
+        logs.set_up(os.environ, "%(asctime)s %(levelname)s %(message)s")
+    except ValueError as error:
+        raise WrongInputError(f"{error}") from None
     logging.getLogger("alembic").setLevel(logging.WARNING)
     os.umask(UMASK)
     for problem in unusable_simulators():
         logging.warning("a simulator is skipped: %s", problem)
     url = url_of(data, database)
     _once_it_answers(url)
-    supervisor = Supervisor(url, name or default_name(), runner=runner, lease=lease, standstill=standstill)
+    try:
+        supervisor = Supervisor(
+            url, name or default_name(), runner=runner, lease=lease, standstill=standstill, data=data
+        )
+    except ValueError as error:
+        raise WrongInputError(f"{error}") from None
     stopped_by = supervisor.run()
     raise typer.Exit(130 if stopped_by == signal.SIGINT else DRAINED if supervisor.drained and not stopped_by else 0)
 
@@ -98,16 +103,13 @@ def _once_it_answers(url: str) -> None:
     from backend.db.engine import migrate
     from backend.db.outages import DatabaseOutage
 
-    said = -math.inf
     while True:
         try:
             return migrate(url)
         except DatabaseOutage as error:
             if url.startswith("sqlite") or error.kind != "database-away":
                 raise
-            if time.monotonic() - said >= SAID_AGAIN:
-                said = time.monotonic()
-                logging.warning("waiting for the database: %s (%s)", error, " ".join(str(error.orig).split()))
+            logging.warning("waiting for the database: %s", error)  # one line a minute
         time.sleep(1.0)
 
 

@@ -21,13 +21,18 @@ class Server:
 
     def __init__(self, url: str, control: list[str], options: str) -> None:
         self.url, self._control, self._options = url, control, options
+        self._running = False
 
     def start(self) -> None:
-        """Returns once it takes connections."""
+        """Returns once it takes connections, as it may already."""
+        if self._running:
+            return
+        self._running = True
         _run([*self._control, "-o", self._options, "start"])
 
     def stop(self) -> None:
         """Ends it as a crash would: connections are cut."""
+        self._running = False
         _run([*self._control, "-m", "immediate", "stop"])
 
 

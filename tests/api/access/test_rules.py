@@ -190,6 +190,8 @@ def test_only_health_the_schema_and_signing_in_are_open() -> None:
     assert {f"{method} {path}" for (method, path), rule in RULES.items() if rule.role is None} == {
         *(
             "GET /api/v1/health",
+            "GET /api/v1/health/live",
+            "GET /api/v1/health/ready",
             "GET /api/v1/campaigns/schema",
             "GET /login",
             "POST /login",

@@ -5,6 +5,7 @@ Their output goes to log files in the data folder.
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -76,7 +77,7 @@ class Server:
             lines = self.log.read_bytes()[self.begins :].decode(errors="replace").splitlines()
         except OSError:
             return []
-        return [line.removeprefix(WARNING) for line in lines if line.startswith(WARNING)]
+        return [text for line in lines if (text := _warning(line))]
 
     def tail(self, lines: int = 8) -> str:
         """The last lines of its log."""
@@ -85,6 +86,18 @@ class Server:
         except OSError:
             return ""
         return "\n".join("    " + line for line in text.splitlines()[-lines:])
+
+
+def _warning(line: str) -> str:
+    """The sentence of a line that concerns who started it, in either form of the log; empty for other lines."""
+    if not line.startswith("{"):
+        return line.removeprefix(WARNING) if line.startswith(WARNING) else ""
+    try:
+        found = json.loads(line)
+    except ValueError:
+        return ""
+    mine = (found.get("level"), found.get("logger")) == ("WARNING", "clearance")
+    return str(found.get("message", "")) if mine else ""
 
 
 class Servers:

@@ -13,13 +13,16 @@ import socket
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import sqlalchemy as sa
 
-from backend.db import workers
+from backend.db import space, workers
 from backend.db.engine import connect, write
 from backend.db.outages import worded
 from backend.db.queue import LEASE, Claim, LostLease, Queue
+from campaigns import logs
+from campaigns.runs import run_name
 from worker.engine.systems.simulators.slots import marks, places
 from worker.running.processes import standstill
 from worker.running.processes.children import Child, ChildEndedError
@@ -72,13 +75,21 @@ class Supervisor:
     """One worker with one child.
 
     runner: the function that the child calls, as `module:function`; standstill: how long it may always be without a
-    new result [s].
+    new result [s]; data: the data folder, if it has one.
     """
 
     def __init__(
-        self, url: str, name: str, *, runner: str, lease: float = LEASE, standstill: float = standstill.FLOOR
+        self,
+        url: str,
+        name: str,
+        *,
+        runner: str,
+        lease: float = LEASE,
+        standstill: float = standstill.FLOOR,
+        data: Path | None = None,
     ) -> None:
         self.url, self.name, self.runner = url, name, runner
+        self._folders, self._min_free = space.places(url, data), space.limit_of(os.environ)
         self.engine = connect(url, create=False)
         self.queue = Queue(self.engine, lease)
         self._floor = standstill
@@ -97,6 +108,7 @@ class Supervisor:
 
     def run(self) -> int:
         """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal, or 0 once it is drained."""
+        logs.present["worker"] = self.name
         marks.end_orphans()
         places.remove_left()
         with self._wakeup:
@@ -116,14 +128,20 @@ class Supervisor:
         child = self._ready_child()
         if child is None or self._wakeup.signal is not None or self.drained:
             return
+        if why := space.short(self._folders, self._min_free):
+            log.warning("no further run is begun: %s", why)
+            self._wakeup.wait(POLL)
+            return
         claim = self.queue.claim(self.name, self.simulators, self.installation)
         if claim is None:
             self._wakeup.wait(POLL)
             return
+        logs.present["run"] = run_name(claim.run_id)
         log.info("run %d: attempt %d of %d", claim.run_id, claim.attempt, claim.max_attempts)
         ending = self._watch(child, claim)
         log.info("run %d: %s%s", claim.run_id, ending.outcome, ending.text and f" ({ending.text})")
         self._settle(claim, ending)
+        logs.present["run"] = None
 
     def _watch(self, child: Child, claim: Claim) -> Ending:
         """Send heartbeats while the child works; returns how the attempt ended."""
@@ -206,6 +224,7 @@ class Supervisor:
                 if time.monotonic() > begun + (patience if self._wakeup.signal is None else 1.0):
                     log.warning("run %d: left until its lease expires: %s", claim.run_id, worded(error))
                     return
+                log.warning("run %d: its end could not be stored, trying again: %s", claim.run_id, worded(error))
             self._wakeup.wait(0.2)
 
     def _ready_child(self) -> Child | None:

@@ -1,0 +1,49 @@
+"""Free space where the data is: below a limit no new run begins, so that those that run can still be stored."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import sqlalchemy as sa
+
+VARIABLE = "CLEARANCE_MIN_FREE"
+MIN_FREE = 500_000_000
+"""The limit unless the variable states another [bytes]."""
+
+
+def places(url: str, data: Path | None) -> list[Path]:
+    """The folders in which the service and its workers write: that of an SQLite file, and the data folder."""
+    file = sa.make_url(url).database if url.startswith("sqlite") else None
+    return [*([] if file is None else [Path(file).absolute().parent]), *([] if data is None else [data.absolute()])]
+
+
+def free(folders: Iterable[Path]) -> int | None:
+    """The least free space of these folders [bytes]; None if none of them is there."""
+    found = []
+    for folder in folders:
+        try:
+            found.append(shutil.disk_usage(folder).free)
+        except OSError:  # reported by what needs the folder
+            continue
+    return min(found, default=None)
+
+
+def short(folders: Iterable[Path], limit: int) -> str:
+    """Why no new run may begin, a sentence; empty if there is enough space."""
+    left = free(folders)
+    if left is None or left >= limit:
+        return ""
+    return (
+        f"the disk of the database has {left / 1e6:,.0f} MB left, and new runs need {limit / 1e6:,.0f} MB "
+        f"({VARIABLE}): an administrator must free space"
+    )
+
+
+def limit_of(environment: Mapping[str, str]) -> int:
+    """The limit that the environment states [bytes]; raises `ValueError` unless it is a whole number, 0 for none."""
+    text = environment.get(VARIABLE, "") or str(MIN_FREE)
+    if not (text.isascii() and text.isdigit()) or len(text) > 18:
+        raise ValueError(f"{VARIABLE} is a whole number of bytes, such as {MIN_FREE}; given {text!r}")
+    return int(text)

@@ -1,0 +1,44 @@
+"""Whether an installation can do its work now: the reasons why not, each a sentence that names no address or file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import sqlalchemy as sa
+
+from backend.db import damage, revision, space, workers
+from backend.db.engine import read
+from backend.db.outages import DatabaseOutage
+
+NO_WORKER = "no worker is alive, so that runs wait: start `clearance serve` or `clearance worker`"
+NO_FOLDER = "the data folder is not there any more: put it back, or start the service again"
+
+
+@dataclass(frozen=True)
+class Reason:
+    """What is missing: `workers`, `space`, `folder`, `schema`, or a kind of `DatabaseOutage`; and a sentence."""
+
+    what: str
+    sentence: str
+
+
+def reasons(engine: sa.Engine, data: Path, url: str, min_free: int) -> list[Reason]:
+    """Why no run can be done now; none if it can."""
+    found = []
+    if not data.is_dir():
+        found.append(Reason("folder", NO_FOLDER))
+    if why := space.short(space.places(url, data), min_free):
+        found.append(Reason("space", why))
+    try:
+        with read(engine) as connection:
+            stored, newest = revision.stored(connection), revision.newest()
+            if stored != newest:
+                sentence = f"the database has schema {stored}, and this version of Clearance needs {newest}"
+                found.append(Reason("schema", f"{sentence}: start the service again"))
+            elif not workers.live(connection):
+                found.append(Reason("workers", NO_WORKER))
+        damage.refuse(engine)
+    except DatabaseOutage as error:
+        found.append(Reason(error.kind, error.sentence))
+    return found

@@ -1,0 +1,107 @@
+"""The metrics of a service: its queue and workers as the database has them, its requests, its space."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import monotonic
+
+import sqlalchemy as sa
+
+from backend.db import space
+from backend.db.engine import now, read
+from backend.db.outages import DatabaseOutage
+from backend.db.tables import Run, Worker
+from backend.db.workers import SEEN
+from backend.metrics.requests import Requests
+from backend.metrics.text import Metric, Sample, of_one
+from backend.settings import Settings
+from campaigns.runs import HELD, RunState
+
+STILL = 600.0
+"""A run whose stored evaluations did not change for this long stands still [s]."""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """What the database holds."""
+
+    states: dict[str, int]
+    evaluations: int
+    running: dict[int, int]
+    """The evaluations of the runs that a worker has."""
+    alive: int
+    lost: int
+    losses: int
+
+
+class Metrics:
+    """Reads the metrics; remembers since when each run has had no new evaluation, as far as it was asked."""
+
+    def __init__(self, settings: Settings, requests: Requests) -> None:
+        self.settings, self.requests = settings, requests
+        self._since: dict[tuple[int, int], float] = {}
+
+    def text(self, engine: sa.Engine, waiting: dict[str, int]) -> str:
+        """waiting: the length of each queue of this process. A database that cannot be used is a metric, too."""
+        try:
+            stored = _stored(engine)
+        except DatabaseOutage:
+            stored = None
+        return "".join(metric.text() for metric in self._metrics(stored, waiting))
+
+    def _metrics(self, stored: Stored | None, waiting: dict[str, int]) -> Iterator[Metric]:
+        yield of_one("clearance_database_up", "gauge", "1 if the database can be used.", float(stored is not None))
+        if stored is not None:
+            yield from self._of_the_database(stored)
+        depth = [Sample("clearance_jobs", count, {"queue": name}) for name, count in waiting.items()]
+        yield Metric("clearance_jobs", "gauge", "Running and waiting jobs of the service.", depth)
+        folders = space.places(self.settings.database_url, self.settings.data)
+        yield of_one("clearance_free_bytes", "gauge", "Least free space where data is written.", space.free(folders))
+        yield Metric(
+            "clearance_request_seconds", "histogram", "Requests by route and status class.", self.requests.samples()
+        )
+
+    def _of_the_database(self, stored: Stored) -> Iterator[Metric]:
+        states = [Sample("clearance_runs", stored.states.get(state, 0), {"state": state}) for state in RunState]
+        yield Metric("clearance_runs", "gauge", "Runs by state.", states)
+        yield of_one(
+            "clearance_runs_standing_still",
+            "gauge",
+            f"Runs without a new stored evaluation for {STILL:g} s, as seen by this endpoint.",
+            self._still(stored.running),
+        )
+        yield of_one(
+            "clearance_evaluations", "gauge", "Stored evaluations of all runs, purged ones excepted.", stored.evaluations
+        )
+        workers = [
+            Sample("clearance_workers", stored.alive, {"state": "alive"}),
+            Sample("clearance_workers", stored.lost, {"state": "lost"}),
+        ]
+        yield Metric("clearance_workers", "gauge", "Workers by their heartbeat; lost: silent within a day.", workers)
+        yield of_one(
+            "clearance_run_losses", "gauge", "Workers that active runs have lost since their last result.", stored.losses
+        )
+
+    def _still(self, running: dict[int, int]) -> int:
+        at = monotonic()
+        self._since = {key: self._since.get(key, at) for key in running.items()}
+        return sum(at - since > STILL for since in self._since.values())
+
+
+def _stored(engine: sa.Engine) -> Stored:
+    with read(engine) as reader:
+        at, count = now(reader), sa.func.count
+        states = reader.execute(sa.select(Run.state, count(), sa.func.sum(Run.evaluations)).group_by(Run.state)).all()
+        running = sa.select(Run.id, Run.evaluations, Run.losses).where(Run.state.in_((*HELD, RunState.QUEUED)))
+        active = reader.execute(running.add_columns(Run.state)).all()
+        beats = reader.scalars(sa.select(Worker.beat)).all()
+    alive = sum(beat > at - SEEN for beat in beats)
+    return Stored(
+        {state: number for state, number, _ in states},
+        sum(evaluations or 0 for _, _, evaluations in states),
+        {row.id: row.evaluations for row in active if row.state in HELD},
+        alive,
+        len(beats) - alive,
+        sum(row.losses for row in active),
+    )

@@ -1,0 +1,1 @@
+"""Of the health checks and metrics."""

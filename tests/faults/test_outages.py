@@ -1,0 +1,162 @@
+"""A database server that goes away, a damaged file, a read-only one: runs lose no attempt, nothing waits in silence."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+
+from backend.db import queue as queues
+from backend.db.engine import connect, migrate
+from backend.db.queue import Queue, submit
+from backend.settings import Settings
+from tests.faults import postgres
+from tests.faults.cases import campaign
+from tests.faults.processes import REPOSITORY, until, worker
+from tests.faults.stored import Stored
+from tests.given.outages import every_route_is_away, torn
+from tests.given.problem_documents import problem
+from tests.given.service import Service
+
+
+class Bench(Stored):
+    def __init__(self, url: str) -> None:
+        self.engine = connect(url)
+
+    def submit(self, name: str) -> int:
+        with self.engine.begin() as connection:
+            return submit(connection, campaign(name=name), name=name, tags=[], owner="", planned=0)
+
+
+@contextmanager
+def benched(url: str) -> Iterator[Bench]:
+    migrate(url)
+    bench = Bench(url)
+    try:
+        yield bench
+    finally:
+        bench.engine.dispose()
+
+
+OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
+
+
+def test_the_service_without_its_server_and_with_it_again(server: postgres.Server, tmp_path: Path) -> None:
+    migrate(server.url)
+    (tmp_path / "data").mkdir()
+    service = Service(Settings(data=tmp_path / "data", database=server.url, pages=tmp_path / "dist"))
+    service.start()
+    try:
+        with service.signed_in() as client:
+            server.stop()
+            try:
+                every_route_is_away(client, "database-away")
+                with httpx.Client(base_url=service.url, trust_env=False) as stranger:
+                    problem(stranger.get("/api/v1/health"), 503, "database-away")
+            finally:
+                server.start()
+            assert client.get("/api/v1/health").status_code == 200
+            assert client.get("/api/v1/runs").status_code == 200
+    finally:
+        service.stop()
+
+
+def test_a_worker_waits_for_its_server_and_a_run_survives_its_loss(server: postgres.Server, tmp_path: Path) -> None:
+    with benched(server.url) as bench:
+        server.stop()
+        try:
+            with worker(server.url, tmp_path, "waiting", *OPTIONS) as started:
+                until(lambda: "waiting for the database" in started.text(), "it says that it waits")
+                assert started.process.poll() is None
+                server.start()
+                run_id = bench.submit("linger")
+                until(lambda: bench.run(run_id).evaluations > 0, "under way")
+                server.stop()
+                until(lambda: "cannot be reached" in started.text(), "the loss is noticed")
+                server.start()
+                ended = bench.ended(run_id)
+                assert (ended.state, ended.attempts, ended.losses) == ("done", 1, 0)
+        finally:
+            server.start()
+
+
+def test_a_damaged_file_uses_up_no_attempt(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    with benched(url) as bench, worker(url, tmp_path, "own", *OPTIONS) as started:
+        until(lambda: bench.ended(bench.submit("none")), "the worker is ready")
+        with torn(bench.engine, "evaluation_chunks"):
+            run_id = bench.submit("none")
+            until(lambda: bench.run(run_id).error is not None, started.text())
+            put_off = bench.run(run_id)
+        assert put_off.error.startswith("Put off: the database is damaged")
+        assert "SQL" not in put_off.error
+        assert (put_off.state, put_off.attempts, put_off.losses) == ("queued", 0, 0)
+        ended = bench.ended(run_id)
+        assert (ended.state, ended.attempts, ended.error) == ("done", 1, None), started.text()
+
+
+def without_override(*command: str) -> list[str]:
+    """As a user that may not write everything, which root may."""
+    if os.geteuid() != 0:
+        return list(command)
+    return ["setpriv", "--bounding-set=-dac_override,-dac_read_search", "--inh-caps=-all", *command]
+
+
+@pytest.mark.parametrize(("command", "what"), [("serve", "file"), ("worker", "folder")])
+def test_a_read_only_database_is_said_at_once(command: str, what: str, tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    file = data / "clearance.sqlite3"
+    migrate(f"sqlite:///{file}")
+    data.chmod(0o700 if what == "file" else 0o500)
+    file.chmod(0o400)
+    port = ["--port", "0"] if command == "serve" else []
+    words = without_override(sys.executable, "-m", "clearance", command, "--data", str(data), *port)
+    try:
+        environment = {**os.environ, "PYTHONPATH": str(REPOSITORY)}
+        done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False, env=environment)
+    finally:
+        data.chmod(0o700)
+    assert done.returncode in (3, 4), done.stderr
+    assert "read-only" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_clock_that_was_put_back_does_not_extend_a_lease(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(queues, "LEASE", 0.3)
+    with benched(f"sqlite:///{tmp_path}/clearance.sqlite3") as bench:
+        run_id = bench.submit("none")
+        late, alive, other = (Queue(bench.engine, 0.3) for _ in range(3))
+        at = queues.now
+        monkeypatch.setattr(queues, "now", lambda connection: at(connection) + 3600.0)
+        claim = late.claim("late")
+        assert claim is not None
+        assert claim.run_id == run_id
+        monkeypatch.setattr(queues, "now", at)
+        assert other.claim("other") is None, "its worker may be about to renew it"
+        alive.beat(claim)
+        assert other.claim("other") is None, "renewed"
+        monkeypatch.setattr(queues, "now", lambda connection: at(connection) + 3600.0)
+        alive.beat(claim)
+        monkeypatch.setattr(queues, "now", at)
+        until(lambda: other.claim("other"), "claimed by another", 10.0)
+        assert bench.run(run_id).worker == "other"
+
+
+def test_a_pause_does_not_last_longer_after_the_clock_was_put_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with benched(f"sqlite:///{tmp_path}/clearance.sqlite3") as bench:
+        bench.submit("none")
+        queue, at = Queue(bench.engine), queues.now
+        monkeypatch.setattr(queues, "now", lambda connection: at(connection) + 3600.0)
+        claim = queue.claim("one")
+        assert claim is not None
+        queue.retry(claim, "it failed")
+        monkeypatch.setattr(queues, "now", at)
+        assert queue.claim("one") is not None

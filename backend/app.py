@@ -163,6 +163,8 @@ def create(settings: Settings) -> FastAPI:
     app.include_router(scenes.router)
     pages.serve(app, settings.pages)
     rules = RULES | ({METRICS: OPEN} if settings.metrics_open else {})
-    app.state.rules = routes.Rules(app.router.routes, rules)  # refuses to start with a route that the table of rules lacks
+    app.state.rules = routes.Rules(
+        app.router.routes, rules
+    )  # refuses to start with a route that the table of rules lacks
     openapi.install(app)
     return app

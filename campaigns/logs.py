@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import logging
-import time
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from time import monotonic
 
 PERIOD = 60.0
 """Time in which the same warning or error is one line [s]."""
@@ -30,7 +30,7 @@ class Repeats(logging.Filter):
     def filter(self, record: logging.LogRecord) -> bool:
         if record.levelno < logging.WARNING:
             return True
-        key, at = (record.name, record.levelno, record.getMessage()), time.monotonic()
+        key, at = (record.name, record.levelno, record.getMessage()), monotonic()
         since, count = self._seen.get(key, (-PERIOD, 0))
         if at - since < PERIOD:
             self._seen[key] = since, count + 1
@@ -60,15 +60,20 @@ class Json(logging.Formatter):
         return json.dumps(line, default=str)
 
 
-def set_up(environment: Mapping[str, str], text: str) -> None:
-    """Have this process log to standard error. text: the format of lines that are not JSON.
+def handler(environment: Mapping[str, str], text: str) -> logging.Handler:
+    """A handler that writes to standard error. text: the format of lines that are not JSON.
 
     Raises `ValueError` for an unknown form.
     """
     form = environment.get(VARIABLE, "text") or "text"
     if form not in ("text", "json"):
         raise ValueError(f"{VARIABLE} is text or json, given {form!r}")
-    handler = logging.StreamHandler()
-    handler.setFormatter(Json() if form == "json" else logging.Formatter(text))
-    handler.addFilter(Repeats())
-    logging.basicConfig(level=logging.INFO, handlers=[handler])
+    found = logging.StreamHandler()
+    found.setFormatter(Json() if form == "json" else logging.Formatter(text))
+    found.addFilter(Repeats())
+    return found
+
+
+def set_up(environment: Mapping[str, str], text: str) -> None:
+    """Have this process log by such a handler."""
+    logging.basicConfig(level=logging.INFO, handlers=[handler(environment, text)])

@@ -40,6 +40,7 @@ SERVER_LIMITS = {
 }
 """After which a PostgreSQL server that is silent counts as away [s, the last one ms]; those of the address win."""
 
+
 class NewerSchemaError(ValueError):
     """A newer version of Clearance has migrated the database."""
 
@@ -78,7 +79,9 @@ def connect(url: str, busy_timeout: float | None = None, create: bool = True) ->
         return outages.watched(
             sa.create_engine(address, pool_pre_ping=True, json_serializer=_json, connect_args=limits)
         )
-    raise ValueError(f"the database {parsed.render_as_string()!r} is not supported: give sqlite:///FILE or postgresql://...")
+    raise ValueError(
+        f"the database {parsed.render_as_string()!r} is not supported: give sqlite:///FILE or postgresql://..."
+    )
 
 
 def default_url(data: Path) -> str:

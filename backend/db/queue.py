@@ -273,8 +273,8 @@ class Queue:
             leases = sa.select(Run.id, Run.fence, Run.lease_until)
             ahead = leases.where(Run.state.in_(HELD), Run.lease_until > at + _longest(self.lease))
             seen, self._ahead = self._ahead, {}
-            for row in connection.execute(ahead):
-                self._ahead[tuple(row)] = seen.get(tuple(row), time.monotonic())
+            for run_id, fence, lease in connection.execute(ahead).all():
+                self._ahead[run_id, fence, lease] = seen.get((run_id, fence, lease), time.monotonic())
             found = sa.select(Run.id).where(_ready(at, self._stuck()), able).limit(1)
             return connection.scalar(found) is not None
 

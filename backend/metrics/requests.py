@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import bisect
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from typing import cast
 
@@ -31,11 +31,11 @@ class Requests:
 
     def __init__(self) -> None:
         self._counts: Counter[tuple[Labels, int]] = Counter()
-        self._seconds: Counter[Labels] = Counter()  # type: ignore[type-var]
+        self._seconds: defaultdict[Labels, float] = defaultdict(float)
 
     def note(self, labels: Labels, seconds: float) -> None:
         self._counts[labels, bisect.bisect_left(BUCKETS, seconds)] += 1
-        self._seconds[labels] += seconds  # type: ignore[assignment]
+        self._seconds[labels] += seconds
 
     def samples(self) -> Iterator[Sample]:
         """The histogram's lines."""

@@ -72,7 +72,10 @@ class Metrics:
             self._still(stored.running),
         )
         yield of_one(
-            "clearance_evaluations", "gauge", "Stored evaluations of all runs, purged ones excepted.", stored.evaluations
+            "clearance_evaluations",
+            "gauge",
+            "Stored evaluations of all runs, purged ones excepted.",
+            stored.evaluations,
         )
         workers = [
             Sample("clearance_workers", stored.alive, {"state": "alive"}),
@@ -80,7 +83,10 @@ class Metrics:
         ]
         yield Metric("clearance_workers", "gauge", "Workers by their heartbeat; lost: silent within a day.", workers)
         yield of_one(
-            "clearance_run_losses", "gauge", "Workers that active runs have lost since their last result.", stored.losses
+            "clearance_run_losses",
+            "gauge",
+            "Workers that active runs have lost since their last result.",
+            stored.losses,
         )
 
     def _still(self, running: dict[int, int]) -> int:

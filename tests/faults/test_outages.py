@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -11,10 +12,12 @@ from pathlib import Path
 
 import httpx
 import pytest
+import sqlalchemy as sa
 
 from backend.db import queue as queues
-from backend.db.engine import connect, migrate
+from backend.db.engine import connect, migrate, read
 from backend.db.queue import Queue, submit
+from backend.db.tables import Worker as WorkerRow
 from backend.settings import Settings
 from tests.faults import postgres
 from tests.faults.cases import campaign
@@ -32,6 +35,11 @@ class Bench(Stored):
     def submit(self, name: str) -> int:
         with self.engine.begin() as connection:
             return submit(connection, campaign(name=name), name=name, tags=[], owner="", planned=0)
+
+    def beat(self) -> float:
+        """The newest heartbeat of a worker."""
+        with read(self.engine) as connection:
+            return connection.scalar(sa.select(sa.func.max(WorkerRow.beat))) or 0.0
 
 
 @contextmanager
@@ -99,6 +107,21 @@ def test_a_damaged_file_uses_up_no_attempt(tmp_path: Path) -> None:
         assert (put_off.state, put_off.attempts, put_off.losses) == ("queued", 0, 0)
         ended = bench.ended(run_id)
         assert (ended.state, ended.attempts, ended.error) == ("done", 1, None), started.text()
+
+
+def test_a_worker_takes_no_run_without_space_and_says_so_once_a_minute(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    settings = {"CLEARANCE_MIN_FREE": str(10**17), "CLEARANCE_LOG": "json"}
+    with benched(url) as bench, worker(url, tmp_path, "narrow", *OPTIONS, **settings) as started:
+        run_id = bench.submit("none")
+        until(lambda: "no further run is begun" in started.text(), "it says why")
+        looked = bench.beat()
+        until(lambda: bench.beat() > looked, "it goes on")
+        assert (bench.run(run_id).state, bench.run(run_id).fence) == ("queued", 0)
+        lines = [json.loads(line) for line in started.text().splitlines()]
+    [line] = [line for line in lines if line["message"].startswith("no further run")]
+    assert (line["level"], line["logger"], line["worker"]) == ("WARNING", "clearance.worker", "narrow")
+    assert "CLEARANCE_MIN_FREE" in line["message"]
 
 
 def without_override(*command: str) -> list[str]:

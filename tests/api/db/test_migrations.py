@@ -12,10 +12,9 @@ import sqlalchemy as sa
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from alembic.util import CommandError
 
 from backend.db import revision
-from backend.db.engine import connect, default_url, migrate
+from backend.db.engine import NewerSchemaError, connect, default_url, migrate
 from backend.db.migrate import config
 from backend.db.tables import Base
 
@@ -60,7 +59,7 @@ def test_a_database_of_a_later_version_is_refused(engine: sa.Engine, tmp_path: P
     migrate(default_url(tmp_path))
     with engine.begin() as connection:
         connection.execute(sa.text("update alembic_version set version_num = '9999'"))
-    with pytest.raises(CommandError, match="9999"):
+    with pytest.raises(NewerSchemaError, match="9999"):
         migrate(default_url(tmp_path))
 
 

@@ -21,6 +21,7 @@ from tests.given.problem_documents import problem
 from tests.given.service import Service
 from tests.given.submissions import submit
 
+
 def file_of(service: Service) -> Path:
     return Path(str(service.engine.url.database))
 

@@ -1,6 +1,6 @@
 // A service that does not answer is reported after 3 s, whichever way it was noticed, and no longer once it answers.
 import { afterEach, beforeEach, expect, it, vi } from 'vitest'
-import { PATIENCE, Pulse } from './pulse'
+import { PATIENCE, Pulse, troubleOf } from './pulse'
 
 beforeEach(() => {
   vi.useFakeTimers({ now: 1_000_000 })
@@ -15,8 +15,12 @@ class Service {
   requests = 0
   private waiting: (() => void)[] = []
 
-  readonly ask = (signal: AbortSignal): Promise<void> => {
+  /** Why it can do nothing, in its answer. */
+  trouble = ''
+
+  readonly ask = (signal: AbortSignal): Promise<string | void> => {
     this.requests++
+    if (this.trouble) return Promise.resolve(this.trouble)
     if (this.state === 'refuses') return Promise.reject(new TypeError('Failed to fetch'))
     if (this.state === 'answers') return Promise.resolve()
     return new Promise((resolve, reject) => {
@@ -101,4 +105,25 @@ it('asks nothing while answers come', async () => {
     await vi.advanceTimersByTimeAsync(1000)
   }
   expect(service.requests).toBe(0)
+})
+
+it('reports a service that can do nothing with its sentence, until the health check succeeds', async () => {
+  const [service, pulse] = made('answers')
+  service.trouble = 'the database cannot be reached'
+  await pulse.follow(Promise.resolve(new Response(null, { status: 503 })))
+  await vi.advanceTimersByTimeAsync(0)
+  expect(pulse.contact.get()).toEqual({ state: 'unusable', since: 1_000_000, why: 'the database cannot be reached' })
+  await pulse.follow(Promise.resolve(new Response(null, { status: 200 })))
+  expect(pulse.contact.get().state).toBe('unusable')
+  service.trouble = ''
+  pulse.tick()
+  await vi.advanceTimersByTimeAsync(0)
+  expect(pulse.contact.get().state).toBe('well')
+})
+
+it('reads the sentence of a problem document, and nothing of a service that is busy', () => {
+  const type = 'urn:clearance:problem:'
+  expect(troubleOf(JSON.stringify({ type: `${type}damaged`, detail: 'it is damaged' }))).toBe('it is damaged')
+  expect(troubleOf(JSON.stringify({ type: `${type}busy`, detail: 'try again' }))).toBe('')
+  expect(troubleOf('<html>')).toBe('')
 })

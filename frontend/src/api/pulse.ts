@@ -1,5 +1,5 @@
 // Whether the service answers. Every answer and event is a sign of life; without one the service is asked, and after 3 s
-// without an answer all pages say so, until it answers again.
+// without an answer all pages say so, until it answers again. So they do while its database cannot be used.
 import { at } from '../format/root'
 import { storeOf } from '../ui/store'
 
@@ -14,19 +14,28 @@ const AGAIN = 10_000
 /** The pause after a refused connection [ms]. */
 const PAUSE = 1500
 
-/** `silent`: connected, but without an answer; `unreachable`: no connection. Since when [ms since 1970]. */
-export type Contact = { state: 'well' } | { state: 'silent' | 'unreachable'; since: number }
+/**
+ * `silent`: connected, but without an answer; `unreachable`: no connection; `unusable`: it answers why it can do nothing.
+ * Since when [ms since 1970].
+ */
+export type Contact =
+  | { state: 'well' }
+  | { state: 'silent' | 'unreachable'; since: number }
+  | { state: 'unusable'; since: number; why: string }
 
 const WELL: Contact = { state: 'well' }
 
-/** `ask` resolves with any answer of the service, and rejects if there is no connection or the signal aborts it. */
+/**
+ * `ask` resolves with any answer of the service: why it can do nothing, or nothing. It rejects if there is no connection or
+ * the signal aborts it.
+ */
 export class Pulse {
   readonly contact = storeOf<Contact>(WELL)
   private heard: number
   private asking = false
 
   constructor(
-    private readonly ask: (signal: AbortSignal) => Promise<unknown>,
+    private readonly ask: (signal: AbortSignal) => Promise<string | void>,
     private readonly now: () => number = Date.now,
   ) {
     this.heard = now()
@@ -35,7 +44,7 @@ export class Pulse {
   /** The service has answered something. */
   beat(): void {
     this.heard = this.now()
-    if (this.contact.get().state !== 'well') this.contact.set(WELL)
+    if (['silent', 'unreachable'].includes(this.contact.get().state)) this.contact.set(WELL)
   }
 
   /** Follows a request: its answer is a sign of life, and the service is asked if it takes long. */
@@ -44,6 +53,7 @@ export class Pulse {
     try {
       const found = await answer
       this.beat()
+      if (found instanceof Response && found.status === 503) void this.check()
       return found
     } finally {
       clearTimeout(slow)
@@ -63,8 +73,10 @@ export class Pulse {
     const late = setTimeout(() => this.lost('silent', since), Math.max(0, since + PATIENCE - this.now()))
     const again = setTimeout(() => abort.abort(), AGAIN)
     try {
-      await this.ask(abort.signal)
+      const why = await this.ask(abort.signal)
       this.beat()
+      if (why) this.lost('unusable', since, why)
+      else if (this.contact.get().state !== 'well') this.contact.set(WELL)
     } catch {
       if (!abort.signal.aborted) {
         this.lost('unreachable', since)
@@ -77,13 +89,28 @@ export class Pulse {
     }
   }
 
-  private lost(state: 'silent' | 'unreachable', since: number): void {
+  private lost(state: 'silent' | 'unreachable' | 'unusable', since: number, why = ''): void {
     const before = this.contact.get()
-    if (before.state !== state) this.contact.set({ state, since: before.state === 'well' ? since : before.since })
+    const from = before.state === 'well' ? since : before.since
+    if (before.state === state && (before.state !== 'unusable' || before.why === why)) return
+    this.contact.set(state === 'unusable' ? { state, since: from, why } : { state, since: from })
   }
 }
 
 /** Of this tab. Any answer counts, also a refusal. */
-export const pulse = new Pulse((signal) => fetch(at('/api/v1/health'), { signal, cache: 'no-store' }))
+export const pulse = new Pulse(async (signal) => {
+  const answer = await fetch(at('/api/v1/health'), { signal, cache: 'no-store' })
+  return answer.status === 503 ? troubleOf(await answer.text()) : undefined
+})
+
+/** Why the service can do nothing; empty if it is only busy, or does not say. */
+export function troubleOf(text: string): string {
+  try {
+    const { type, detail } = JSON.parse(text) as { type?: string; detail?: string }
+    return detail && !type?.endsWith(':busy') ? detail : ''
+  } catch {
+    return ''
+  }
+}
 
 export const useContact = pulse.contact.useValue

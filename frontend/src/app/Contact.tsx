@@ -1,4 +1,4 @@
-// Below the header of every page: the service does not answer, or live updates are interrupted; until that is over.
+// Below the header of every page: the service does not answer or can do nothing, or live updates are interrupted; until that is over.
 import { clsx } from 'clsx'
 import { IconPlugConnectedX } from '@tabler/icons-react'
 import { useQueryClient } from '@tanstack/react-query'
@@ -12,6 +12,12 @@ import styles from './app.module.css'
 
 /** What is read again once the service answers: what may have changed, not what is being edited. */
 const CHANGING = ['run', 'runs', 'workers', 'stages', 'findings', 'evaluations', 'facets']
+
+const TROUBLE = {
+  silent: 'The service does not answer',
+  unreachable: 'The service cannot be reached; start it on its machine with clearance serve',
+  unusable: 'The service can do nothing',
+}
 
 export function Contact() {
   const contact = useContact()
@@ -43,10 +49,9 @@ export function Contact() {
         <p className={clsx(cards.note, cards.bad)}>
           <IconPlugConnectedX className="i" aria-hidden />
           <span>
-            {contact.state === 'silent'
-              ? 'The service does not answer'
-              : 'The service cannot be reached; start it on its machine with clearance serve'}
-            <span aria-hidden> (for {age(now - contact.since / 1000)})</span>. What this page shows may be
+            {TROUBLE[contact.state]}
+            <span aria-hidden> (for {age(now - contact.since / 1000)})</span>
+            {contact.state === 'unusable' && `: ${contact.why}`}. What this page shows may be
             out of date. It continues as soon as the service answers.
           </span>
         </p>

@@ -21,6 +21,7 @@ from backend.access.shares import Shares
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
+from backend.db import space
 from backend.db.engine import connect
 from backend.drafts import endpoints as drafts
 from backend.events import endpoints as events
@@ -85,7 +86,7 @@ def create(settings: Settings) -> FastAPI:
     """The application on the settings' database, which must be migrated (`backend.db.engine.migrate`)."""
     engine = connect(settings.database_url)
     hub, live, door, capacities = Hub(engine), Live(), Door(settings.database_url, settings.cookie), Capacities()
-    measured = Requests()
+    measured, folders = Requests(), space.places(settings.database_url, settings.data)
     rates, frames = Rates(settings.max_requests_per_minute), Frames()
     hosts = Hosts(settings.host, settings.public_url, settings.allowed_hosts, settings.allow_any_host)
 
@@ -129,7 +130,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.frames, app.state.failures = frames, Failures(door)
-    app.state.lockout, app.state.metrics = Lockout(), Metrics(settings, measured)
+    app.state.lockout, app.state.metrics = Lockout(), Metrics(folders, measured)
     app.state.provider = provider.of(settings.provider)
     app.state.provider_noted = Bucket(provider.BURST, provider.PERIOD)
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)

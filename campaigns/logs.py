@@ -16,7 +16,7 @@ FIELDS = ("run", "stage", "worker", "address", "status")
 """What a line of JSON states besides, where it is known."""
 VARIABLE = "CLEARANCE_LOG"
 
-present: dict[str, object] = {}
+present: dict[str, str | None] = {}
 """The fields that this process is occupied with now, such as its run."""
 
 
@@ -47,7 +47,7 @@ class Json(logging.Formatter):
     """One object a line."""
 
     def format(self, record: logging.LogRecord) -> str:
-        line: dict[str, object] = {
+        line: dict[str, str | int] = {
             "time": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
             "level": record.levelname,
             "logger": record.name,

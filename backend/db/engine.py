@@ -72,7 +72,7 @@ def connect(url: str, busy_timeout: float | None = None, create: bool = True) ->
     if backend == "sqlite":
         return _sqlite(parsed, BUSY_TIMEOUT if busy_timeout is None else busy_timeout, create)
     if backend in ("postgresql", "postgres"):
-        limits: dict[str, Any] = {name: n for name, n in SERVER_LIMITS.items() if name not in parsed.query}
+        limits: dict[str, int | str] = {name: n for name, n in SERVER_LIMITS.items() if name not in parsed.query}
         if busy_timeout is not None:
             limits["options"] = f"-c lock_timeout={busy_timeout * 1000:.0f}"
         address = parsed.set(drivername="postgresql+psycopg")
@@ -183,7 +183,7 @@ def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:
     engine = sa.create_engine(url, connect_args={"timeout": busy_timeout}, json_serializer=_json)
 
     @sa.event.listens_for(engine, "do_connect")
-    def _opening(_dialect: Any, _record: Any, arguments: list[Any], options: dict[str, Any]) -> None:
+    def _opening(_dialect: Any, _record: Any, arguments: list[Any], options: Any) -> None:
         arguments[:] = [file_uri(file, "rw")]  # a file that was deleted is not made again
         options["uri"] = True
 

@@ -9,7 +9,8 @@ from starlette.datastructures import Headers
 from starlette.responses import Response
 from starlette.types import Scope
 
-from backend.db.outages import DatabaseOutage, Kind
+from backend.db.outages import DatabaseOutage as DatabaseOutage
+from backend.db.outages import Kind
 from backend.http.errors import RefusedError, respond
 from backend.http.pages import plain, wants_page
 

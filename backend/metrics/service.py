@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from time import monotonic
 
 import sqlalchemy as sa
@@ -15,7 +16,6 @@ from backend.db.tables import Run, Worker
 from backend.db.workers import SEEN
 from backend.metrics.requests import Requests
 from backend.metrics.text import Metric, Sample, of_one
-from backend.settings import Settings
 from campaigns.runs import HELD, RunState
 
 STILL = 600.0
@@ -38,8 +38,9 @@ class Stored:
 class Metrics:
     """Reads the metrics; remembers since when each run has had no new evaluation, as far as it was asked."""
 
-    def __init__(self, settings: Settings, requests: Requests) -> None:
-        self.settings, self.requests = settings, requests
+    def __init__(self, folders: Sequence[Path], requests: Requests) -> None:
+        """folders: where data is written."""
+        self.folders, self.requests = folders, requests
         self._since: dict[tuple[int, int], float] = {}
 
     def text(self, engine: sa.Engine, waiting: dict[str, int]) -> str:
@@ -56,8 +57,9 @@ class Metrics:
             yield from self._of_the_database(stored)
         depth = [Sample("clearance_jobs", count, {"queue": name}) for name, count in waiting.items()]
         yield Metric("clearance_jobs", "gauge", "Running and waiting jobs of the service.", depth)
-        folders = space.places(self.settings.database_url, self.settings.data)
-        yield of_one("clearance_free_bytes", "gauge", "Least free space where data is written.", space.free(folders))
+        yield of_one(
+            "clearance_free_bytes", "gauge", "Least free space where data is written.", space.free(self.folders)
+        )
         yield Metric(
             "clearance_request_seconds", "histogram", "Requests by route and status class.", self.requests.samples()
         )

@@ -13,7 +13,6 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from backend.db.outages import DatabaseOutage
 from backend.http import outage
 from backend.http.errors import RefusedError, broken, respond
 
@@ -77,7 +76,7 @@ class Frame:
             await self._limited(scope, receive, sent)
         except ClientDisconnect:
             return
-        except DatabaseOutage as error:  # here, because authentication within needs the database, too
+        except outage.DatabaseOutage as error:  # here, because authentication within needs the database, too
             if started:
                 raise
             await outage.answer(error, scope)(scope, receive, sent)
@@ -103,7 +102,7 @@ class Frame:
 
         try:
             await self.app(scope, receive, sent)
-        except DatabaseOutage as error:
+        except outage.DatabaseOutage as error:
             if accepted:
                 raise
             await receive()  # the handshake

@@ -102,7 +102,7 @@ def test_a_damaged_file_uses_up_no_attempt(tmp_path: Path) -> None:
             run_id = bench.submit("none")
             until(lambda: bench.run(run_id).error is not None, started.text())
             put_off = bench.run(run_id)
-        assert put_off.error.startswith("Put off: the database is damaged")
+        assert "damaged" in put_off.error
         assert "SQL" not in put_off.error
         assert (put_off.state, put_off.attempts, put_off.losses) == ("queued", 0, 0)
         ended = bench.ended(run_id)

@@ -24,6 +24,7 @@ from backend.db.tables import Run
 from backend.exports.format import known
 from backend.http.errors import KINDS
 from backend.http.schema import Given
+from backend.middleware.hosts import HEALTH
 from tests.api.conftest import Fresh
 from tests.given.busy_service import occupied
 from tests.given.openapi_document import DOCUMENT, JSON, OPERATIONS, held
@@ -184,7 +185,7 @@ def test_the_document_names_the_problems_of_every_operation() -> None:
         for parameter in operation.get("parameters", []):
             assert parameter.get("description"), (path, method, parameter["name"])
         assert {"400", "414", "422", "500"} <= operation["responses"].keys()
-        assert ("401" in operation["responses"]) == (path not in ("/api/v1/health", "/api/v1/campaigns/schema"))
+        assert ("401" in operation["responses"]) == (path not in {*HEALTH, "/api/v1/campaigns/schema"})
         for_all = method == "get" and RULES["GET", path] in (OPEN, READ)
         assert ("403" in operation["responses"]) == (not for_all)
 

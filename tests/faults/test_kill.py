@@ -68,7 +68,7 @@ def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
             before = before or stages()[:SEARCH]
             database.dispose()
             with down(request.getfixturevalue("server")):
-                until(lambda: "the database did not respond" in last.text(), "the worker notices")
+                until(lambda: "heartbeat failed" in last.text(), "the worker notices")
             assert last.process.poll() is None
         until(lambda: run().state != "running", "the run ends", 120)
         assert run().state == "done", last.text()

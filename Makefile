@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench scoreboard reproduce sbom advisories frontend library-flights library-verdicts clean distclean
+.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench scoreboard reproduce wheel sbom advisories frontend library-flights library-verdicts clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-15s %s\n", part[1], $$0}' Makefile
@@ -54,6 +54,9 @@ build/peers: tests/bench/scoreboard/peers.txt
 
 reproduce: install ## compute the published tables and figures again, into build/reproduce
 	@.venv/bin/clearance reproduce --out build/reproduce
+
+wheel: install ## a wheel with its pages, in build/wheel: `pip install` it anywhere and `clearance serve`
+	@tools/wheel.sh
 
 sbom: install ## the bill of materials of a release, CycloneDX, into build/sbom
 	@source tools/node.sh; .venv/bin/python -m tools.sbom

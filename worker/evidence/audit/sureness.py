@@ -1,0 +1,50 @@
+"""How sure a search is, estimated again from the stored evaluations: the model a second time, on purpose.
+
+A test compares the coefficients with those of `worker.evidence.verdicts.sureness`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from campaigns.results.base import OK
+from worker.evidence.audit import limits
+from worker.evidence.audit.recompute import Run, Tree
+
+LANDSCAPES = 0
+CONSTANT, NEAR, RIVAL, LATE = -2.0, -0.5, -0.5, 0.5
+FEWEST, MOST = (2, 50), (20, 2500)
+"""Parameters, and evaluations for each of them."""
+
+
+def sureness(run: Run) -> Tree | None:
+    """What the record must state; None if it must state nothing."""
+    if len(run.searches) != 1 or run.campaign.objectives or run.calls.noisy:
+        return None
+    (k,) = run.searches
+    points, costs, status = run.rows(k)
+    asked, n = run.campaign.stages.search[0], len(run.bounds)
+    small, large = ((ends[0], ends[1] * n) for ends in (FEWEST, MOST))
+    fits = small[0] <= n <= large[0] and small[1] <= asked.evaluations <= large[1]
+    if asked.method != "auto" or asked.options.get("seconds", 0.0) >= 0.02 or not fits:
+        return None
+    ok = np.flatnonzero(status == OK)
+    if len(status) != asked.evaluations or not len(ok) or math.isnan(run.nominal):
+        return None
+    best = int(ok[np.argmin(costs[ok])])
+    fall = run.nominal - float(costs[best])
+    lower = limits.SAME_COST * fall
+    if not lower > limits.ROUNDING * max(abs(run.nominal), abs(costs[best])):
+        return None
+    above = (costs[ok] - costs[best]) / fall
+    away, early = np.abs(points[ok] - points[best]).max(axis=1) > 0.1, ok < 3 * len(status) // 4
+    rival, late = (min([*above[some], 2.0]) for some in (away, early))
+    z = CONSTANT + NEAR * math.log10(np.sum(above <= limits.SAME_COST) / len(status))
+    z += RIVAL * math.log10(0.001 + rival) + LATE * math.log10(0.0001 + late)
+    return {
+        "chance": float(np.clip(1.0 / (1.0 + math.exp(-z)), 0.01, 0.99)),
+        "lower": lower,
+        "landscapes": LANDSCAPES,
+    }

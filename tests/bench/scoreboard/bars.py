@@ -20,7 +20,7 @@ FOUND, WHERE = 28 / 30, 29 / 30
 """Violations to be found, where any method of ours finds so many."""
 TRUE = (0.07, 0.13)
 """Fraction of the statements at about 10 %, that another search finds a lower case, which come true."""
-ABOUT = "5 to 15 %, came true"
+ABOUT = f"{100 * TRUE[0]:g} to {100 * TRUE[1]:g} %, came true"
 
 
 class Bar(NamedTuple):

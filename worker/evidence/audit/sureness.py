@@ -13,8 +13,7 @@ from campaigns.results.base import OK
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 
-LANDSCAPES = 0
-CONSTANT, NEAR, RIVAL, LATE = -2.0, -0.5, -0.5, 0.5
+LANDSCAPES, CONSTANT, NEAR, ENOUGH = 321, -0.297, -1.325, 100
 FEWEST, MOST = (2, 50), (20, 2500)
 """Parameters, and evaluations for each of them."""
 
@@ -24,7 +23,7 @@ def sureness(run: Run) -> Tree | None:
     if len(run.searches) != 1 or run.campaign.objectives or run.calls.noisy:
         return None
     (k,) = run.searches
-    points, costs, status = run.rows(k)
+    _, costs, status = run.rows(k)
     asked, n = run.campaign.stages.search[0], len(run.bounds)
     small, large = ((ends[0], ends[1] * n) for ends in (FEWEST, MOST))
     fits = small[0] <= n <= large[0] and small[1] <= asked.evaluations <= large[1]
@@ -33,16 +32,13 @@ def sureness(run: Run) -> Tree | None:
     ok = np.flatnonzero(status == OK)
     if len(status) != asked.evaluations or not len(ok) or math.isnan(run.nominal):
         return None
-    best = int(ok[np.argmin(costs[ok])])
-    fall = run.nominal - float(costs[best])
+    best = float(costs[ok].min())
+    fall = run.nominal - best
     lower = limits.SAME_COST * fall
-    if not lower > limits.ROUNDING * max(abs(run.nominal), abs(costs[best])):
+    if not lower > limits.ROUNDING * max(abs(run.nominal), abs(best)):
         return None
-    above = (costs[ok] - costs[best]) / fall
-    away, early = np.abs(points[ok] - points[best]).max(axis=1) > 0.1, ok < 3 * len(status) // 4
-    rival, late = (min([*above[some], 2.0]) for some in (away, early))
-    z = CONSTANT + NEAR * math.log10(np.sum(above <= limits.SAME_COST) / len(status))
-    z += RIVAL * math.log10(0.001 + rival) + LATE * math.log10(0.0001 + late)
+    as_low = np.sum((costs[ok] - best) / fall <= limits.SAME_COST)
+    z = CONSTANT + NEAR * math.log10(min(as_low, ENOUGH))
     return {
         "chance": float(np.clip(1.0 / (1.0 + math.exp(-z)), 0.01, 0.99)),
         "lower": lower,

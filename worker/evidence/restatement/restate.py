@@ -88,7 +88,7 @@ def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sen
     results = [stage_result(result) for result in record.claims["results"]]
     status, ok = record.status, record.costs[record.status == OK, 0]
     rows = {k: record.stage == k for k in range(len(results))}
-    stored = {k: Stored(record.points[here], record.costs[here], record.status[here]) for k, here in rows.items()}
+    stored = {k: Stored(record.costs[here], record.status[here]) for k, here in rows.items()}
     evidence = Evidence(
         results=[worded(problem, result, findings) for result in results],
         finding=findings[0] if findings else None,

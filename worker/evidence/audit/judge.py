@@ -240,7 +240,7 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
         expected["findings"] = [found | _found(run, recorded) for found, recorded in pairs]
     if run.sealed and run.findings:
         expected["worst"] = _worst(run)
-    if not run.reworded:
+    if not run.reworded and (run.sealed or "sureness" in run.claims):
         expected["sureness"] = sureness(run)
     if not run.confirmed:
         stated = _as_stated(run)

@@ -12,8 +12,7 @@ class Sureness(Described):
     """
 
     chance: float
-    """Of another search, with another seed and the same budget, to find a case lower by more than `lower`; at least
-    0.01."""
+    """Of another search, with another seed and the same budget, to find a case lower by more than `lower`."""
     lower: float
     """A hundredth of nominal minus worst, in the criterion's unit."""
     landscapes: int

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from campaigns.limits import SEARCH
 from campaigns.results.base import OK
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
@@ -27,7 +28,7 @@ def sureness(run: Run) -> Tree | None:
     asked, n = run.campaign.stages.search[0], len(run.bounds)
     small, large = ((ends[0], ends[1] * n) for ends in (FEWEST, MOST))
     fits = small[0] <= n <= large[0] and small[1] <= asked.evaluations <= large[1]
-    if asked.method != "auto" or asked.options.get("seconds", 0.0) >= 0.02 or not fits:
+    if asked.method != SEARCH or asked.options.get("seconds", 0.0) >= 0.02 or not fits:
         return None
     ok = np.flatnonzero(status == OK)
     if len(status) != asked.evaluations or not len(ok) or math.isnan(run.nominal):
@@ -40,7 +41,7 @@ def sureness(run: Run) -> Tree | None:
     as_low = np.sum((costs[ok] - best) / fall <= limits.SAME_COST)
     z = CONSTANT + NEAR * math.log10(min(as_low, ENOUGH))
     return {
-        "chance": float(np.clip(1.0 / (1.0 + math.exp(-z)), 0.01, 0.99)),
+        "chance": 1.0 / (1.0 + math.exp(-z)),
         "lower": lower,
         "landscapes": LANDSCAPES,
     }

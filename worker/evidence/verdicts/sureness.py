@@ -13,11 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns import rules
+from campaigns import limits, rules
 from campaigns.claims import sureness as templates
-from campaigns.results import SearchResult, StageResult
+from campaigns.results import StageResult
 from campaigns.results.base import OK
 from campaigns.results.sureness import Sureness
+from campaigns.stages.plan import plan
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.store import Columns
 
@@ -37,7 +38,6 @@ MODEL = Model(landscapes=321, constant=-0.297, near=-1.325)
 setting of `tests/given/landscapes.py`, at 50 to 2,000 evaluations per parameter. Standard deviations 0.11 and 0.09, by
 bootstrap over landscapes. `python -m tests.bench.scoreboard.fitted` sets them again, `--only sureness` judges them."""
 
-METHOD = "auto"
 PARAMETERS, EVALUATIONS = (2, 20), (50, 2500)
 """Parameters, and evaluations for each of them, of the searches on which it was set and judged: elsewhere there is no
 number."""
@@ -45,8 +45,6 @@ SECONDS = 0.02
 """Time of an evaluation [s] from which `auto` searches in another way, on which nothing was set."""
 ENOUGH = 100
 """Evaluations as low as the lowest beyond which more of them say nothing more."""
-LEAST, MOST = 0.01, 0.99
-"""What so many landscapes can distinguish from 0 and from 1."""
 
 
 class Stored(NamedTuple):
@@ -63,9 +61,9 @@ class Stored(NamedTuple):
 
 def sureness(problem: Problem, results: Sequence[StageResult], stored: Mapping[int, Stored]) -> Sureness | None:
     """The estimate from the evaluations of the stages by position; None where nothing is known."""
-    position = _searched(problem, results)
+    position = _searched(problem, stored)
     nominal = next((r.at_nominal.cost for r in results if r.at_nominal is not None), None)
-    if position is None or nominal is None:
+    if position is None or nominal is None or not _repeats(problem, results):
         return None
     costs, status = stored[position]
     ranked = np.where(status == OK, costs[:, 0], np.inf)
@@ -78,19 +76,18 @@ def sureness(problem: Problem, results: Sequence[StageResult], stored: Mapping[i
     return Sureness(chance=probability, lower=lower, landscapes=MODEL.landscapes, statement=statement)
 
 
-def _searched(problem: Problem, results: Sequence[StageResult]) -> int | None:
+def _searched(problem: Problem, stored: Mapping[int, Stored]) -> int | None:
     """The position of the one search, if it is one on which the estimate was set: `auto` alone, of one criterion, that
-    used its whole budget, on a system whose results repeat."""
-    campaign, searches = problem.campaign, [k for k, r in enumerate(results) if isinstance(r, SearchResult)]
+    used its whole budget."""
+    campaign, searches = problem.campaign, [k for k, planned in enumerate(plan(problem.campaign)) if planned.method]
     if len(searches) != 1 or campaign.objectives:
         return None
-    result, request = results[searches[0]], campaign.stages.search[0]
-    assert isinstance(result, SearchResult)
+    (request,), (position,) = campaign.stages.search, searches
     each = request.evaluations / problem.dimension
     known = PARAMETERS[0] <= problem.dimension <= PARAMETERS[1] and EVALUATIONS[0] <= each <= EVALUATIONS[1]
     fast = float(request.options.get("seconds", 0.0)) < SECONDS
-    whole = result.evaluations == request.evaluations
-    return searches[0] if result.method == METHOD and known and fast and whole and _repeats(problem, results) else None
+    whole = position in stored and len(stored[position].status) == request.evaluations
+    return position if request.method == limits.SEARCH and known and fast and whole else None
 
 
 def _repeats(problem: Problem, results: Sequence[StageResult]) -> bool:
@@ -101,8 +98,7 @@ def _repeats(problem: Problem, results: Sequence[StageResult]) -> bool:
 
 def chance(ranked: Floats, nominal: float) -> float:
     """The chance from costs (m,) of a search, infinite where there is none; at least one is below nominal."""
-    z = MODEL.constant + MODEL.near * near(ranked, nominal)
-    return min(max(1.0 / (1.0 + math.exp(-z)), LEAST), MOST)
+    return 1.0 / (1.0 + math.exp(-MODEL.constant - MODEL.near * near(ranked, nominal)))
 
 
 def near(ranked: Floats, nominal: float) -> float:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from campaigns.results import StageResult
 from campaigns.results.base import FAILED, OK
 from campaigns.results.measured import Measured
 from campaigns.results.nominal import NominalCase
@@ -16,7 +15,7 @@ from campaigns.stages.nominal import NominalResult
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import searching
 from tests.given.stated_facts import facts
-from tests.given.verdict_evidence import NOMINAL, concluded, nominal, search
+from tests.given.verdict_evidence import NOMINAL, concluded, nominal
 from worker.evidence.audit import sureness as audited
 from worker.evidence.verdicts import sureness as module
 from worker.evidence.verdicts.sureness import MODEL, Stored, chance, sureness
@@ -35,11 +34,9 @@ def estimated(
     *requests: dict[str, Any], first: NominalResult | None = None, found: Any = None, **changes: Any
 ) -> Sureness | None:
     campaign = searching(*(requests or [AUTO]), **changes)
-    made: list[StageResult] = [first or nominal()]
-    made += [search(one.method, evaluations=one.evaluations) for one in campaign.stages.search]
     ranked = costs(30) if found is None else found
-    stored = {1: Stored(ranked[:, None], np.where(np.isfinite(ranked), OK, FAILED).astype(np.uint8))}
-    return sureness(Problem(campaign), made, stored)
+    stored = {2: Stored(ranked[:, None], np.where(np.isfinite(ranked), OK, FAILED).astype(np.uint8))}
+    return sureness(Problem(campaign), [first or nominal()], stored)
 
 
 def test_the_estimate_and_its_sentence() -> None:
@@ -88,9 +85,8 @@ def test_there_is_none_of_what_it_was_not_set_on(requests: list[dict[str, Any]],
 
 def test_there_is_none_of_a_search_that_ended_early() -> None:
     campaign = searching(AUTO)
-    ended = search("auto", evaluations=BUDGET - 1)
-    stored = {1: Stored(costs(30)[:-1, None], np.zeros(BUDGET - 1, dtype=np.uint8))}
-    assert sureness(Problem(campaign), [nominal(), ended], stored) is None
+    stored = {2: Stored(costs(30)[:-1, None], np.zeros(BUDGET - 1, dtype=np.uint8))}
+    assert sureness(Problem(campaign), [nominal()], stored) is None
 
 
 def measured(identical: bool) -> NominalCase:

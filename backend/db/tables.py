@@ -98,7 +98,10 @@ class Run(Base):
     # queue
     priority: orm.Mapped[int] = orm.mapped_column(default=0)
     attempts: orm.Mapped[int] = orm.mapped_column(default=0)
+    """Those since the last stored evaluation that ended by a fault of its own, and the present one."""
     max_attempts: orm.Mapped[int] = orm.mapped_column(default=3)
+    losses: orm.Mapped[int] = orm.mapped_column(default=0, server_default="0")
+    """Workers since the last stored evaluation that were killed or fell silent; see `backend.db.queue`."""
     not_before: orm.Mapped[float] = orm.mapped_column(default=0.0)
     lease_until: orm.Mapped[float] = orm.mapped_column(default=0.0)
     worker: orm.Mapped[str | None] = orm.mapped_column(sa.String(80))
@@ -278,6 +281,8 @@ class Worker(Base):
     """What it does besides the stages of its run, see `backend.db.workers.Doing`."""
     compared: orm.Mapped[float] = orm.mapped_column(default=0.0, server_default="0")
     """When it last began to compare its files with what it has published, and found no difference [s since 1970]."""
+    draining: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
+    """Whether it was asked to take no further run and to end."""
 
 
 class RunText(Base):

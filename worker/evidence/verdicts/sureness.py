@@ -40,8 +40,8 @@ bootstrap over landscapes. `python -m tests.bench.scoreboard.fitted` sets them a
 were judged."""
 
 PARAMETERS, EVALUATIONS = (2, 20), (50, 2500)
-"""Parameters, and evaluations for each of them, outside of which there is no number. It was set on 3 to 18 parameters and
-judged on 2 to 20, on 50 to 2,000 evaluations; the usual budget of two parameters is 2,500 for each."""
+"""Parameters, and evaluations for each of them, outside of which there is no number. It was set on 3 to 18 parameters
+and judged on 2 to 20, on 50 to 2,000 evaluations; the usual budget of two parameters is 2,500 for each."""
 SECONDS = 0.02
 """Time of an evaluation [s] from which `auto` searches in another way, on which nothing was set."""
 ENOUGH = 100

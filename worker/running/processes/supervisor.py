@@ -18,8 +18,11 @@ import sqlalchemy as sa
 from backend.db import workers
 from backend.db.engine import connect, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
+from worker.engine.systems.simulators.slots import marks, places
+from worker.running.processes import standstill
 from worker.running.processes.children import Child, ChildEndedError
 from worker.running.processes.lifeline import Wakeup
+from worker.running.processes.standstill import Standstill
 from worker.running.processes.watching import Watch
 
 log = logging.getLogger("clearance.worker")
@@ -48,7 +51,8 @@ SETTLE = 60.0
 
 @dataclass(frozen=True)
 class Ending:
-    """How an attempt ended: an outcome of `worker.running.processes.child`, or `died`, `cancelled`, `stopped`."""
+    """How an attempt ended: an outcome of `worker.running.processes.child`, or `died`, `killed`, `cancelled`,
+    `stopped`."""
 
     outcome: str
     text: str = ""
@@ -60,12 +64,19 @@ def default_name() -> str:
 
 
 class Supervisor:
-    """One worker with one child; `runner`: the function that the child calls, as `module:function`."""
+    """One worker with one child.
 
-    def __init__(self, url: str, name: str, *, runner: str, lease: float = LEASE) -> None:
+    runner: the function that the child calls, as `module:function`; standstill: how long it may always be without a
+    new result [s].
+    """
+
+    def __init__(
+        self, url: str, name: str, *, runner: str, lease: float = LEASE, standstill: float = standstill.FLOOR
+    ) -> None:
         self.url, self.name, self.runner = url, name, runner
         self.engine = connect(url)
         self.queue = Queue(self.engine, lease)
+        self._floor = standstill
         self.child: Child | None = None
         self._wakeup = Wakeup()
         setup = {"database": url, "runner": runner, "worker": name}
@@ -74,15 +85,19 @@ class Supervisor:
         """The simulators that were published last."""
         self.installation = ""
         """Digest of the code that the child has loaded."""
+        self.drained = False
+        """Whether it was asked to take no further run."""
         self._next_beat = 0.0
         self._failures = 0
 
     def run(self) -> int:
-        """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal."""
+        """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal, or 0 once it is drained."""
+        marks.end_orphans()
+        places.remove_left()
         with self._wakeup:
             try:
                 self._despite_outage(lambda: self._notify(workers.arrive))
-                while self._wakeup.signal is None:
+                while self._wakeup.signal is None and not self.drained:
                     self._despite_outage(self._turn)
             finally:
                 self._drop_child()
@@ -94,7 +109,7 @@ class Supervisor:
         """Process one run from its claim to its end, or wait for the next poll."""
         self._beat_idle()
         child = self._ready_child()
-        if child is None or self._wakeup.signal is not None:
+        if child is None or self._wakeup.signal is not None or self.drained:
             return
         claim = self.queue.claim(self.name, self.simulators, self.installation)
         if claim is None:
@@ -109,9 +124,12 @@ class Supervisor:
         """Send heartbeats while the child works; returns how the attempt ended."""
         try:
             child.send(claim.as_json())
+            still = Standstill(child.pulse, self._floor)
             while True:
                 answer = child.receive(WATCH)
                 if answer is not None:
+                    if answer["outcome"] in ("failed", "spent"):
+                        self._drop_child()
                     return Ending(answer["outcome"], answer["text"])
                 if self._wakeup.signal is not None:
                     self._drop_child()
@@ -119,12 +137,15 @@ class Supervisor:
                 if self._cancel_requested(claim):
                     self._drop_child()
                     return Ending("cancelled")
+                if why := still.look():
+                    self._drop_child()
+                    return Ending("failed", f"the worker process {why}")
                 published = self._files.look()
                 if published is not None:
                     self.simulators = published["simulators"]
         except ChildEndedError as ended:
             self.child = None
-            return Ending("died", f"the worker process {ended}")
+            return Ending("killed" if ended.killed else "died", f"the worker process {ended}")
         except LostLease:
             return self._lost(child)
 
@@ -135,7 +156,7 @@ class Supervisor:
                 return False
             self._next_beat = time.monotonic() + self.queue.lease / 5
             cancelling = self.queue.beat(claim)
-            self._notify(workers.beat, claim.run_id, self.simulators, self.installation, self._files.age)
+            self._beat(claim.run_id)
             return cancelling
         except sa.exc.OperationalError as error:
             log.warning("run %d: heartbeat failed, the database did not respond: %s", claim.run_id, error.orig)
@@ -156,9 +177,11 @@ class Supervisor:
         queue = self.queue
         settle: dict[str, Callable[[], None]] = {
             "died": lambda: queue.retry(claim, ending.text),
+            "killed": lambda: queue.lost(claim, ending.text),
             "failed": lambda: queue.retry(claim, ending.text),
             "refused": lambda: queue.refuse(claim, self.installation, ending.text),
             "unusable": lambda: queue.fail(claim, ending.text),
+            "spent": lambda: queue.fail(claim, ending.text),
             "cancelled": lambda: queue.cancelled(claim),
             "stopped": lambda: queue.give_back(claim),
             "stale": lambda: queue.give_back(claim),
@@ -182,16 +205,17 @@ class Supervisor:
     def _ready_child(self) -> Child | None:
         """The child, (re)started if there is none or the code has changed; None if it did not start (to be retried)."""
         child, files = self.child, self._files
-        if child and child.alive() and not files.superseded and (not files.due or self._is_fresh(child)):
+        usable = child is not None and child.ready and child.alive() and not files.superseded
+        if child and usable and (not files.due or self._is_fresh(child)):
             return child
-        self._drop_child()
-        child = self.child = self._files.child()
-        deadline = time.monotonic() + START
+        if child is None or child.ready or not child.alive():  # an outage may have interrupted the wait for its start
+            self._drop_child()
+            child = self.child = self._files.child()
         try:
-            while self._wakeup.signal is None and time.monotonic() < deadline:
+            while self._wakeup.signal is None and time.monotonic() < child.begun + START:
                 answer = child.receive(WATCH)
                 if answer is not None:
-                    self._failures = 0
+                    self._failures, child.ready = 0, True
                     self.simulators, self.installation = answer["simulators"], answer["installation"]
                     self._next_beat = 0.0
                     return child if answer["fresh"] else None
@@ -234,10 +258,14 @@ class Supervisor:
     def _beat_idle(self) -> None:
         if time.monotonic() >= self._next_beat:
             self._next_beat = time.monotonic() + self.queue.lease / 5
-            self._notify(workers.beat, None, self.simulators, self.installation, self._files.age)
+            self._beat(None)
 
-    def _notify(self, what: Callable[..., None], *values: float | list[str] | str | None) -> None:
-        write(self.engine, lambda connection: what(connection, self.name, *values), 0.0)
+    def _beat(self, run_id: int | None) -> None:
+        known = (run_id, self.simulators, self.installation, self._files.age)
+        self.drained = write(self.engine, lambda connection: workers.beat(connection, self.name, *known), 0.0)
+
+    def _notify(self, what: Callable[[sa.Connection, str], None]) -> None:
+        write(self.engine, lambda connection: what(connection, self.name), 0.0)
 
     def _despite_outage(self, work: Callable[[], None]) -> None:
         try:

@@ -7,7 +7,7 @@ nearest-better clustering (GECCO 2010), for the choice of points to descend from
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +21,12 @@ NEAREST = 3
 """Number of nearest minima that each minimum is compared with."""
 LOOKED_AT = 2000
 """The lowest evaluations among which points to descend from are chosen: the choice compares every pair."""
-ROUGH = Settings(differences="forward", iterations=25)
+ROUGH = Settings(differences="forward", iterations=25, apart=True)
 """Settings of the descents that assign points to basins."""
-FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60)
+GAIN, SMALL = 0.02, 1e-6
+"""Fractions of the barrier: by less, two steps of a descent together no longer count when it assigns points to basins,
+and when it polishes."""
+FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60, apart=True)
 """Settings of the descents that polish the minimum of a basin."""
 
 
@@ -31,12 +34,13 @@ FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60)
 class Rules:
     """Two minima are merged if they are closer than `distance` (largest fraction of any range) or have no barrier above
     `barrier` (in the cost's unit) between them; at most `at_most` are retained, and those of the candidates
-    `followed` (by index)."""
+    `followed` (by index). Those that are `alone` have nothing lower near them: descents begin there whatever lines show."""
 
     distance: float
     barrier: float
     at_most: int
     followed: frozenset[int] = frozenset()
+    alone: frozenset[int] = frozenset()
 
 
 @dataclass
@@ -69,6 +73,19 @@ def promising(points: Floats, ranked: Floats, at_most: int) -> NDArray[np.int64]
     return order[np.sort(chosen)]
 
 
+def downhill(basin: Basin, points: Floats, ranked: Floats, distance: float) -> float:
+    """Move a basin along evaluated points (m, n): to the lowest within a third of `distance`, or else to the nearest
+    lower one within it, until none is lower there. Returns how far the nearest lower one is, infinity if none is."""
+    while True:
+        apart = np.abs(points - basin.point).max(axis=1, initial=0.0)
+        lower = np.where(ranked < basin.cost, apart, np.inf)
+        nearest = float(lower.min(initial=np.inf))
+        if nearest >= distance:
+            return nearest
+        low = int(np.argmin(np.where(apart < distance / 3, ranked, np.inf) if nearest < distance / 3 else lower))
+        basin.point, basin.cost = points[low].copy(), float(ranked[low])
+
+
 def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) -> Generator[Floats, Batch, str]:
     """Descend from candidate points (c, n) of known costs (c,), merge ends in the same basin, and polish each basin.
 
@@ -76,11 +93,12 @@ def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) ->
     """
     ends = [Basin(p.copy(), float(c), [i]) for i, (p, c) in enumerate(zip(points, costs, strict=True))]
     found[:] = _close(ends, rules.distance / 3)
-    yield from _descend(found, ROUGH)
+    yield from _joined(found, rules)
+    yield from _descend(found, replace(ROUGH, gain=GAIN * rules.barrier))
     yield from _merge(found, rules)
     found[rules.at_most :] = [b for b in found[rules.at_most :] if not rules.followed.isdisjoint(b.members)]
-    yield from _descend(found, FINE)
-    yield from _poll(found)
+    yield from _descend(found, replace(FINE, gain=SMALL * rules.barrier))
+    yield from _poll(found, SMALL * rules.barrier)
     found[:] = _close(found, rules.distance)
     return "polished every distinct minimum"
 
@@ -116,6 +134,41 @@ def _lowered(basin: Basin, settings: Settings) -> Search:
     return end.text
 
 
+def _joined(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
+    """Candidates whose line to the nearest lower one has no rise above the barrier are in its valley: no descent.
+
+    The middle of all lines comes first, then the quarters of those that are longer than `distance`.
+    """
+    parents: dict[int, int] = {}
+    for i, basin in enumerate(found):
+        if i and (rules.followed | rules.alone).isdisjoint(basin.members):
+            parents[i] = int(np.argmin([np.abs(k.point - basin.point).max() for k in found[:i]]))
+    rows = np.array(list(parents), dtype=np.int64)
+    starts, ends = (np.array([found[i].point for i in which]) for which in (rows, parents.values()))
+    values = np.full((len(rows), 5), np.nan)
+    values[:, 0], values[:, 4] = [found[i].cost for i in rows], [found[i].cost for i in parents.values()]
+    alive = np.arange(len(rows))
+    for columns in ((2,), (1, 3)):
+        if len(columns) > 1:
+            alive = alive[np.abs(ends[alive] - starts[alive]).max(axis=1, initial=0.0) > rules.distance]
+        if not len(alive):
+            break
+        at = np.array(columns) / 4
+        points = starts[alive, None, :] + at[None, :, None] * (ends - starts)[alive, None, :]
+        batch = yield points.reshape(-1, starts.shape[1])
+        values[np.ix_(alive, columns)] = batch.ranked().reshape(len(alive), -1)
+        alive = alive[_rise(values[alive]) <= rules.barrier]
+    for row in reversed(np.flatnonzero(_rise(values) <= rules.barrier).tolist()):
+        joined = found.pop(int(rows[row]))
+        found[parents[int(rows[row])]].members += joined.members
+
+
+def _rise(values: Floats) -> Floats:
+    """The largest rise along each line above the lowest value before it; NaN is not evaluated."""
+    lowest = np.fmin.accumulate(values, axis=1)
+    return np.asarray(np.nan_to_num(values - lowest, nan=0.0, posinf=np.inf).max(axis=1, initial=0.0))
+
+
 def _merge(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
     """Merge basins, lowest first: each joins one of the nearest lower ones unless there is a barrier in between."""
     waiting = _close(found, rules.distance)
@@ -138,8 +191,13 @@ def _merge(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
         found[:] = sorted(kept + waiting, key=lambda b: b.cost)
 
 
-def _poll(basins: list[Basin], step: float = 1e-3, smallest: float = 1e-9) -> Generator[Floats, Batch, None]:
-    """Compass search around every basin in parallel, for edges and kinks where gradients fail."""
+def _poll(
+    basins: list[Basin], small: float, step: float = 1e-3, smallest: float = 1e-9
+) -> Generator[Floats, Batch, None]:
+    """Compass search around every basin in parallel, for edges and kinks where gradients fail.
+
+    It ends where no step changes the cost by more than `small`.
+    """
     steps = np.full(len(basins), step)
     for _ in range(200):
         active = np.flatnonzero(steps >= smallest)
@@ -152,7 +210,8 @@ def _poll(basins: list[Basin], step: float = 1e-3, smallest: float = 1e-9) -> Ge
             if values[low] < basins[i].cost:
                 basins[i].point, basins[i].cost = poll[low].copy(), float(values[low])
             else:
-                steps[i] /= 4.0
+                flat = values.max(initial=-np.inf) - basins[i].cost <= small
+                steps[i] = 0.0 if flat else steps[i] / 4.0
     basins.sort(key=lambda b: b.cost)
 
 

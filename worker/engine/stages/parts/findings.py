@@ -18,7 +18,7 @@ from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
 from worker.engine.search.base import Batch, Search
-from worker.engine.search.parts.basins import ROUGH, Basin, Rules, descended, distinct, promising
+from worker.engine.search.parts.basins import LOOKED_AT, ROUGH, Basin, Rules, descended, distinct, downhill, promising
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
@@ -32,6 +32,8 @@ from worker.engine.systems.base import Floats
 
 EACH = 12
 """Limit on the points to descend from, per stage."""
+ALONE = 0.1
+"""Fraction of every range: a candidate with no lower evaluation closer than this may be of a valley of its own."""
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
 ROUNDS = 20
@@ -176,14 +178,26 @@ def _search(context: Context, position: int, found: Found) -> Search:
         return ends.NOTHING
     random = stream(context.campaign.seed, FINDINGS_STREAM)
     starts = [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)]
+    alone = _lowered(context, position, found, starts)
     yield from _followed(context, found, starts)
-    yield from _distinguished(context, found, starts)
+    yield from _distinguished(context, found, starts, alone)
     yield from _evidence(context, found, random)
     compared = True
     while compared:
         yield from _polished(context, position, found, random)
         compared = yield from _fall(context, position, found)
     return ends.FINDINGS
+
+
+def _lowered(context: Context, position: int, found: Found, starts: Sequence[Basin]) -> frozenset[int]:
+    """Move starts downhill along what is stored, in steps within which minima are merged untested; not the cases of the
+    baseline, from which the descents themselves are evidence. Returns those with nothing lower near."""
+    low = [(c, np.argsort(_ranked(c), kind="stable")[:LOOKED_AT]) for _, c in seeds.stated(context, range(position))]
+    points = np.concatenate([c.points[rows] for c, rows in low])
+    ranked = np.concatenate([_ranked(c)[rows] for c, rows in low])
+    step = context.campaign.stages.findings.distance
+    own = {i: s for i, s in enumerate(starts) if not any(found.candidates[m].followed for m in s.members)}
+    return frozenset(i for i, start in own.items() if downhill(start, points, ranked, step) > ALONE)
 
 
 def _followed(context: Context, found: Found, starts: Sequence[Basin]) -> Part:
@@ -274,7 +288,9 @@ def _drawn(context: Context, position: int, found: Found) -> Part:
     found.candidates.sort(key=lambda c: c.cost)
 
 
-def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Part:
+def _distinguished(
+    context: Context, found: Found, starts: list[Basin], alone: frozenset[int] = frozenset()
+) -> Part:
     """Descend from these starts and merge; the end of a descent takes over what its start represented."""
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
     basins: list[Basin] = []
@@ -282,7 +298,7 @@ def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Part:
     followed = (i for i, b in enumerate(starts) if any(found.candidates[m].followed for m in b.members))
     distinguished = False
     try:
-        yield from distinct(points, costs, replace(rules, followed=frozenset(followed)), basins)
+        yield from distinct(points, costs, replace(rules, followed=frozenset(followed), alone=alone), basins)
         found.descended = distinguished = True
     finally:  # when the budget ends, none is lost
         known = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]

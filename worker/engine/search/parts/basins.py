@@ -23,7 +23,7 @@ LOOKED_AT = 2000
 """The lowest evaluations among which points to descend from are chosen: the choice compares every pair."""
 ROUGH = Settings(differences="forward", iterations=25, apart=True)
 """Settings of the descents that assign points to basins."""
-GAIN, SMALL = 0.02, 1e-6
+GAIN, SMALL = 0.02, 1e-9
 """Fractions of the barrier: by less, two steps of a descent together no longer count when it assigns points to basins,
 and when it polishes."""
 FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60, apart=True)
@@ -71,6 +71,14 @@ def promising(points: Floats, ranked: Floats, at_most: int) -> NDArray[np.int64]
         nearest[rows] = apart.min(axis=1)
     chosen = np.argsort(-nearest, kind="stable")[:at_most]
     return order[np.sort(chosen)]
+
+
+def spread(points: Floats, ranked: Floats, cell: float) -> NDArray[np.int64]:
+    """Rows of points (m, n): the lowest in every cell of this size, so that no valley hides the others."""
+    order = np.argsort(ranked, kind="stable")
+    order = order[np.isfinite(ranked[order])]
+    _, first = np.unique(np.floor(points[order] / cell).astype(np.int64), axis=0, return_index=True)
+    return order[np.sort(first)]
 
 
 def downhill(basin: Basin, points: Floats, ranked: Floats, distance: float) -> float:

@@ -11,14 +11,15 @@ from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from campaigns.asked.allowance import STARTS, validation
+from campaigns.asked.allowance import STARTS, per_finding, validation
 from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
 from worker.engine.search.base import Batch, Search
-from worker.engine.search.parts.basins import LOOKED_AT, ROUGH, Basin, Rules, descended, distinct, downhill, promising
+from worker.engine.search.parts.basins import LOOKED_AT, ROUGH, Basin, Rules, descended, distinct, downhill, promising, spread
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
@@ -32,6 +33,8 @@ from worker.engine.systems.base import Floats
 
 EACH = 12
 """Limit on the points to descend from, per stage."""
+CELL = 0.03
+"""Fraction of every range: candidates are chosen from the lowest evaluation of every cell of this size."""
 ALONE = 0.1
 """Fraction of every range: a candidate with no lower evaluation closer than this may be of a valley of its own."""
 FINDINGS_STREAM = 2**20
@@ -191,13 +194,15 @@ def _search(context: Context, position: int, found: Found) -> Search:
 
 def _lowered(context: Context, position: int, found: Found, starts: Sequence[Basin]) -> frozenset[int]:
     """Move starts downhill along what is stored, in steps within which minima are merged untested; not the cases of the
-    baseline, from which the descents themselves are evidence. Returns those with nothing lower near."""
+    baseline, from which the descents themselves are evidence. Returns those with nothing lower near, the lowest of them."""
     low = [(c, np.argsort(_ranked(c), kind="stable")[:LOOKED_AT]) for _, c in seeds.stated(context, range(position))]
     points = np.concatenate([c.points[rows] for c, rows in low])
     ranked = np.concatenate([_ranked(c)[rows] for c, rows in low])
     step = context.campaign.stages.findings.distance
     own = {i: s for i, s in enumerate(starts) if not any(found.candidates[m].followed for m in s.members)}
-    return frozenset(i for i, start in own.items() if downhill(start, points, ranked, step) > ALONE)
+    alone = {starts[i].point.tobytes(): i for i, s in own.items() if downhill(s, points, ranked, step) > ALONE}
+    lowest = sorted(alone.values(), key=lambda i: starts[i].cost)
+    return frozenset(lowest[: context.campaign.stages.findings.at_most])
 
 
 def _followed(context: Context, found: Found, starts: Sequence[Basin]) -> Part:
@@ -243,7 +248,7 @@ def gather(context: Context, position: int, state: Found) -> list[Candidate]:
         ranked = _ranked(columns)
         result = context.results.get(at)
         known = result is not None and result.followed
-        rows = np.flatnonzero(np.isfinite(ranked)) if known else promising(columns.points, ranked, EACH)
+        rows = np.flatnonzero(np.isfinite(ranked)) if known else _promising(context, columns)
         mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at, followed=known) for i in map(int, rows)]
         best += mine if known else mine[:1]
         found += mine
@@ -254,8 +259,15 @@ def gather(context: Context, position: int, state: Found) -> list[Candidate]:
             found += [part for part in alone if not any(part is m for m in mine)]
             found += [Candidate(np.array(m.point), m.cost, at, i) for i, m in enumerate(searched[at].minima)]
     kept = sorted(found, key=lambda c: c.cost)[: validation(context.campaign, noisy(context)).starts]
-    state.skipped = min(len(found), STARTS) - len(kept)
+    state.skipped = min(len(found), per_finding(STARTS, context.campaign.stages.findings.at_most)) - len(kept)
     return sorted(kept + [b for b in best if not any(b is k for k in kept)], key=lambda c: c.cost)
+
+
+def _promising(context: Context, columns: Columns) -> NDArray[np.int64]:
+    """Rows of a stage to descend from; more of them where more findings are listed."""
+    request, ranked = context.campaign.stages.findings, _ranked(columns)
+    rows = spread(columns.points, ranked, CELL)
+    return rows[promising(columns.points[rows], ranked[rows], per_finding(EACH, request.at_most))]
 
 
 def reached(context: Context, columns: Columns, basin: Basin) -> int | None:
@@ -278,7 +290,7 @@ def _drawn(context: Context, position: int, found: Found) -> Part:
     for at, columns, _ in seeds.drawn(context, range(position)):
         result = context.results.get(at)
         known = result is not None and result.followed
-        points = columns.points[promising(columns.points, _ranked(columns), EACH)]
+        points = columns.points[_promising(context, columns)]
         ranked = (yield points).ranked() if len(points) else np.empty(0)
         found.candidates += [
             Candidate(p.copy(), float(c), position, followed=known)

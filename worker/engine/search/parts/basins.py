@@ -17,6 +17,8 @@ from worker.engine.search.parts.descent import Settings, descend
 
 BETWEEN = np.array([0.5, 0.25, 0.75])
 """Positions on the straight line between two minima at which a barrier is tested."""
+WAVE = 4
+"""Descents side by side from candidates that are alone."""
 NEAREST = 3
 """Number of nearest minima that each minimum is compared with."""
 LOOKED_AT = 2000
@@ -34,7 +36,7 @@ FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60, apart=True)
 class Rules:
     """Two minima are merged if they are closer than `distance` (largest fraction of any range) or have no barrier above
     `barrier` (in the cost's unit) between them; at most `at_most` are retained, and those of the candidates
-    `followed` (by index). Those that are `alone` have nothing lower near them: descents begin there whatever lines show."""
+    `followed` (by index). Those that are `alone` have nothing lower near: they may be of valleys of their own."""
 
     distance: float
     barrier: float
@@ -101,9 +103,7 @@ def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) ->
     """
     ends = [Basin(p.copy(), float(c), [i]) for i, (p, c) in enumerate(zip(points, costs, strict=True))]
     found[:] = _close(ends, rules.distance / 3)
-    yield from _joined(found, rules)
-    yield from _descend(found, replace(ROUGH, gain=GAIN * rules.barrier))
-    yield from _merge(found, rules)
+    yield from _assigned(found, rules)
     found[rules.at_most :] = [b for b in found[rules.at_most :] if not rules.followed.isdisjoint(b.members)]
     yield from _descend(found, replace(FINE, gain=SMALL * rules.barrier))
     yield from _poll(found, SMALL * rules.barrier)
@@ -142,33 +142,66 @@ def _lowered(basin: Basin, settings: Settings) -> Search:
     return end.text
 
 
-def _joined(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
-    """Candidates whose line to the nearest lower one has no rise above the barrier are in its valley: no descent.
+def _assigned(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
+    """Leave one basin for each valley. A candidate that a line connects with a lower one needs no descent; from those
+    that are alone descents begin, a few at a time, the lowest first, until they find no further valley to list."""
+    alone = [b for b in found[1:] if rules.followed.isdisjoint(b.members) and not rules.alone.isdisjoint(b.members)]
+    settled: list[Basin] = []
+    yield from _settled(found, settled, [b for b in found if not any(b is a for a in alone)], rules)
+    while alone:
+        some, before = alone[:WAVE], len(settled)
+        del alone[:WAVE]
+        yield from _settled(found, settled, some, rules, descents=True)
+        if len(settled) == before or not any(b is s for b in settled[: rules.at_most] for s in some):
+            yield from _settled(found, settled, alone, rules)
+            return
+
+
+def _settled(
+    found: list[Basin], settled: list[Basin], fresh: list[Basin], rules: Rules, descents: bool = False
+) -> Generator[Floats, Batch, None]:
+    """Add `fresh` candidates to the `settled` minima: joined along lines, unless all are to descend, or descended from
+    and merged. `found` has both and the others at any time."""
+    if not descents:
+        yield from _joined(found, settled, fresh, rules)
+    yield from _descend(fresh, replace(ROUGH, gain=GAIN * rules.barrier))
+    settled += fresh
+    rest = [b for b in found if not any(b is s for s in settled)]
+    yield from _merge(found, settled, rest, rules)
+
+
+def _joined(
+    found: list[Basin], settled: list[Basin], fresh: list[Basin], rules: Rules
+) -> Generator[Floats, Batch, None]:
+    """Candidates whose line to the nearest lower one has no rise above the barrier join it.
 
     The middle of all lines comes first, then the quarters of those that are longer than `distance`.
     """
-    parents: dict[int, int] = {}
-    for i, basin in enumerate(found):
-        if i and (rules.followed | rules.alone).isdisjoint(basin.members):
-            parents[i] = int(np.argmin([np.abs(k.point - basin.point).max() for k in found[:i]]))
-    rows = np.array(list(parents), dtype=np.int64)
-    starts, ends = (np.array([found[i].point for i in which]) for which in (rows, parents.values()))
-    values = np.full((len(rows), 5), np.nan)
-    values[:, 0], values[:, 4] = [found[i].cost for i in rows], [found[i].cost for i in parents.values()]
-    alive = np.arange(len(rows))
-    for columns in ((2,), (1, 3)):
+    known = sorted([*settled, *fresh], key=lambda b: b.cost)
+    pairs = []
+    for i, basin in enumerate(known[1:], 1):
+        if any(basin is b for b in fresh) and rules.followed.isdisjoint(basin.members):
+            pairs.append((basin, min(known[:i], key=lambda k: float(np.abs(k.point - basin.point).max()))))
+    if not pairs:
+        return
+    starts, ends = (np.array([pair[side].point for pair in pairs]) for side in (0, 1))
+    values = np.full((len(pairs), 5), np.nan)
+    values[:, 0], values[:, 4] = np.array([[basin.cost, lower.cost] for basin, lower in pairs]).T
+    rows = np.arange(len(pairs))
+    for columns in ([2], [1, 3]):
         if len(columns) > 1:
-            alive = alive[np.abs(ends[alive] - starts[alive]).max(axis=1, initial=0.0) > rules.distance]
-        if not len(alive):
+            rows = rows[np.abs(ends[rows] - starts[rows]).max(axis=1, initial=0.0) > rules.distance]
+        if not len(rows):
             break
-        at = np.array(columns) / 4
-        points = starts[alive, None, :] + at[None, :, None] * (ends - starts)[alive, None, :]
-        batch = yield points.reshape(-1, starts.shape[1])
-        values[np.ix_(alive, columns)] = batch.ranked().reshape(len(alive), -1)
-        alive = alive[_rise(values[alive]) <= rules.barrier]
-    for row in reversed(np.flatnonzero(_rise(values) <= rules.barrier).tolist()):
-        joined = found.pop(int(rows[row]))
-        found[parents[int(rows[row])]].members += joined.members
+        at = np.array(columns)[None, :, None] / 4
+        batch = yield (starts[rows, None, :] + at * (ends - starts)[rows, None, :]).reshape(-1, starts.shape[1])
+        values[np.ix_(rows, columns)] = batch.ranked().reshape(len(rows), -1)
+        rows = rows[_rise(values[rows]) <= rules.barrier]
+    for row in reversed(np.flatnonzero(_rise(values) <= rules.barrier).tolist()):  # the highest first
+        basin, lower = pairs[row]
+        lower.members += basin.members
+        for basins in (found, fresh):
+            basins[:] = [b for b in basins if b is not basin]
 
 
 def _rise(values: Floats) -> Floats:
@@ -177,9 +210,10 @@ def _rise(values: Floats) -> Floats:
     return np.asarray(np.nan_to_num(values - lowest, nan=0.0, posinf=np.inf).max(axis=1, initial=0.0))
 
 
-def _merge(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
-    """Merge basins, lowest first: each joins one of the nearest lower ones unless there is a barrier in between."""
-    waiting = _close(found, rules.distance)
+def _merge(found: list[Basin], ends: list[Basin], rest: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
+    """Merge the ends of descents, lowest first: each joins one of the nearest lower ones unless there is a barrier in
+    between. `found` has them, and the rest."""
+    waiting = _close(ends, rules.distance)
     kept: list[Basin] = []
     while waiting:
         basin = waiting.pop(0)
@@ -196,7 +230,8 @@ def _merge(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
             kept.append(basin)
         else:
             joined.members += basin.members
-        found[:] = sorted(kept + waiting, key=lambda b: b.cost)
+        ends[:] = sorted(kept + waiting, key=lambda b: b.cost)
+        found[:] = sorted(ends + rest, key=lambda b: b.cost)
 
 
 def _poll(

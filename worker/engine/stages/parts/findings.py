@@ -19,7 +19,17 @@ from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
 from worker.engine.search.base import Batch, Search
-from worker.engine.search.parts.basins import LOOKED_AT, ROUGH, Basin, Rules, descended, distinct, downhill, promising, spread
+from worker.engine.search.parts.basins import (
+    LOOKED_AT,
+    ROUGH,
+    Basin,
+    Rules,
+    descended,
+    distinct,
+    downhill,
+    promising,
+    spread,
+)
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
@@ -194,15 +204,13 @@ def _search(context: Context, position: int, found: Found) -> Search:
 
 def _lowered(context: Context, position: int, found: Found, starts: Sequence[Basin]) -> frozenset[int]:
     """Move starts downhill along what is stored, in steps within which minima are merged untested; not the cases of the
-    baseline, from which the descents themselves are evidence. Returns those with nothing lower near, the lowest of them."""
+    baseline, from which the descents themselves are evidence. Returns those with nothing lower near."""
     low = [(c, np.argsort(_ranked(c), kind="stable")[:LOOKED_AT]) for _, c in seeds.stated(context, range(position))]
     points = np.concatenate([c.points[rows] for c, rows in low])
     ranked = np.concatenate([_ranked(c)[rows] for c, rows in low])
     step = context.campaign.stages.findings.distance
     own = {i: s for i, s in enumerate(starts) if not any(found.candidates[m].followed for m in s.members)}
-    alone = {starts[i].point.tobytes(): i for i, s in own.items() if downhill(s, points, ranked, step) > ALONE}
-    lowest = sorted(alone.values(), key=lambda i: starts[i].cost)
-    return frozenset(lowest[: context.campaign.stages.findings.at_most])
+    return frozenset(i for i, start in own.items() if downhill(start, points, ranked, step) > ALONE)
 
 
 def _followed(context: Context, found: Found, starts: Sequence[Basin]) -> Part:
@@ -300,9 +308,7 @@ def _drawn(context: Context, position: int, found: Found) -> Part:
     found.candidates.sort(key=lambda c: c.cost)
 
 
-def _distinguished(
-    context: Context, found: Found, starts: list[Basin], alone: frozenset[int] = frozenset()
-) -> Part:
+def _distinguished(context: Context, found: Found, starts: list[Basin], alone: frozenset[int] = frozenset()) -> Part:
     """Descend from these starts and merge; the end of a descent takes over what its start represented."""
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
     basins: list[Basin] = []

@@ -18,7 +18,7 @@ from worker.engine.search.parts.descent import Settings, descend
 BETWEEN = np.array([0.5, 0.25, 0.75])
 """Positions on the straight line between two minima at which a barrier is tested."""
 WAVE = 4
-"""Descents side by side from candidates that are alone."""
+"""Descents side by side from candidates that are alone; half as many as are listed, if that is more."""
 NEAREST = 3
 """Number of nearest minima that each minimum is compared with."""
 LOOKED_AT = 2000
@@ -54,10 +54,11 @@ class Basin:
     members: list[int]
 
 
-def promising(points: Floats, ranked: Floats, at_most: int) -> NDArray[np.int64]:
+def promising(points: Floats, ranked: Floats, at_most: int, further: float = np.inf) -> NDArray[np.int64]:
     """Rows of points (m, n) to descend from: low, and far from anything lower (nearest-better distance).
 
-    ranked (m,): costs, infinite if there is no cost. The lowest comes first; returns at most `at_most` rows.
+    ranked (m,): costs, infinite if there is no cost. The lowest comes first; returns at most `at_most` rows, of which
+    up to half are the lowest that are `further` than this from anything lower.
     """
     order = np.argsort(ranked, kind="stable")[:LOOKED_AT]
     order = order[np.isfinite(ranked[order])]
@@ -71,8 +72,10 @@ def promising(points: Floats, ranked: Floats, at_most: int) -> NDArray[np.int64]
         apart = np.abs(low[rows, None, :] - low[None, : rows[-1] + 1, :]).max(axis=2)
         apart[np.arange(rows[-1] + 1)[None, :] >= rows[:, None]] = np.inf
         nearest[rows] = apart.min(axis=1)
-    chosen = np.argsort(-nearest, kind="stable")[:at_most]
-    return order[np.sort(chosen)]
+    lowest = np.flatnonzero(nearest > further)[: at_most // 2]
+    furthest = np.argsort(-nearest, kind="stable")
+    others = furthest[~np.isin(furthest, lowest)][: at_most - len(lowest)]
+    return order[np.sort(np.concatenate([lowest, others]))]
 
 
 def spread(points: Floats, ranked: Floats, cell: float) -> NDArray[np.int64]:
@@ -148,9 +151,10 @@ def _assigned(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None
     alone = [b for b in found[1:] if rules.followed.isdisjoint(b.members) and not rules.alone.isdisjoint(b.members)]
     settled: list[Basin] = []
     yield from _settled(found, settled, [b for b in found if not any(b is a for a in alone)], rules)
+    wave = max(WAVE, rules.at_most // 2)
     while alone:
-        some, before = alone[:WAVE], len(settled)
-        del alone[:WAVE]
+        some, before = alone[:wave], len(settled)
+        del alone[:wave]
         yield from _settled(found, settled, some, rules, descents=True)
         if len(settled) == before or not any(b is s for b in settled[: rules.at_most] for s in some):
             yield from _settled(found, settled, alone, rules)

@@ -275,7 +275,7 @@ def _promising(context: Context, columns: Columns) -> NDArray[np.int64]:
     """Rows of a stage to descend from; more of them where more findings are listed."""
     request, ranked = context.campaign.stages.findings, _ranked(columns)
     rows = spread(columns.points, ranked, CELL)
-    return rows[promising(columns.points[rows], ranked[rows], per_finding(EACH, request.at_most))]
+    return rows[promising(columns.points[rows], ranked[rows], per_finding(EACH, request.at_most), 2 * CELL)]
 
 
 def reached(context: Context, columns: Columns, basin: Basin) -> int | None:

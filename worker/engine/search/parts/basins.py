@@ -58,7 +58,7 @@ def promising(points: Floats, ranked: Floats, at_most: int, further: float = np.
     """Rows of points (m, n) to descend from: low, and far from anything lower (nearest-better distance).
 
     ranked (m,): costs, infinite if there is no cost. The lowest comes first; returns at most `at_most` rows, of which
-    up to half are the lowest that are `further` than this from anything lower.
+    up to a quarter are the lowest that are `further` than this from anything lower.
     """
     order = np.argsort(ranked, kind="stable")[:LOOKED_AT]
     order = order[np.isfinite(ranked[order])]
@@ -72,7 +72,7 @@ def promising(points: Floats, ranked: Floats, at_most: int, further: float = np.
         apart = np.abs(low[rows, None, :] - low[None, : rows[-1] + 1, :]).max(axis=2)
         apart[np.arange(rows[-1] + 1)[None, :] >= rows[:, None]] = np.inf
         nearest[rows] = apart.min(axis=1)
-    lowest = np.flatnonzero(nearest > further)[: at_most // 2]
+    lowest = np.flatnonzero(nearest > further)[: at_most // 4]
     furthest = np.argsort(-nearest, kind="stable")
     others = furthest[~np.isin(furthest, lowest)][: at_most - len(lowest)]
     return order[np.sort(np.concatenate([lowest, others]))]

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.asked.allowance import STARTS, per_finding, validation
+from campaigns.asked.allowance import STARTS, USUAL, per_finding, validation
 from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
@@ -272,10 +272,12 @@ def gather(context: Context, position: int, state: Found) -> list[Candidate]:
 
 
 def _promising(context: Context, columns: Columns) -> NDArray[np.int64]:
-    """Rows of a stage to descend from; more of them where more findings are listed."""
-    request, ranked = context.campaign.stages.findings, _ranked(columns)
+    """Rows of a stage to descend from; where more findings are listed than usual, more of them, of which some are low
+    although something lower is near."""
+    most, ranked = context.campaign.stages.findings.at_most, _ranked(columns)
     rows = spread(columns.points, ranked, CELL)
-    return rows[promising(columns.points[rows], ranked[rows], per_finding(EACH, request.at_most), 2 * CELL)]
+    further = CELL if most > USUAL else np.inf
+    return rows[promising(columns.points[rows], ranked[rows], per_finding(EACH, most), further)]
 
 
 def reached(context: Context, columns: Columns, basin: Basin) -> int | None:

@@ -110,7 +110,7 @@ def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) ->
     found[rules.at_most :] = [b for b in found[rules.at_most :] if not rules.followed.isdisjoint(b.members)]
     yield from _descend(found, replace(FINE, gain=SMALL * rules.barrier))
     yield from _poll(found, SMALL * rules.barrier)
-    found[:] = _close(found, rules.distance)
+    yield from _merge(found, list(found), [], rules)
     return "polished every distinct minimum"
 
 

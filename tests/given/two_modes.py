@@ -13,7 +13,7 @@ from worker.engine.search.base import Floats
 THRESHOLD = 0.5
 """Of the margin: both modes violate it, nominal does not."""
 WIDTHS = {"equal": (0.15, 0.15), "unequal": (0.25, 0.08)}
-"""Deviations of the two Gaussian wells; the narrower one is less deep, so that a search has no reason to look for it."""
+"""Deviations of the two Gaussian wells; the narrower one is less deep, so the lowest evaluations do not show it."""
 
 
 @dataclass(frozen=True)

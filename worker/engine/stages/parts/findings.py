@@ -203,14 +203,25 @@ def _search(context: Context, position: int, found: Found) -> Search:
 
 
 def _lowered(context: Context, position: int, found: Found, starts: Sequence[Basin]) -> frozenset[int]:
-    """Move starts downhill along what is stored, in steps within which minima are merged untested; not the cases of the
-    baseline, from which the descents themselves are evidence. Returns those with nothing lower near."""
+    """Move starts downhill along what is stored, in steps within which minima count as one. Returns those with nothing
+    lower near.
+
+    Not the best of a stage, nor cases of the baseline: in which basin they are is a claim, shown by lines and descents.
+    """
     low = [(c, np.argsort(_ranked(c), kind="stable")[:LOOKED_AT]) for _, c in seeds.stated(context, range(position))]
-    points = np.concatenate([c.points[rows] for c, rows in low])
-    ranked = np.concatenate([_ranked(c)[rows] for c, rows in low])
-    step = context.campaign.stages.findings.distance
-    own = {i: s for i, s in enumerate(starts) if not any(found.candidates[m].followed for m in s.members)}
-    return frozenset(i for i, start in own.items() if downhill(start, points, ranked, step) > ALONE)
+    points = np.concatenate([np.empty((0, context.problem.dimension)), *(c.points[rows] for c, rows in low)])
+    ranked = np.concatenate([np.empty(0), *(_ranked(c)[rows] for c, rows in low)])
+    searched = context.searched.items()
+    bests = {(at, part.best) for at, result in searched for part in result.apart}
+    bests |= {(at, result.best.cost) for at, result in searched if result.best is not None}
+    alone = set()
+    for i, (start, candidate) in enumerate(zip(starts, found.candidates, strict=True)):
+        if not candidate.followed:
+            claimed = (candidate.position, candidate.cost) in bests
+            moved = replace(start) if claimed else start
+            if downhill(moved, points, ranked, context.campaign.stages.findings.distance) > ALONE:
+                alone.add(i)
+    return frozenset(alone)
 
 
 def _followed(context: Context, found: Found, starts: Sequence[Basin]) -> Part:

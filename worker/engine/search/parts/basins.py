@@ -75,7 +75,7 @@ def promising(points: Floats, ranked: Floats, at_most: int, further: float = np.
     lowest = np.flatnonzero(nearest > further)[: at_most // 4]
     furthest = np.argsort(-nearest, kind="stable")
     others = furthest[~np.isin(furthest, lowest)][: at_most - len(lowest)]
-    return order[np.sort(np.concatenate([lowest, others]))]
+    return np.asarray(order[np.sort(np.concatenate([lowest, others]))])
 
 
 def spread(points: Floats, ranked: Floats, cell: float) -> NDArray[np.int64]:
@@ -197,9 +197,10 @@ def _joined(
             rows = rows[np.abs(ends[rows] - starts[rows]).max(axis=1, initial=0.0) > rules.distance]
         if not len(rows):
             break
-        at = np.array(columns)[None, :, None] / 4
-        batch = yield (starts[rows, None, :] + at * (ends - starts)[rows, None, :]).reshape(-1, starts.shape[1])
-        values[np.ix_(rows, columns)] = batch.ranked().reshape(len(rows), -1)
+        at = np.array(columns)
+        lines = starts[rows, None, :] + (at / 4)[None, :, None] * (ends - starts)[rows, None, :]
+        batch = yield lines.reshape(-1, starts.shape[1])
+        values[rows[:, None], at[None, :]] = batch.ranked().reshape(len(rows), -1)
         rows = rows[_rise(values[rows]) <= rules.barrier]
     for row in reversed(np.flatnonzero(_rise(values) <= rules.barrier).tolist()):  # the highest first
         basin, lower = pairs[row]

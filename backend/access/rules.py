@@ -99,6 +99,7 @@ RULES: dict[tuple[Method, str], Rule] = {
     ("POST", f"{API}/runs/cancel"): CHANGE_OWN,
     ("PATCH", _RUN): CHANGE_OWN,
     ("POST", f"{_RUN}/cancel"): CHANGE_OWN,
+    ("POST", f"{_RUN}/retry"): CHANGE_OWN,
     ("POST", f"{_RUN}/restart"): CHANGE_OWN,
     ("POST", f"{_RUN}/continuation"): CHANGE_OWN,
     ("PUT", f"{API}/requirements"): RUN,

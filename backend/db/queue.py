@@ -1,9 +1,11 @@
 """The runs table as a queue: leases, fences, attempts, cancellation. Only this module changes a run's state.
 
 A worker claims a run for `lease` seconds and renews the lease by heartbeats; a run whose lease has expired can be
-claimed by another worker. Every claim increments the run's fencing token, and every write checks it, so that a worker
-that was only slow cannot overwrite its successor's results (Kleppmann, "How to do distributed locking"). SQLite:
-BEGIN IMMEDIATE; PostgreSQL: FOR UPDATE SKIP LOCKED. Start reading at `Queue.claim`.
+claimed by another worker. An attempt that ended by itself counts against the run; a worker that was lost from outside
+is counted apart, with a higher limit; a stored evaluation ends both counts. Every claim increments the run's fencing
+token, and every write checks it, so that a worker that was only slow cannot overwrite its successor's results
+(Kleppmann, "How to do distributed locking"). SQLite: BEGIN IMMEDIATE; PostgreSQL: FOR UPDATE SKIP LOCKED.
+Start reading at `Queue.claim`.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from backend.db import labels, refusals, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
+from backend.db.tables_installed import WebhookDelivery
 from campaigns.asked.requirements import question
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
@@ -27,11 +30,20 @@ from campaigns.sample_seed import SampleSeed
 LEASE = 10.0
 """How long a worker may send no heartbeat before its run can be claimed by another [s]."""
 
+MOST_LOSSES = 10
+"""Workers in a row that a run may lose without a new evaluation: a fault of its own may look like this, as when the
+system kills what takes too much memory."""
+
+LONGEST_PAUSE, LONGEST_PAUSE_AFTER_LOSS = 60.0, 5.0
+"""Between two attempts [s]."""
+
 LONGEST_ERROR = 4000
 """Maximum stored length of the reason why an attempt failed [characters]."""
 
-_SILENT = "its worker stopped sending heartbeats"
-_CLAIMED = (Run.id, Run.state, Run.fence, Run.attempts, Run.max_attempts, Run.started, Run.campaign_digest)
+SILENT = "its worker stopped sending heartbeats"
+_CLAIMED = (
+    Run.id, Run.state, Run.fence, Run.attempts, Run.max_attempts, Run.losses, Run.started, Run.campaign_digest,
+)  # fmt: skip
 
 
 class LostLease(RuntimeError):
@@ -43,7 +55,7 @@ class LostLease(RuntimeError):
 
 @dataclass(frozen=True)
 class Claim:
-    """A run claimed by a worker: its number, the fence, and the attempt since the last completed stage."""
+    """A run claimed by a worker: its number, the fence, and the attempt since the last stored evaluation."""
 
     run_id: int
     fence: int
@@ -124,6 +136,17 @@ def request_cancel(connection: sa.Connection, run_id: int) -> RunState | None:
     return connection.scalar(sa.select(Run.state).where(Run.id == run_id))
 
 
+def resume(connection: sa.Connection, run_id: int) -> bool:
+    """Queue a failed run again, with all that is stored of it; false if it has not failed."""
+    failed = (Run.id == run_id, Run.state == RunState.FAILED)
+    again = {"state": RunState.QUEUED, "attempts": 0, "losses": 0, "not_before": 0.0, "finished": None, "error": None}
+    if connection.execute(sa.update(Run).where(*failed).values(**again)).rowcount != 1:
+        return False
+    # Its end is reported again.
+    connection.execute(sa.delete(WebhookDelivery).where(WebhookDelivery.run_id == run_id))
+    return True
+
+
 def fenced(connection: sa.Connection, claim: Claim, **values: Any) -> None:
     """Update the claimed run in the caller's transaction; raises `LostLease` if the claim is no longer valid."""
     mine = (Run.id == claim.run_id, Run.fence == claim.fence, Run.state.in_(HELD))
@@ -180,9 +203,25 @@ class Queue:
             if row.attempts >= row.max_attempts:
                 sentence = _failed_after(connection, claim.run_id, row.attempts, how)
                 return self._end(connection, claim, RunState.FAILED, sentence)
-            pause = min(60.0, delay * 2 ** (row.attempts - 1))
+            pause = min(LONGEST_PAUSE, delay * 2 ** (row.attempts - 1))
             sentence = f"Attempt {row.attempts} of {row.max_attempts}: {how}."[:LONGEST_ERROR]
             later = {"lease_until": 0.0, "not_before": now(connection) + pause, "error": sentence}
+            return fenced(connection, claim, state=RunState.QUEUED, **later)
+
+    def lost(self, claim: Claim, how: str, *, delay: float = 0.5) -> None:
+        """Queue the run again after its worker's process was killed from outside; as `retry`, but this attempt does not
+        count, and losses have a limit of their own."""
+        with self.engine.begin() as connection:
+            row = _locked(connection, claim)
+            if row.state == RunState.CANCELLING:
+                return self._end(connection, claim, RunState.CANCELLED)
+            losses = row.losses + 1
+            if losses >= MOST_LOSSES:
+                sentence = _failed_after(connection, claim.run_id, losses, how, LOSSES)
+                return self._end(connection, claim, RunState.FAILED, sentence)
+            pause = min(LONGEST_PAUSE_AFTER_LOSS, delay * 2**row.losses)
+            later = {"lease_until": 0.0, "not_before": now(connection) + pause, "error": _lost(losses, how)}
+            later |= {"attempts": max(0, row.attempts - 1), "losses": losses}
             return fenced(connection, claim, state=RunState.QUEUED, **later)
 
     def give_back(self, claim: Claim) -> None:
@@ -226,8 +265,9 @@ class Queue:
         values: dict[str, object] = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
         if row.state == RunState.CANCELLING:
             values |= {"state": RunState.CANCELLED, "error": None}
-        elif row.attempts >= row.max_attempts:
-            values |= {"state": RunState.FAILED, "error": _failed_after(connection, row.id, row.attempts, _SILENT)}
+        elif row.state == RunState.RUNNING and row.losses + 1 >= MOST_LOSSES:
+            sentence = _failed_after(connection, row.id, MOST_LOSSES, SILENT, LOSSES)
+            values |= {"state": RunState.FAILED, "error": sentence}
         else:
             return False
         connection.execute(sa.update(Run).where(Run.id == row.id).values(**values))
@@ -235,18 +275,21 @@ class Queue:
 
     def _hold(self, connection: sa.Connection, row: Any, at: float, worker: str) -> Claim:
         values: dict[str, object] = {"state": RunState.RUNNING, "worker": worker, "fence": row.fence + 1}
-        values |= {"attempts": row.attempts + 1, "lease_until": at + self.lease}
+        attempt = row.attempts + 1
+        if row.state == RunState.RUNNING:  # its worker is lost
+            attempt = max(1, row.attempts)
+            values |= {"losses": row.losses + 1, "error": _lost(row.losses + 1, SILENT)}
+        values |= {"attempts": attempt, "lease_until": at + self.lease}
         values |= {"started": at if row.started is None else row.started}
-        if row.state == RunState.RUNNING:
-            values |= {"error": f"Attempt {row.attempts} of {row.max_attempts}: {_SILENT}."}
         connection.execute(sa.update(Run).where(Run.id == row.id).values(**values))
         of = sa.select(CampaignRow.document).where(CampaignRow.digest == row.campaign_digest)
         document = connection.execute(of).scalar_one()
-        return Claim(row.id, row.fence + 1, row.attempts + 1, row.max_attempts, worker, document)
+        return Claim(row.id, row.fence + 1, attempt, row.max_attempts, worker, document)
 
 
-def _locked(connection: sa.Connection, claim: Claim) -> sa.Row[RunState, int, int]:
-    mine = sa.select(Run.state, Run.attempts, Run.max_attempts).where(Run.id == claim.run_id, Run.fence == claim.fence)
+def _locked(connection: sa.Connection, claim: Claim) -> sa.Row[RunState, int, int, int]:
+    held = sa.select(Run.state, Run.attempts, Run.max_attempts, Run.losses)
+    mine = held.where(Run.id == claim.run_id, Run.fence == claim.fence)
     row = connection.execute(mine.with_for_update()).first()
     if row is None:
         raise LostLease
@@ -278,10 +321,20 @@ def _able(simulators: Sequence[str], installation: str) -> sa.ColumnElement[bool
     return sa.or_(sa.and_(has, ~refusals.by(installation)), Run.state == RunState.CANCELLING)
 
 
-def _failed_after(connection: sa.Connection, run_id: int, attempts: int, how: str) -> str:
+ATTEMPTS = ("attempts", "last attempt")
+LOSSES = ("lost workers without a new evaluation", "the last one")
+
+
+def _lost(losses: int, how: str) -> str:
+    return f"Worker {losses} of {MOST_LOSSES} lost without a new evaluation: {how}."[:LONGEST_ERROR]
+
+
+def _failed_after(
+    connection: sa.Connection, run_id: int, count: int, how: str, what: tuple[str, str] = ATTEMPTS
+) -> str:
     running = sa.select(Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.state == StageState.RUNNING)
     stage = connection.execute(running.order_by(Stage.position)).first()
     where = "before its first stage"
     if stage is not None:
         where = f"in the {stage.kind} stage" + (f" ({stage.method})" if stage.method else "")
-    return f"Failed after {attempts} attempts {where}; last attempt: {how}."
+    return f"Failed after {count} {what[0]} {where}; {what[1]}: {how}."

@@ -37,11 +37,18 @@ PATIENCE = 120.0
 """How long a write is retried while the database is unreachable or locked [s]."""
 
 
-class RunStore:
-    """The results of one claimed run. Writes raise `LostLease` once the run is reassigned or has ended."""
+_PROGRESS = {"attempts": 1, "losses": 0}
+"""What has gone wrong before a new result no longer counts."""
 
-    def __init__(self, engine: sa.Engine, claim: Claim) -> None:
-        self.engine, self.claim = engine, claim
+
+class RunStore:
+    """The results of one claimed run. Writes raise `LostLease` once the run is reassigned or has ended.
+
+    written: is called after every write.
+    """
+
+    def __init__(self, engine: sa.Engine, claim: Claim, written: Callable[[], None] = lambda: None) -> None:
+        self.engine, self.claim, self._written = engine, claim, written
         self._run = claim.run_id
 
     @property
@@ -124,10 +131,10 @@ class RunStore:
         findings: Sequence[Finding] = (),
         traces: Sequence[Trace] = (),
     ) -> None:
-        """Store a stage's result and findings and mark it done, in one transaction. Resets the attempts."""
+        """Store a stage's result and findings and mark it done, in one transaction."""
 
         def work(connection: sa.Connection) -> None:
-            values: dict[str, object] = {"attempts": 1, "error": None}
+            values: dict[str, object] = {**_PROGRESS, "error": None}
             if result.at_nominal is not None:
                 values["nominal_cost"] = plain(result.at_nominal.cost)
             fenced(connection, self.claim, **values)
@@ -222,7 +229,7 @@ class RunStore:
         written = blobs(columns)
         totals = {"evaluations": Run.evaluations + count, "failed_evaluations": Run.failed_evaluations + lost}
         totals["size"] = Run.size + (sizes.of_chunk(written) if count else 0)
-        fenced(connection, self.claim, **totals)
+        fenced(connection, self.claim, **totals, **_PROGRESS)
         of = (Stage.run_id == self._run, Stage.position == position)
         stage = connection.execute(sa.select(Stage.evaluations, Stage.best, Stage.kind, Stage.method).where(*of)).one()
         if stage.evaluations != first:
@@ -274,4 +281,6 @@ class RunStore:
             connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
 
     def _write(self, work: Callable[[sa.Connection], Result]) -> Result:
-        return write(self.engine, work, PATIENCE)
+        found = write(self.engine, work, PATIENCE)
+        self._written()
+        return found

@@ -98,7 +98,10 @@ class Run(Base):
     # queue
     priority: orm.Mapped[int] = orm.mapped_column(default=0)
     attempts: orm.Mapped[int] = orm.mapped_column(default=0)
+    """Those since the last stored evaluation that ended by a fault of its own, and the present one."""
     max_attempts: orm.Mapped[int] = orm.mapped_column(default=3)
+    losses: orm.Mapped[int] = orm.mapped_column(default=0, server_default="0")
+    """Workers since the last stored evaluation that were killed or fell silent; see `backend.db.queue`."""
     not_before: orm.Mapped[float] = orm.mapped_column(default=0.0)
     lease_until: orm.Mapped[float] = orm.mapped_column(default=0.0)
     worker: orm.Mapped[str | None] = orm.mapped_column(sa.String(80))

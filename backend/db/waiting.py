@@ -39,6 +39,7 @@ def restart(writer: sa.Connection, run_id: int) -> bool:
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
     empty: dict[str, object] = {
         "attempts": 0,
+        "losses": 0,
         "started": None,
         "worker": None,
         "flown": None,

@@ -143,6 +143,12 @@ def last_seen(connection: sa.Connection) -> float | None:
     return max((at for at in (beaten, left) if at is not None), default=None)
 
 
+def live(connection: sa.Connection) -> list[str]:
+    """The names of the live workers."""
+    found = sa.select(Worker.name).where(Worker.beat > now(connection) - LIVE).order_by(Worker.name)
+    return list(connection.scalars(found))
+
+
 def alive(connection: sa.Connection, host: str) -> bool:
     """Whether a worker on that machine is live."""
     found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - LIVE)

@@ -191,6 +191,12 @@ def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSumm
     return edits.cancel(engine, [service.number(run)], visitor)[0]
 
 
+@router.post("/runs/{run}/retry", responses=problems("not-found", "not-failed", "removed", "quota-reached", "purged"))
+def retry_run(run: RunName, request: Request, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
+    """Queue a failed run again: it goes on from its stored evaluations, none of which is simulated twice."""
+    return onward.retry(engine, service.number(run), visitor, request.app.state.quota)
+
+
 @router.post("/runs/{run}/restart", responses=problems("not-found", "not-waiting"))
 def restart_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Begin a run again that waits for the code that began it; its evaluations are discarded."""

@@ -1,4 +1,7 @@
-"""Ways on for a run that other code began: begin it again, or continue it as a new run. See `backend.runs.waiting`."""
+"""Ways on for a run that has failed, or that other code began: begin it again, or continue it as a new run.
+
+See `backend.runs.waiting`.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,36 @@ import sqlalchemy as sa
 
 from backend.access.own import require_own
 from backend.catalog.service import required
-from backend.db import audit, waiting
+from backend.db import audit, queue, waiting
 from backend.db.access import Visitor
 from backend.db.engine import read
 from backend.db.tables import Run
 from backend.http import bodies
 from backend.http.errors import RefusedError
 from backend.runs import identity, service
+from backend.runs.quota import Quota, refuse_beyond
 from backend.runs.schemas import RunSummary
+from backend.runs.tombstones import refuse_purged
 from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.runs import run_name
+
+
+def retry(engine: sa.Engine, run_id: int, visitor: Visitor, quota: Quota) -> RunSummary:
+    """Queue a failed run again with what is stored of it; 409 unless it has failed, or if it is removed."""
+    with engine.begin() as writer:
+        _own(writer, run_id, visitor)
+        refuse_purged(writer, run_id)
+        stored, error, removed = writer.execute(
+            sa.select(Run.evaluations, Run.error, Run.removed).where(Run.id == run_id).with_for_update()
+        ).one()
+        if removed is not None:
+            raise RefusedError(409, "removed", f"{run_name(run_id)} is removed: restore it first")
+        refuse_beyond(writer, quota, visitor)
+        if not queue.resume(writer, run_id):
+            raise RefusedError(409, "not-failed", f"{run_name(run_id)} has not failed; only a failed run is retried")
+        audit.note(writer, visitor, "run.retried", run_name(run_id), {"evaluations": stored, "error": error})
+    with read(engine) as reader:
+        return service.summary(reader, run_id)
 
 
 def restart(engine: sa.Engine, run_id: int, visitor: Visitor) -> RunSummary:

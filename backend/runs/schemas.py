@@ -31,7 +31,8 @@ class HistoryEntry(Schema):
     via: str
     """The authentication: link, password, token, or cli for the command line."""
     action: str
-    """run.submitted, run.edited, run.cancelled, run.restarted, run.continued, run.removed, run.restored, run.purged,
+    """run.submitted, run.edited, run.cancelled, run.retried, run.restarted, run.continued, run.removed, run.restored,
+    run.purged,
     signoff.created, signoff.withdrawn, signoff.bound"""
     detail: dict[str, object]
 

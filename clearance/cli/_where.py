@@ -5,7 +5,9 @@ A stored run is read where it is: in a folder, in a database, or in a service, w
 
 from __future__ import annotations
 
+import fcntl
 import getpass
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -178,3 +180,21 @@ def operator() -> str:
 def counted(number: int, what: str) -> str:
     """A number of things, such as 1 run or 20 runs."""
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+@contextmanager
+def alone(data: Path) -> Iterator[None]:
+    """Locks the data folder: two services on one folder would revoke each other's login links."""
+    with (data / "serve.lock").open("a+") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.seek(0)
+            owner = lock.read().strip() or "another process"
+            raise WrongInputError(
+                f"{data} is in use by `clearance serve` ({owner}); stop it or name another --data"
+            ) from None
+        lock.truncate(0)
+        lock.write(f"process {os.getpid()}")
+        lock.flush()
+        yield

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import errno
-import fcntl
 import os
 import signal
 import socket
 import sys
 import time
 import urllib.request
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -21,7 +18,7 @@ from backend.db import access, workers
 from backend.db.engine import connect, migrate
 from backend.db.private import SharedFolderError, keep_private
 from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
-from clearance.cli._where import DATA, Data, Database, counted, reading, url_of
+from clearance.cli._where import DATA, Data, Database, alone, counted, reading, url_of
 from clearance.cli.login_link import ADDRESS_FILE
 from worker.engine.kernels import jit
 from worker.running.processes.lifeline import Wakeup
@@ -52,7 +49,7 @@ def serve(
     jit.refuse(jit.by_environment())
     _closed_to_others(data, database)
     url = url_of(data, database)
-    with _alone(data):
+    with alone(data):
         port = _free_port(host, port)
         migrate(url)
         with Wakeup() as wakeup:
@@ -146,24 +143,6 @@ def _closed_to_others(data: Path, database: str) -> None:
         raise WrongInputError(f"{error}") from None
     except OSError as error:
         raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
-
-
-@contextmanager
-def _alone(data: Path) -> Iterator[None]:
-    """Locks the data folder: two services on one folder would revoke each other's login links."""
-    with (data / "serve.lock").open("a+") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            lock.seek(0)
-            owner = lock.read().strip() or "another process"
-            raise WrongInputError(
-                f"{data} is in use by `clearance serve` ({owner}); stop it or name another --data"
-            ) from None
-        lock.truncate(0)
-        lock.write(f"process {os.getpid()}")
-        lock.flush()
-        yield
 
 
 def _free_port(host: str, port: int) -> int:

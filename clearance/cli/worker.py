@@ -28,6 +28,14 @@ def worker(
     evaluator: evaluators.Evaluator = "",
     runner: Annotated[str, typer.Option(hidden=True)] = "worker.running.runs.runner:execute",
     lease: Annotated[float, typer.Option(hidden=True, min=0.5)] = 10.0,
+    standstill: Annotated[
+        float,
+        typer.Option(
+            min=1.0,
+            help="Time without a new result [s] after which a run's process is replaced; longer where its evaluations "
+            "take long or its results came slowly. A function evaluated in the process itself may take any time.",
+        ),
+    ] = 600.0,
 ) -> None:
     """Execute runs from the queue. Start as many as there are cores; Ctrl-C returns the run to the queue."""
     from backend.db.engine import migrate
@@ -47,7 +55,7 @@ def worker(
         logging.warning("a simulator is skipped: %s", problem)
     url = url_of(data, database)
     migrate(url)
-    stopped_by = Supervisor(url, name or default_name(), runner=runner, lease=lease).run()
+    stopped_by = Supervisor(url, name or default_name(), runner=runner, lease=lease, standstill=standstill).run()
     raise typer.Exit(130 if stopped_by == signal.SIGINT else 0)
 
 

@@ -155,6 +155,11 @@ def cancel(run: Named) -> Call[answers.Run]:
     return Call("POST", "/runs/{run}/cancel", answers.Run, _of(run))
 
 
+def retry(run: Named) -> Call[answers.Run]:
+    """Queue a failed run again, with its stored evaluations."""
+    return Call("POST", "/runs/{run}/retry", answers.Run, _of(run))
+
+
 def restart(run: Named) -> Call[answers.Run]:
     """Begin a run again that waits for the code that began it; its evaluations are discarded."""
     return Call("POST", "/runs/{run}/restart", answers.Run, _of(run))

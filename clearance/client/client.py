@@ -86,6 +86,7 @@ class _Methods:
     runs = _Iterated(scripts.runs, answers.Run)
     run_page = _Method(asking(calls.run_page))
     cancel = _Method(asking(calls.cancel))
+    retry = _Method(asking(calls.retry))
     restart = _Method(asking(calls.restart))
     carry_on = _Method(asking(calls.carry_on))
     findings = _Method(scripts.findings)

@@ -46,9 +46,9 @@ def execute(campaign: Campaign, store: Store) -> Verdict | None:
     held = store.evaluations(1)
     flown = 0 if held is None else len(held.status)
     for first in range(flown, SEARCH, CHUNK):
-        store.append(1, first, columns(first, CHUNK))
         if first >= SEARCH // 2:
             happen(campaign)
+        store.append(1, first, columns(first, CHUNK))
     store.finish(1, results.searched(), 1.0)
     verdict = results.verdict()
     store.conclude(verdict)

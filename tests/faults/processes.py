@@ -44,9 +44,10 @@ class Started:
         return [pid for pid in [self.pid, *descendants(self.pid)] if alive(pid)]
 
     def child(self) -> int:
-        """The process of a worker that does the work: its direct child (a fork of that has the same command line)."""
-        [child] = [pid for pid, parent in parents().items() if parent == self.pid and alive(pid)]
-        assert "worker.running.processes.child" in command_of(child)
+        """The process of a worker that does the work, below its guard (a fork of it has the same command line)."""
+        guards = [pid for pid, parent in parents().items() if parent == self.pid and alive(pid)]
+        below = [pid for pid, parent in parents().items() if parent in guards and alive(pid)]
+        [child] = [pid for pid in below if "worker.running.processes.child" in command_of(pid)]
         return child
 
 
@@ -63,10 +64,11 @@ def started(command: list[str], folder: Path, name: str = "output", **environmen
 
 
 @contextmanager
-def worker(url: str, folder: Path, name: str, *options: str) -> Iterator[Started]:
+def worker(url: str, folder: Path, name: str, *options: str, **environment: str) -> Iterator[Started]:
     """A worker on the database; on one core, so that its speed does not depend on their number."""
     command = [*CLEARANCE, "worker", "--name", name, *options]
-    with started(command, folder, name, CLEARANCE_DATABASE=url, CLEARANCE_THREADS="1") as running:
+    environment = {"CLEARANCE_DATABASE": url, "CLEARANCE_THREADS": "1", **environment}
+    with started(command, folder, name, **environment) as running:
         yield running
 
 

@@ -272,7 +272,8 @@ import json, os, sys
 for line in sys.stdin:
     given = json.loads(line)["parameters"]
     if given["x"] == float(sys.argv[1]):
-        os.kill(os.getppid(), 9)
+        guard = open(f'/proc/{os.getppid()}/stat').read()
+        os.kill(int(guard.rpartition(')')[2].split()[1]), 9)
     print(json.dumps({"results": {"separation": given["x"]}}), flush=True)
 """
 

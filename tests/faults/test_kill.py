@@ -54,7 +54,7 @@ def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
         with worker(url, tmp_path, name, "--lease", "2") as doomed:
             until(lambda flown=flown: run().evaluations > flown, f"more than {flown} evaluations")
             family = doomed.family()
-            assert len(family) == 2
+            assert len(family) == 3, "worker, guard, child"
             kill(*family)
             until(lambda family=family: not any(map(alive, family)), "all killed")
         assert run().state == "running"

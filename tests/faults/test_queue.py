@@ -10,14 +10,14 @@ import sqlalchemy as sa
 
 from backend.db import workers
 from backend.db.engine import now
-from backend.db.queue import Claim, LostLease, Queue, request_cancel, submit
+from backend.db.queue import MOST_LOSSES, SILENT, Claim, LostLease, Queue, request_cancel, resume, submit
 from backend.db.store import RunStore
 from backend.db.tables import Campaign, CatalogueDocument, Run, Worker
 from backend.runs import waiting
 from campaigns import Catalogue
 from campaigns.asked.load import load_document
 from tests import results
-from tests.faults.cases import PLAN, campaign
+from tests.faults.cases import PLAN, campaign, columns
 from tests.simulators import package, two_basins
 
 KILLED = "the worker process ended with signal 9 (SIGKILL)"
@@ -85,7 +85,7 @@ def test_a_silent_worker_loses_its_run_and_can_write_nothing(database: sa.Engine
     RunStore(database, stale).plan(PLAN)
     expire(database, run_id)
     fresh = claimed(queue, "next")
-    assert (fresh.fence, fresh.attempt) == (2, 2)
+    assert (fresh.fence, fresh.attempt) == (2, 1)
     assert "stopped sending heartbeats" in row(database, run_id).error
     old = RunStore(database, stale)
     for write in (lambda: old.begin(0), lambda: old.plan(PLAN), lambda: old.finish(0, results.nominal(), 0.0)):
@@ -129,34 +129,73 @@ def test_three_attempts_then_failed_with_a_sentence(database: sa.Engine) -> None
     assert queue.claim("w") is None
 
 
-def test_three_lost_workers_end_the_run_too(database: sa.Engine) -> None:
+def silent(engine: sa.Engine, queue: Queue, run_id: int) -> None:
+    """A worker takes the run and is not heard of again."""
+    claimed(queue)
+    expire(engine, run_id)
+
+
+def killed(engine: sa.Engine, queue: Queue, run_id: int) -> None:
+    """The process of a worker is killed from outside."""
+    queue.lost(claimed(queue), KILLED)
+    ready(engine, run_id)
+
+
+@pytest.mark.parametrize(("lose", "how"), [(silent, SILENT), (killed, KILLED)])
+def test_lost_workers_are_no_fault_of_the_run_but_have_an_end(database: sa.Engine, lose: Any, how: str) -> None:
     run_id, queue = put(database), Queue(database)
-    for _ in range(3):
-        claimed(queue)
-        expire(database, run_id)
+    for lost in range(MOST_LOSSES - 1):
+        lose(database, queue, run_id)
+        claim = claimed(queue)
+        assert (claim.attempt, row(database, run_id).losses) == (1, lost + 1)
+        queue.give_back(claim)
+    lose(database, queue, run_id)
     assert queue.claim("w") is None
     ended = row(database, run_id)
     assert ended.state == "failed"
-    assert ended.error == (
-        "Failed after 3 attempts before its first stage; last attempt: its worker stopped sending heartbeats."
-    )
+    assert ended.error.startswith(f"Failed after {MOST_LOSSES} ")
+    assert ended.error.endswith(f": {how}.")
 
 
-def test_a_completed_stage_resets_the_count_of_attempts(database: sa.Engine) -> None:
+@pytest.mark.parametrize("result", ["an evaluation", "a stage"])
+def test_a_stored_result_ends_the_count_of_what_has_gone_wrong(database: sa.Engine, result: str) -> None:
     run_id, queue = put(database), Queue(database)
     for _ in range(2):
-        claimed(queue)
-        expire(database, run_id)
+        queue.retry(claimed(queue), KILLED)
+        ready(database, run_id)
+    silent(database, queue, run_id)
     store = RunStore(database, claimed(queue))
     store.plan(PLAN)
-    store.finish(0, results.nominal(), 0.1)
-    assert (row(database, run_id).attempts, row(database, run_id).error) == (1, None)
-    for attempt in (2, 3):
-        expire(database, run_id)
-        assert claimed(queue).attempt == attempt
+    if result == "a stage":
+        store.finish(0, results.nominal(), 0.1)
+    else:
+        store.append(0, 0, columns(0, 1))
+    assert (row(database, run_id).attempts, row(database, run_id).losses) == (1, 0)
     expire(database, run_id)
-    assert queue.claim("w") is None
+    for attempt in (1, 2, 3):
+        claim = claimed(queue)
+        assert claim.attempt == attempt
+        queue.retry(claim, KILLED)
+        ready(database, run_id)
     assert row(database, run_id).state == "failed"
+
+
+def test_a_failed_run_is_queued_again_with_what_is_stored(database: sa.Engine) -> None:
+    run_id, queue = put(database), Queue(database)
+    claim = claimed(queue)
+    store = RunStore(database, claim)
+    store.plan(PLAN)
+    store.append(0, 0, columns(0, 1))
+    with database.begin() as connection:
+        assert not resume(connection, run_id), "it has not failed"
+    queue.fail(claim, "The disk is full.")
+    with database.begin() as connection:
+        assert resume(connection, run_id)
+    again = row(database, run_id)
+    assert (again.state, again.error, again.finished, again.evaluations) == ("queued", None, None, 1)
+    with pytest.raises(LostLease):
+        store.append(0, 1, columns(1, 1))
+    assert claimed(queue).attempt == 1
 
 
 def test_giving_back_does_not_count(database: sa.Engine) -> None:

@@ -234,7 +234,7 @@ def test_a_stopped_worker_gives_its_run_back(bench: Bench, tmp_path: Path, numbe
     with worker(url, tmp_path, "first", *OPTIONS) as first:
         own.half_flown(run_id)
         family = first.family()
-        assert len(family) == 2
+        assert len(family) == 3, "worker, guard, child"
         kill(first.pid, number=number)
         until(lambda: not [pid for pid in family if alive(pid)], "all gone")
         assert first.process.wait() == (130 if number == signal.SIGINT else 0)
@@ -283,3 +283,43 @@ def test_of_two_workers_one_continues_where_the_other_was_frozen_or_killed(bench
         ended = bench.ended(run_id)
     assert (ended.state, ended.worker, ended.fence) == ("done", "shared", 2)
     bench.whole(run_id)
+
+
+@contextmanager
+def own(folder: Path, *options: str) -> Iterator[Bench]:
+    """A database and a worker of one test."""
+    url = f"sqlite:///{folder}/clearance.sqlite3"
+    migrate(url)
+    bench = Bench(url, folder)
+    try:
+        with worker(url, folder, "own", *OPTIONS, *options) as bench.worker:
+            yield bench
+    finally:
+        bench.engine.dispose()
+
+
+@pytest.mark.parametrize("how", ["stopped", at_night("hang"), at_night("hold")])
+def test_a_child_that_stands_still_is_replaced(tmp_path: Path, how: str) -> None:
+    with own(tmp_path, "--standstill", "3") as bench:
+        run_id = bench.submit("hang" if how == "stopped" else how, tmp_path / "once")
+        if how == "stopped":
+            bench.half_flown(run_id)
+            kill(bench.worker.child(), number=signal.SIGSTOP)
+        ended = bench.ended(run_id)
+        assert ended.state == "done"
+        assert "stood still" in bench.worker.text()
+        bench.whole(run_id)
+
+
+def test_an_outage_while_the_child_starts(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    migrate(url)
+    locked = connect(url).connect()
+    with own(tmp_path) as bench:
+        until(lambda: bench.worker.family()[1:], "the child starts")
+        locked.begin()
+        until(lambda: "the database does not respond" in bench.worker.text(), "the worker notices")
+        locked.rollback()
+        locked.close()
+        assert bench.ended(bench.submit("none")).state == "done"
+        assert bench.worker.process.poll() is None

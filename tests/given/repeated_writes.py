@@ -104,6 +104,7 @@ NATURAL: dict[tuple[str, str], tuple[Prepared, tuple[int, int]]] = {
     ("patch", "/runs/{run}"): (lambda c: Sent(ended(c), {"name": "x", "notes": "y"}), (200, 200)),
     ("delete", "/runs/{run}"): (lambda c: Sent(ended(c), query={"reason": "x"}), (200, 200)),
     ("post", "/runs/{run}/cancel"): (lambda c: Sent(f"/runs/{submit(c)}/cancel"), (200, 200)),
+    ("post", "/runs/{run}/retry"): (lambda _: Sent("/runs/R-0001/retry"), (409, 409)),
     # What they do with a run that waits for its code is in test_onward; here they are refused.
     ("post", "/runs/{run}/restart"): (lambda _: Sent("/runs/R-0001/restart"), (409, 409)),
     ("post", "/runs/{run}/continuation"): (lambda _: Sent("/runs/R-0001/continuation"), (409, 409)),

@@ -14,7 +14,7 @@ import pytest
 from tests.faults.processes import REPOSITORY
 from tests.logs.written import ODOMETRY, mcap, ulog
 from worker.engine.systems.simulators.declared.descriptor import read
-from worker.engine.systems.simulators.slots.slot import LAUNCH
+from worker.engine.systems.simulators.slots.slot import guarded
 
 EXAMPLES = REPOSITORY / "docs" / "examples"
 FLIGHT = [(0.2 * k, 0.5 * k, 0.0, -5.0) for k in range(121)]
@@ -32,9 +32,8 @@ def called(folder: Path, script: str, *arguments: str, parameters: dict[str, flo
     """The results that the script writes, or the end of its output."""
     (folder / "parameters.json").write_text(json.dumps(parameters))
     files = [str(folder / name) for name in ("parameters.json", "results.json")]
-    launched = [sys.executable, "-S", "-E", str(LAUNCH), "0", str(os.getpid())]  # as by a worker
     done = subprocess.run(
-        [*launched, sys.executable, str(EXAMPLES / script), *arguments, *files],
+        [*guarded(-1), sys.executable, str(EXAMPLES / script), *arguments, *files],
         env=os.environ | {"PYTHONPATH": str(REPOSITORY), **{k: str(v) for k, v in environment.items()}},
         capture_output=True, text=True, check=False, timeout=60,
     )  # fmt: skip

@@ -46,6 +46,7 @@ export const getRun = (run: string) => tagged(run, sdk.getRun({ path: { run } })
 /** Its campaign as a file: the original text if it was submitted as text. */
 export const getRunText = (run: string) => answer(sdk.getRunCampaign({ path: { run }, parseAs: 'text' }))
 export const cancelRun = (run: string) => answer(sdk.cancelRun({ path: { run } }))
+export const retryRun = (run: string) => answer(sdk.retryRun({ path: { run } }))
 export const restartRun = (run: string) => answer(sdk.restartRun({ path: { run } }))
 export const continueRun = (run: string) => answer(sdk.continueRun({ path: { run } }))
 export const editRun = (run: string, change: RunEdit): Promise<RunDetail> =>

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -24,6 +23,7 @@ from tests.given.problem_documents import problem
 from tests.given.service import Service
 from tests.given.submissions import submit
 from tests.given.viewer_clients import KEY, frames_until, steer, viewing
+from worker.engine.systems.simulators.slots.guard import PLACE
 
 STAND_IN = """
 import json, sys, time
@@ -179,6 +179,9 @@ def test_the_real_process_evaluates_the_operators_code(
     (tmp_path / "operated" / "drop.py").write_text(PROGRAM, encoding="utf-8")
     monkeypatch.setenv("CLEARANCE_SIMULATORS", str(tmp_path / "operated"))
     program = tmp_path / "operated" / "drop.py"
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setenv("TMPDIR", str(temporary))
     bare.app.state.cases._grace = 60.0  # whatever else this machine does meanwhile
     with bare.signed_in() as client:
         run = declared(bare, client)
@@ -200,7 +203,7 @@ def test_the_real_process_evaluates_the_operators_code(
         edited = partial(asked, client, run, parameters={"simulator.wind": 2.5})
         until(lambda: edited().json()["cost"] == 3.5, "the edited program is evaluated", 60)
     child = bare.app.state.cases._child._process
-    (place,) = Path(tempfile.gettempdir()).glob(f"clearance-cases-{child.pid}-*")
+    (place,) = temporary.glob(f"{PLACE}cases-*")
     assert place.is_dir()
     bare.app.state.cases.close()
     assert child.returncode == 1, "it ended by itself"

@@ -24,6 +24,7 @@ REQUESTS: dict[str, Call[Any]] = {
         q="q", state=SOME, verdict=SOME, tag=SOME, campaign=SOME, owner=SOME, label=SOME, sort="-created", cursor="c"
     ),
     "cancel_run": calls.cancel("R-0001"),
+    "retry_run": calls.retry("R-0001"),
     "restart_run": calls.restart("R-0001"),
     "continue_run": calls.carry_on("R-0001"),
     "list_findings": calls.findings("R-0001"),
@@ -149,6 +150,7 @@ def test_a_write_may_be_repeated() -> None:
         "cancel_run",
         "cancel_sweep",
         "check_campaign",
+        "retry_run",
         "restart_run",
         "continue_run",
     }

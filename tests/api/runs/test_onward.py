@@ -108,3 +108,31 @@ def test_a_run_that_does_not_wait_for_its_code(service: Service, client: httpx.C
         answer = client.post(f"/api/v1/runs/{run}/{way}")
         assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-waiting")
         assert client.post(f"/api/v1/runs/R-9999/{way}").status_code == 404
+
+
+def test_a_failed_run_is_retried(service: Service, client: httpx.Client) -> None:
+    run = waiting(service, client)
+    refused = client.post(f"/api/v1/runs/{run}/retry")
+    assert (refused.status_code, refused.json()["type"]) == (409, "urn:clearance:problem:not-failed")
+    queue = Queue(service.engine)
+    claim = queue.claim("old", (), OLD)
+    assert claim is not None
+    queue.fail(claim, "The disk is full.")
+    assert one(client, run)["state"] == "failed"
+    found = client.post(f"/api/v1/runs/{run}/retry").json()
+    assert (found["state"], found["error"], found["evaluations"], found["finished"]) == ("queued", None, 100, None)
+    entry = client.get(f"/api/v1/runs/{run}/history").json()[0]
+    assert (entry["action"], entry["detail"]) == ("run.retried", {"evaluations": 100, "error": "The disk is full."})
+    assert queue.claim("old", (), OLD) is not None
+    assert client.post("/api/v1/runs/R-9999/retry").status_code == 404
+
+
+def test_a_removed_run_is_not_retried(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    queue = Queue(service.engine)
+    claim = queue.claim("w")
+    assert claim is not None
+    queue.fail(claim, "The disk is full.")
+    assert client.delete(f"/api/v1/runs/{run}", params={"reason": "x"}).is_success
+    refused = client.post(f"/api/v1/runs/{run}/retry")
+    assert (refused.status_code, refused.json()["type"]) == (409, "urn:clearance:problem:removed")

@@ -38,7 +38,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.http": ("backend.db", "campaigns"),
     "backend.middleware": ("backend.http",),
     "backend.access": ("backend.http", "backend.db"),
-    "backend.health": ("backend.http",),
+    "backend.health": (*SHARED, "backend.reports.pdf"),
     "backend.sessions": SHARED,
     "backend.provider": (*SHARED, "backend.sessions"),
     "backend.users": SHARED,
@@ -74,6 +74,8 @@ MAY: dict[str, tuple[str, ...]] = {
     # Entries of components follow below: none imports another kind.
     # How an evaluation ended has one home.
     "worker.engine.search": ("campaigns.results.base", "campaigns.effort"),
+    # Compiled methods are stored as kernels are.
+    "worker.engine.search.racing.state": ("worker.engine.search.base", "worker.engine.kernels.numba_internals"),
     # The interface: modules above it do not depend on the closed loop or any other system.
     "worker.engine.systems": ("worker.engine.search.base", "campaigns"),
     "worker.engine.systems.closed_loop": (
@@ -126,6 +128,10 @@ MAY: dict[str, tuple[str, ...]] = {
     "clearance.local": ("worker", "backend.db", "campaigns"),
     # The command line is on top: it may import every room but the search of functions, and no room may import it.
     "clearance.cli": ("worker", "backend.db", "campaigns", "clearance.client", "clearance.local"),
+    # An installation is checked by the service's own checks.
+    "clearance.cli.doctor": (
+        *("clearance.cli", "backend.db", "backend.health.checks", "backend.settings", "worker.engine.kernels.folder"),
+    ),
     # Where its process starts.
     "clearance.__main__": ("clearance.cli", "worker.running.processes.blas", "campaigns.heap"),
     "clearance.function": ("clearance.local", "worker", "campaigns"),

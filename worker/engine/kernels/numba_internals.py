@@ -7,15 +7,20 @@ Start reading at `inlined`, `cached`, `linked`.
 
 from __future__ import annotations
 
-import pickle
-from collections.abc import Callable
-from contextlib import suppress
+import logging
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from hashlib import sha256
+from io import BytesIO
+from pathlib import Path
 from types import FunctionType
 from typing import Any
+from uuid import uuid4
 
 from numba import njit
 from numba._dynfunc import make_function
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary, get_host_cpu_features
 from numba.core.compiler import Compiler
@@ -26,6 +31,8 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
 
 from worker.engine.kernels.cache import compiling
+
+log = logging.getLogger("clearance.kernels")
 
 Function = Callable[..., Any]
 
@@ -74,20 +81,71 @@ def inlined(function: Function, plain: Callable[[Any], Function], **flags: Any) 
 # it cannot be loaded, and is compiled again and replaced.
 
 
+class _Sealed(IndexDataCacheFile):
+    """The files of one function, each with its digest at its end and on the disk before it has its name: a file that is
+    cut off or damaged, whose machine code could do anything, counts as missing."""
+
+    @contextmanager
+    def _open_for_write(self, path: str) -> Iterator[BytesIO]:
+        written = BytesIO()
+        yield written
+        content = written.getvalue()
+        temporary = Path(f"{path}.tmp.{uuid4().hex[:16]}")
+        try:
+            with temporary.open("wb") as file:
+                file.write(content + sha256(content).digest())
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    def _load_index(self) -> dict[Any, str]:
+        if not self._is_whole(self._index_path):
+            return {}
+        found: dict[Any, str] = super()._load_index()  # type: ignore[no-untyped-call]
+        return found
+
+    def _load_data(self, name: str) -> Any:
+        path = self._data_path(name)  # type: ignore[no-untyped-call]
+        if not self._is_whole(path):
+            raise FileNotFoundError(path)  # which numba takes for one that was removed meanwhile
+        return super()._load_data(name)  # type: ignore[no-untyped-call]
+
+    @staticmethod
+    def _is_whole(path: str) -> bool:
+        try:
+            content = Path(path).read_bytes()
+        except OSError:
+            return False
+        return content[-32:] == sha256(content[:-32]).digest()
+
+
 class _Cache(FunctionCache):
-    """Numba's cache of one function; an entry that this version cannot load counts as missing."""
+    """Numba's cache of one function; an entry that this version cannot load counts as missing, and a disk on which it
+    cannot be stored prevents no evaluation."""
+
+    def __init__(self, function: Function) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        self._cache_file.__class__ = _Sealed
 
     missed: Callable[[], None] | None = None
     """Called once if the next look-up finds nothing, so that a compilation begins."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         found = None
-        with suppress(ImportError, AttributeError, EOFError, pickle.UnpicklingError):
+        with suppress(Exception):
             found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         missed, self.missed = self.missed, None
         if found is None and missed is not None:
             missed()
         return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        except OSError as error:
+            log.warning("a compiled function cannot be stored, and will be compiled again: %s", error)
 
 
 class _Cached(CPUDispatcher):
@@ -102,14 +160,14 @@ def cached(function: Function, **flags: Any) -> Any:
     """A function that is compiled at its first call and cached on disk."""
     made: Any = njit(**flags)(function)
     made.__class__ = _Cached
-    made._cache = _Cache(function)  # type: ignore[no-untyped-call]
+    made._cache = _Cache(function)
     return made
 
 
 def cached_callback(function: Function, signature: Any, **flags: Any) -> Any:
     """A C callback, compiled now and cached on disk; its `address` is valid for as long as the object exists."""
     made: Any = CFunc(function, (signature.args, signature.return_type), locals={}, options=flags)
-    made._cache = _Cache(function)  # type: ignore[no-untyped-call]
+    made._cache = _Cache(function)
     with compiling(function) as made._cache.missed:
         made.compile()
     return made

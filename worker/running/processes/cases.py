@@ -25,7 +25,6 @@ from campaigns import heap  # next: loading is not interrupted
 # isort: split
 import os
 import select
-import shutil
 import signal
 import sys
 import tempfile
@@ -33,7 +32,6 @@ import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from campaigns import Campaign, thin
@@ -45,6 +43,8 @@ from campaigns.stored.replies import CaseReply
 from worker.engine.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace, slotted
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.pooled import Pooled
+from worker.engine.systems.simulators.slots import places
+from worker.engine.systems.simulators.slots.places import Place
 from worker.running.catalogue import installed
 from worker.running.opening import opened
 from worker.running.processes import answering, memory
@@ -60,8 +60,6 @@ QUICK = 2.0
 LONGEST = 50.0
 """Time limit of an evaluation, shorter than that of the service [s]."""
 MOST_ROWS = 2000
-PLACE = "clearance-cases-"
-"""How the folder of such a process begins; its number follows."""
 
 
 @dataclass
@@ -84,8 +82,9 @@ def main() -> None:
     answers = answering.private_output()
     memory.bound()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that what the simulators started ends too
-    place = _place()
-    tempfile.tempdir = str(place)
+    places.remove_left()
+    place = Place("cases")
+    tempfile.tempdir = str(place.path)
     systems: Systems = {}
     try:
         answering.serve(answers, _lines(systems), lambda line: answer(line, systems))
@@ -93,16 +92,7 @@ def main() -> None:
         # When this closes its output, the thread that started it may end, which sends another one.
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         close(systems)
-        shutil.rmtree(place, ignore_errors=True)
-
-
-def _place() -> Path:
-    """A folder of its own for temporary files; those of processes that were killed are removed."""
-    for left in Path(tempfile.gettempdir()).glob(f"{PLACE}*"):
-        number = left.name.removeprefix(PLACE).partition("-")[0]
-        if number.isdigit() and not Path(f"/proc/{number}").exists():
-            shutil.rmtree(left, ignore_errors=True)
-    return Path(tempfile.mkdtemp(prefix=f"{PLACE}{os.getpid()}-"))
+        place.close()
 
 
 def answer(line: str | bytes, systems: Systems) -> Mapping[str, object]:

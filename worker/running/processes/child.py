@@ -35,6 +35,7 @@ from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
 from worker.running.processes.answering import private_output, send
+from worker.running.runs import pulse
 
 Execute = Callable[[Campaign, Store], Any]
 
@@ -45,6 +46,7 @@ def main() -> None:
     If the code changed while it was loaded, nothing is published: the supervisor starts another child.
     """
     requests, answers = _private_streams()
+    pulse.opened(int(sys.argv[1]))
     setup = json.loads(requests.readline())
     engine = connect(setup["database"])
     execute = resolve(setup["runner"])
@@ -85,8 +87,8 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Execute a claim.
 
-    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `unusable` (cannot be retried), `failed` (this
-    attempt).
+    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `unusable` (cannot be retried), `spent` (as
+    that, and this process is not used again), `failed` (this attempt; neither is it).
     """
     from worker.engine.stages.parts.base import ReplayMismatch
     from worker.engine.systems.base import CampaignUnusable
@@ -96,7 +98,7 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
     from worker.running.runs import begun
 
     try:
-        store = RunStore(engine, claim)
+        store = RunStore(engine, claim, pulse.own.beat)
         campaign = begun.readable(claim.document, f"run {claim.run_id}", store)
         store.describe(campaign, components)
         with compilation.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
@@ -111,12 +113,12 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
         return {"outcome": "unusable", "text": str(error)}
     except MemoryError:  # the next attempt would need as much memory
         traceback.print_exc()
-        return {"outcome": "unusable", "text": memory.sentence()}
+        return {"outcome": "spent", "text": memory.sentence()}
     except (Exception, SystemExit) as error:
         traceback.print_exc()
         sentence = blamed(error)
         if sentence:  # the next attempt would execute the same component
-            return {"outcome": "unusable", "text": f"a component failed: {sentence}"}
+            return {"outcome": "spent", "text": f"a component failed: {sentence}"}
         what = " ".join(str(error).split())
         return {
             "outcome": "failed",
@@ -127,6 +129,7 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
 
 def _report(engine: sa.Engine, claim: Claim, what: str = "", seconds: float | None = None) -> None:
     """Tell people what this process does; a run never fails because that could not be stored."""
+    pulse.own.beat()
     with suppress(sa.exc.SQLAlchemyError):
         write(engine, lambda c: workers.doing(c, claim.worker, claim.run_id, what, seconds), 0.0)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -11,8 +12,14 @@ import time
 from collections.abc import Mapping
 from typing import TypedDict
 
+from worker.engine.systems.simulators.slots.guard import END
+from worker.engine.systems.simulators.slots.slot import guarded
 from worker.running.processes import lifeline
 from worker.running.processes.lifeline import Wakeup
+from worker.running.runs.pulse import Pulse
+
+PATIENCE = 4.0
+"""Time for it to end with all that it started [s]: longer than the slots have."""
 
 
 class Message(TypedDict, total=False):
@@ -26,16 +33,34 @@ class Message(TypedDict, total=False):
 
 
 class ChildEndedError(RuntimeError):
-    """The child has ended; the message states how and completes "the worker process ..."."""
+    """The child has ended; the message states how and completes "the worker process ...".
+
+    killed: by a signal that only others send.
+    """
+
+    def __init__(self, status: int) -> None:
+        super().__init__(lifeline.how_it_ended(status))
+        self.killed = -status in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 
 class Child:
-    """A running `worker.running.processes.child` in its own process group; it is killed when this process ends."""
+    """A running `worker.running.processes.child` in its own process group; it is killed when this process ends, and
+    with it whatever it started."""
 
     def __init__(self, setup: Mapping[str, object], wakeup: Wakeup) -> None:
-        command = [sys.executable, "-P", "-m", "worker.running.processes.child"]
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0}
-        self._process = lifeline.start(command, when_orphaned=signal.SIGKILL, **pipes)
+        self.pulse, file = Pulse.shared()
+        command = [sys.executable, "-P", "-m", "worker.running.processes.child", str(file)]
+        self.ready = False
+        """Whether it has said that it is."""
+        self.begun = time.monotonic()
+        controlled, self._control = os.pipe()
+        begun = guarded(controlled, asked=PATIENCE, died=PATIENCE)
+        self._process = subprocess.Popen(
+            [*begun, *command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
+            pass_fds=(controlled, file), start_new_session=True,
+        )  # fmt: skip
+        os.close(controlled)
+        os.close(file)
         self._wakeup, self._received = wakeup, b""
         self.send(setup)
 
@@ -69,17 +94,21 @@ class Child:
         return message
 
     def kill(self) -> None:
-        """Kill it and all its child processes."""
-        lifeline.kill_group(self._process)
+        """Kill it; what it evaluated in slots is asked to end first."""
+        if self._control < 0:
+            return
+        with contextlib.suppress(BrokenPipeError):
+            os.write(self._control, END)
+        self._process.wait()
+        os.close(self._control)
+        self._control = -1
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:
                 stream.close()
 
     def _ended(self) -> ChildEndedError:
         """The error for a child that has closed its pipe: it is about to end, or is killed after 5 s."""
-        try:
-            status = self._process.wait(timeout=5.0)
-        except subprocess.TimeoutExpired:
-            status = lifeline.kill_group(self._process)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(timeout=5.0)
         self.kill()
-        return ChildEndedError(lifeline.how_it_ended(status))
+        return ChildEndedError(self._process.returncode)

@@ -18,8 +18,11 @@ import sqlalchemy as sa
 from backend.db import workers
 from backend.db.engine import connect, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
+from worker.engine.systems.simulators.slots import marks, places
+from worker.running.processes import standstill
 from worker.running.processes.children import Child, ChildEndedError
 from worker.running.processes.lifeline import Wakeup
+from worker.running.processes.standstill import Standstill
 from worker.running.processes.watching import Watch
 
 log = logging.getLogger("clearance.worker")
@@ -48,7 +51,8 @@ SETTLE = 60.0
 
 @dataclass(frozen=True)
 class Ending:
-    """How an attempt ended: an outcome of `worker.running.processes.child`, or `died`, `cancelled`, `stopped`."""
+    """How an attempt ended: an outcome of `worker.running.processes.child`, or `died`, `killed`, `cancelled`,
+    `stopped`."""
 
     outcome: str
     text: str = ""
@@ -60,12 +64,19 @@ def default_name() -> str:
 
 
 class Supervisor:
-    """One worker with one child; `runner`: the function that the child calls, as `module:function`."""
+    """One worker with one child.
 
-    def __init__(self, url: str, name: str, *, runner: str, lease: float = LEASE) -> None:
+    runner: the function that the child calls, as `module:function`; standstill: how long it may always be without a
+    new result [s].
+    """
+
+    def __init__(
+        self, url: str, name: str, *, runner: str, lease: float = LEASE, standstill: float = standstill.FLOOR
+    ) -> None:
         self.url, self.name, self.runner = url, name, runner
         self.engine = connect(url)
         self.queue = Queue(self.engine, lease)
+        self._floor = standstill
         self.child: Child | None = None
         self._wakeup = Wakeup()
         setup = {"database": url, "runner": runner, "worker": name}
@@ -79,6 +90,8 @@ class Supervisor:
 
     def run(self) -> int:
         """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal."""
+        marks.end_orphans()
+        places.remove_left()
         with self._wakeup:
             try:
                 self._despite_outage(lambda: self._notify(workers.arrive))
@@ -109,9 +122,12 @@ class Supervisor:
         """Send heartbeats while the child works; returns how the attempt ended."""
         try:
             child.send(claim.as_json())
+            still = Standstill(child.pulse, self._floor)
             while True:
                 answer = child.receive(WATCH)
                 if answer is not None:
+                    if answer["outcome"] in ("failed", "spent"):
+                        self._drop_child()
                     return Ending(answer["outcome"], answer["text"])
                 if self._wakeup.signal is not None:
                     self._drop_child()
@@ -119,12 +135,15 @@ class Supervisor:
                 if self._cancel_requested(claim):
                     self._drop_child()
                     return Ending("cancelled")
+                if why := still.look():
+                    self._drop_child()
+                    return Ending("failed", f"the worker process {why}")
                 published = self._files.look()
                 if published is not None:
                     self.simulators = published["simulators"]
         except ChildEndedError as ended:
             self.child = None
-            return Ending("died", f"the worker process {ended}")
+            return Ending("killed" if ended.killed else "died", f"the worker process {ended}")
         except LostLease:
             return self._lost(child)
 
@@ -156,9 +175,11 @@ class Supervisor:
         queue = self.queue
         settle: dict[str, Callable[[], None]] = {
             "died": lambda: queue.retry(claim, ending.text),
+            "killed": lambda: queue.lost(claim, ending.text),
             "failed": lambda: queue.retry(claim, ending.text),
             "refused": lambda: queue.refuse(claim, self.installation, ending.text),
             "unusable": lambda: queue.fail(claim, ending.text),
+            "spent": lambda: queue.fail(claim, ending.text),
             "cancelled": lambda: queue.cancelled(claim),
             "stopped": lambda: queue.give_back(claim),
             "stale": lambda: queue.give_back(claim),
@@ -182,16 +203,17 @@ class Supervisor:
     def _ready_child(self) -> Child | None:
         """The child, (re)started if there is none or the code has changed; None if it did not start (to be retried)."""
         child, files = self.child, self._files
-        if child and child.alive() and not files.superseded and (not files.due or self._is_fresh(child)):
+        usable = child is not None and child.ready and child.alive() and not files.superseded
+        if child and usable and (not files.due or self._is_fresh(child)):
             return child
-        self._drop_child()
-        child = self.child = self._files.child()
-        deadline = time.monotonic() + START
+        if child is None or child.ready or not child.alive():  # an outage may have interrupted the wait for its start
+            self._drop_child()
+            child = self.child = self._files.child()
         try:
-            while self._wakeup.signal is None and time.monotonic() < deadline:
+            while self._wakeup.signal is None and time.monotonic() < child.begun + START:
                 answer = child.receive(WATCH)
                 if answer is not None:
-                    self._failures = 0
+                    self._failures, child.ready = 0, True
                     self.simulators, self.installation = answer["simulators"], answer["installation"]
                     self._next_beat = 0.0
                     return child if answer["fresh"] else None

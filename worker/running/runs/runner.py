@@ -27,7 +27,7 @@ from worker.evidence.verdicts.evidence import Evidence
 from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
 from worker.running.opening import opened
-from worker.running.runs import repeated
+from worker.running.runs import pulse, repeated
 from worker.running.runs.provenance import begin, versions
 
 __all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
@@ -49,6 +49,7 @@ def execute(
     `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage requests other points.
     """
     problem = problem or opened.problem(campaign)
+    pulse.own.allow(pulse.longest(problem.system))
     problem.system.warm()
     repeated.check(campaign, problem)
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])

@@ -10,6 +10,8 @@ export function statementOf({ action, detail }: HistoryEntry): string {
       return 'Submitted'
     case 'run.cancelled':
       return detail.state === 'cancelled' || detail.state === 'cancelling' ? 'Cancelled' : 'Requested cancellation after its end'
+    case 'run.retried':
+      return 'Tried it again, with its stored evaluations'
     case 'run.restarted':
       return 'Began it again, without its evaluations'
     case 'run.continued':

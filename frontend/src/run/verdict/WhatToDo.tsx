@@ -3,6 +3,7 @@ import { Link } from '@tanstack/react-router'
 import type { RunDetail } from '../../client'
 import { Card } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
+import { Retry } from '../header/Retry'
 import styles from './verdict.module.css'
 
 export function WhatToDo({ run, className }: { run: RunDetail; className: string | undefined }) {
@@ -17,6 +18,10 @@ export function WhatToDo({ run, className }: { run: RunDetail; className: string
             or in the installation of the worker: the run failed before its first stage, so as it is it will fail again.
           </li>
         )}
+        {run.removed === null && <li>
+          <b>Retry it</b> once the cause is mended, such as a full disk or a machine that was switched off: it goes on from what is
+          stored. <Retry run={run} />
+        </li>}
         {begun && <li>
           <b>Run it again</b> with the button above, as it is or changed. If it fails for the same reason
           {stage && ` in ${stage.method ? methodLook(stage.method).title : stage.kind}`}, take a smaller budget or step

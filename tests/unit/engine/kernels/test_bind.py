@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import json
 import math
@@ -10,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import types
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -338,7 +340,7 @@ def doubled(x: float) -> float:
     return 2.0 * x
 
 
-@pytest.mark.parametrize("error", [ModuleNotFoundError("moved"), AttributeError("renamed"), EOFError("cut off")])
+@pytest.mark.parametrize("error", [ModuleNotFoundError("moved"), KeyError("renamed"), EOFError("cut off")])
 def test_a_cached_kernel_that_cannot_be_loaded_is_compiled_again(
     error: Exception, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -352,3 +354,46 @@ def test_a_cached_kernel_that_cannot_be_loaded_is_compiled_again(
     monkeypatch.setattr(FunctionCache, "_load_overload", refuse)
     assert cached(doubled)(1.5) == 3.0
     assert asked
+
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda content: b"",
+    "cut off": lambda content: content[: len(content) // 2],
+    "without its end": lambda content: content[:-1],
+    "zeros": lambda content: bytes(len(content)),
+    "one bit": lambda content: content[:99] + bytes([content[99] ^ 1]) + content[100:],
+    "longer": lambda content: content + b"x",
+    "of an earlier version": lambda content: content[:-32],
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+def test_a_damaged_file_of_the_cache_is_made_again(
+    damage: str, kind: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
+
+    def hits() -> int:
+        made = cached(doubled)
+        assert made(1.5) == 3.0
+        return sum(made.stats.cache_hits.values())
+
+    assert (hits(), hits()) == (0, 1)
+    (file,) = tmp_path.rglob(f"*.{kind}")
+    file.write_bytes(DAMAGES[damage](file.read_bytes()))
+    assert (hits(), hits()) == (0, 1)
+    assert not list(tmp_path.rglob("*.tmp.*"))
+
+
+def test_a_cache_that_cannot_be_written_prevents_nothing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(os, "fsync", full)
+    assert cached(doubled)(1.5) == 3.0
+    assert [record.levelname for record in caplog.records] == ["WARNING"]
+    assert [path for path in tmp_path.rglob("*") if path.is_file() and "locks" not in path.parts] == []

@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from worker.engine.kernels.numba_internals import cached
 from worker.engine.search.base import Floats
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -26,7 +27,7 @@ BEGIN = -3
 
 def compiled(function: F) -> F:
     """Compile the function, with numba's disk cache."""
-    made: Any = njit(cache=True, error_model="numpy")(function)
+    made: Any = cached(function, error_model="numpy")
     return cast(F, made)
 
 

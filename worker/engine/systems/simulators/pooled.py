@@ -6,7 +6,6 @@ A derived class gives the program, the limits and the number of its slots, and r
 
 from __future__ import annotations
 
-import tempfile
 import threading
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -24,6 +23,7 @@ from worker.engine.systems.base import Evaluated, Floats, NoResult, Reasons, See
 from worker.engine.systems.simulators import traced
 from worker.engine.systems.simulators.simulated import Simulated
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
+from worker.engine.systems.simulators.slots.places import Place
 from worker.engine.systems.simulators.slots.pool import SlotPool
 from worker.engine.systems.simulators.slots.program import Program
 from worker.engine.systems.simulators.unchanged import Unchanged
@@ -42,7 +42,7 @@ class Pooled(Simulated):
     """A simulator of which each evaluation is one request to a slot."""
 
     _pool: SlotPool | DaskPool | None = None
-    _work: tempfile.TemporaryDirectory[str] | None = None
+    _work: Place | None = None
     _unchanged: Unchanged | None = None
     """Its files as this run opened it; that of the simulator from which a fresh one was made."""
     most_slots: int | None = None
@@ -58,6 +58,11 @@ class Pooled(Simulated):
     @property
     def recycle(self) -> int:
         return self._limits.recycle
+
+    @property
+    def longest(self) -> float:
+        """Time that one evaluation may take [s], with the start of a process for it."""
+        return self._limits.start + self._limits.timeout
 
     @property
     @abstractmethod
@@ -133,18 +138,17 @@ class Pooled(Simulated):
             self._pool.close()
             self._pool = None
         if self._work is not None:
-            self._work.cleanup()
+            self._work.close()
             self._work = None
 
     def _opened(self) -> SlotPool | DaskPool:
         if self._pool is None:
-            prefix = f"clearance-{self.entry.name}-"
-            self._work = tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True)
+            self._work = Place(self.entry.name)
             slots = min(self.slots, self.most_slots or self.slots)
             limits = self._limits
             if self.most_seconds is not None:
                 limits = replace(limits, timeout=min(limits.timeout, self.most_seconds))
-            self._pool = SlotPool(self._program(Path(self._work.name)), slots, limits)
+            self._pool = SlotPool(self._program(self._work.path), slots, limits)
         return self._pool
 
     def _evaluated(self, outcomes: Sequence[Outcome]) -> Evaluated:

@@ -39,6 +39,10 @@ class Spread(Pooled):
     def slots(self) -> int:
         return self._slots_here if self.evaluator is None else self._opened().size
 
+    @property
+    def longest(self) -> float:
+        return super().longest + (0.0 if self.evaluator is None else self.evaluator.patience)
+
     def warm(self) -> None:
         """Connect to the evaluator."""
         if self.evaluator is not None:

@@ -11,11 +11,9 @@ from __future__ import annotations
 import atexit
 import logging
 import os
-import shutil
 import signal
 import socket
 import sys
-import tempfile
 import threading
 import time
 from collections import deque
@@ -36,6 +34,7 @@ from worker.engine.systems.simulators.cluster.work import (
     name,
 )
 from worker.engine.systems.simulators.slots.outcome import Outcome, Request
+from worker.engine.systems.simulators.slots.places import Place
 from worker.engine.systems.simulators.slots.pool import AHEAD, SHORT, SlotPool
 from worker.engine.systems.simulators.slots.program import Program
 
@@ -88,8 +87,8 @@ class NodeSlot:
         self.used = time.monotonic()
         self._mean = 1.0
         self._number, self._claim = _numbered()
-        self._folder = tempfile.mkdtemp(prefix="clearance-")
-        self._pool = SlotPool(_here(work, self._folder).placed(self._number), 1, work.limits)
+        self._place = Place("node")
+        self._pool = SlotPool(_here(work, str(self._place.path)).placed(self._number), 1, work.limits)
 
     def evaluate(self, requests: Sequence[Request], until: float) -> list[Outcome]:
         """Outcomes of the first requests; further ones begin until a moment of the monotonic clock."""
@@ -109,7 +108,7 @@ class NodeSlot:
         self.closed = True
         self._pool.close()
         self._claim.close()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._place.close()
 
     def _submit(self, request: Request) -> Future[Outcome]:
         try:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from worker.engine.systems.simulators.fmus import JOB
 from worker.engine.systems.simulators.fmus.job import Job
 from worker.engine.systems.simulators.slots import files
 from worker.engine.systems.simulators.slots.outcome import Limits
+from worker.engine.systems.simulators.slots.places import place
 from worker.engine.systems.simulators.slots.pool import SlotPool
 from worker.engine.systems.simulators.slots.program import Program
 
@@ -98,8 +98,7 @@ def _probed(described: DescribedFmu, result: str, nominal: dict[str, float]) -> 
     limits = Limits(EVALUATIONS * d.timeout, d.start, d.memory)
     limit = {i.entry.name: _farther(nominal[i.entry.name], i.entry.low, i.entry.high) for i in described.inputs}
     others = [{name: value + far * (limit[name] - value) for name, value in nominal.items()} for far in OTHERS]
-    folder = tempfile.TemporaryDirectory(prefix=f"clearance-{d.name}-", ignore_cleanup_errors=True)
-    with folder as work, SlotPool(program(described, result, "reset", "probe", Path(work)), 1, limits) as pool:
+    with place(d.name) as work, SlotPool(program(described, result, "reset", "probe", work), 1, limits) as pool:
         outcome = pool.evaluate([{"parameters": {"nominal": nominal, "others": others}}])[0]
     if outcome.kind == "not started":
         raise FmuUnusable(outcome.sentence)

@@ -12,6 +12,7 @@ import selectors
 import signal
 import threading
 import time
+import traceback
 from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import Future
@@ -115,9 +116,14 @@ class SlotPool(Slots):
                 self._turn()
         except OSError as error:  # no descriptors, processes or disk left
             self._ended = f"its processes cannot be started: {error.strerror}"
+        except Exception as error:
+            self._ended = f"the slots ended by {type(error).__name__}: {error}; this is a fault of Clearance"
+            traceback.print_exc()
         finally:
             with self._lock:
                 self._stop = True
+            for slot in self._slots:
+                slot.end()
             for slot in self._slots:
                 self._unregister(slot)
                 slot.kill()

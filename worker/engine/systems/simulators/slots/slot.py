@@ -1,7 +1,7 @@
 """One warm process that evaluates, with its pipes: what it was sent, what it answered, what it wrote last.
 
-A slot never blocks and decides nothing: `pool` asks it. Its process leads a session of its own; everything that it
-started is killed with it, also what left the session, which its environment gives away.
+A slot decides nothing: `pool` asks it. Its process is the child of a guard, which ends everything that it started with
+it, and does so also when this process is killed.
 """
 
 from __future__ import annotations
@@ -17,16 +17,30 @@ import time
 from collections import deque
 from pathlib import Path
 
+from worker.engine.systems.simulators.slots import marks
 from worker.engine.systems.simulators.slots.given import original
+from worker.engine.systems.simulators.slots.guard import END, KILL, SHOW
+from worker.engine.systems.simulators.slots.marks import MARK, mark
 from worker.engine.systems.simulators.slots.outcome import Limits, Request
 from worker.engine.systems.simulators.slots.program import Program, framed, identified, line, unframed, unlined
 
-LAUNCH = Path(__file__).with_name("launch.py")
-TAG = "CLEARANCE_SLOT"
+GUARD = Path(__file__).with_name("guard.py")
+PATIENCE = 2.0
+"""Time that a program has to end in when it is asked to [s]."""
 LAST = 8192
 """Bytes of its output that are stored."""
 SHOWN = 400
 CHUNK = 1 << 16
+
+
+def guarded(control: int, memory: int = 0, asked: float = PATIENCE, died: float = 0.0, folder: str = "") -> list[str]:
+    """The begin of a command line of which everything ends when this process ends or writes to `control`, or -1.
+
+    memory: of each process [bytes]; asked, died: what is left so long after it was asked to end, or after the end of
+    the program, is killed [s]; folder: is removed if this process ends.
+    """
+    words = (GUARD, memory, asked, died, os.getpid(), control, folder)
+    return [sys.executable, "-S", "-E", *map(str, words)]
 
 
 class Slot:
@@ -35,7 +49,7 @@ class Slot:
     def __init__(self, program: Program, limits: Limits, number: int, generation: int) -> None:
         self.limits = limits
         self.number = number
-        self.tag = f"{os.getpid()}-{id(self):x}-{generation}"
+        self.mark = mark(f"{id(self):x}-{generation}")
         self.lines = program.protocol == "lines"
         self.ids = self.lines and program.ids
         """Whether a request has an id, which is the number of its job."""
@@ -51,18 +65,22 @@ class Slot:
         self.ended: set[int] = set()
         """The pipes that nothing more can arrive on."""
         self._unsent, self._answers, self._last = bytearray(), bytearray(), bytearray()
-        self._start(program.placed(number))
+        placed = program.placed(number)
+        self._own_folder = os.path.abspath(placed.folder) if placed.folder != program.folder else ""
+        """The folder that is the slot's alone."""
+        self._start(placed)
 
     def _start(self, program: Program) -> None:
         child_reads, self.writes = os.pipe()
         self.reads, child_writes = os.pipe()
         self.logs, child_logs = os.pipe()
         self._begun: mmap.mmap | None = None
-        environment = {**original(os.environ), **program.environment, TAG: self.tag, "PYTHONUNBUFFERED": "1"}
+        environment = {**original(os.environ), **program.environment, MARK: self.mark, "PYTHONUNBUFFERED": "1"}
         Path(program.folder).mkdir(parents=True, exist_ok=True)
-        prefix = [sys.executable, "-S", "-E", str(LAUNCH), str(self.limits.memory), str(os.getpid())]
-        opened = [child_reads, child_writes, child_logs]
-        passed: tuple[int, ...] = ()
+        controlled, self._control = os.pipe()
+        guard = guarded(controlled, self.limits.memory, folder=self._own_folder)
+        opened = [child_reads, child_writes, child_logs, controlled]
+        passed: tuple[int, ...] = (controlled,)
         if self.lines:
             command, streams = list(program.command), (child_reads, child_writes)
         else:
@@ -71,11 +89,11 @@ class Slot:
             self._begun = mmap.mmap(shared, 8)
             opened.append(shared)
             command = [*program.command[:2], str(child_reads), str(child_writes), str(shared), *program.command[2:]]
-            streams, passed = (subprocess.DEVNULL, child_logs), (child_reads, child_writes, shared)
+            streams, passed = (subprocess.DEVNULL, child_logs), (*passed, child_reads, child_writes, shared)
         try:
             self.process = subprocess.Popen(
-                prefix + command, stdin=streams[0], stdout=streams[1], stderr=child_logs, pass_fds=passed,
-                start_new_session=True, env=environment, cwd=program.folder,
+                [*guard, *command], stdin=streams[0], stdout=streams[1],
+                stderr=child_logs, pass_fds=passed, start_new_session=True, env=environment, cwd=program.folder,
             )  # fmt: skip
         finally:
             for descriptor in opened:
@@ -149,29 +167,30 @@ class Slot:
         """Have it write where it is, to its output; only Python of ours can."""
         if self.lines or not self.ready:
             return
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(self.process.pid, signal.SIGUSR1)
-            select.select([self.logs], [], [], 0.05)
+        self._tell(SHOW)
+        select.select([self.logs], [], [], 0.05)
+
+    def end(self) -> None:
+        """Ask it and all that it started to end; what is left after a while is killed."""
+        self._tell(END)
 
     def kill(self) -> int:
-        """Kill it and all that it started; returns its exit code, negative for a signal."""
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self.process.pid, signal.SIGKILL)
+        """Kill it and all that it started, or wait until they have ended if they were asked to; returns its exit code,
+        negative for a signal."""
+        died = self.process.poll()
+        self._tell(KILL)
         code = self.process.wait()
         self.read_output()
-        _sweep(self.tag)
-        pipes = {os.readlink(f"/proc/self/fd/{pipe}") for pipe in (self.reads, self.logs) if not self._at_end(pipe)}
-        for descriptor in (self.reads, self.writes, self.logs, self.death):
+        if died == -signal.SIGKILL:  # perhaps not the program, but its guard was killed
+            marks.end(self.mark)
+        for descriptor in (self.reads, self.writes, self.logs, self.death, self._control):
             os.close(descriptor)
         self.ended.update((self.reads, self.logs))
-        if pipes:
-            _kill_writers(pipes)
         return code
 
-    def _at_end(self, pipe: int) -> bool:
-        """Whether nothing can be written to a pipe any more."""
-        self._chunks(pipe)
-        return pipe in self.ended
+    def _tell(self, word: bytes) -> None:
+        with contextlib.suppress(BrokenPipeError):
+            os.write(self._control, word)
 
     def _chunks(self, descriptor: int) -> list[bytes]:
         """The bytes that a pipe has now, 16 chunks at most."""
@@ -188,53 +207,3 @@ class Slot:
     def _keep(self, output: bytes) -> None:
         self._last += output
         del self._last[:-LAST]
-
-
-def _sweep(tag: str) -> None:
-    """Kill what left the session and still carries the tag; looked for again while there was any, which may have
-    started more meanwhile."""
-    sought, killed = f"{TAG}={tag}".encode(), set[str]()
-    while True:
-        found = {entry for entry in os.listdir("/proc") if entry.isdigit() and _carries(entry, sought)} - killed
-        if not found:
-            return
-        killed |= found
-        for entry in found:
-            with contextlib.suppress(OSError):
-                os.kill(int(entry), signal.SIGKILL)
-
-
-def _kill_writers(pipes: set[str]) -> None:
-    """Kill what still can write to these pipes: it was started by the process, and has cleared its environment."""
-    for entry in filter(str.isdigit, os.listdir("/proc")):
-        if int(entry) != os.getpid() and any(_writes(entry, number, pipes) for number in _descriptors(entry)):
-            with contextlib.suppress(OSError):
-                os.kill(int(entry), signal.SIGKILL)
-
-
-def _descriptors(entry: str) -> list[str]:
-    try:
-        return os.listdir(f"/proc/{entry}/fd")
-    except OSError:
-        return []
-
-
-def _writes(entry: str, number: str, pipes: set[str]) -> bool:
-    """A process that this one has just forked may have the end for reading until it becomes its program."""
-    try:
-        if os.readlink(f"/proc/{entry}/fd/{number}") not in pipes:
-            return False
-        information = Path(f"/proc/{entry}/fdinfo/{number}").read_text(encoding="ascii")
-    except OSError:
-        return False
-    flags = next((line.split()[1] for line in information.splitlines() if line.startswith("flags:")), "0")
-    return int(flags, 8) & os.O_ACCMODE != os.O_RDONLY
-
-
-def _carries(entry: str, sought: bytes) -> bool:
-    try:
-        with open(f"/proc/{entry}/environ", "rb", buffering=0) as file:  # of every process, each time one is replaced
-            found = file.readall()
-    except OSError:
-        return False
-    return sought in found and sought in found.split(b"\0")

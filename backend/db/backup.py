@@ -1,0 +1,203 @@
+"""Copies a database into one file while runs write to it, and puts such a file in its place again.
+
+SQLite: VACUUM INTO, which reads one snapshot and blocks no writer (its backup interface begins again with every write,
+and so may never end). PostgreSQL: pg_dump and pg_restore of its own packages.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sqlite3
+import subprocess
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import sqlalchemy as sa
+
+from backend.db import revision, workers
+from backend.db.engine import connect, read
+from backend.db.private import create_private
+
+
+class BackupError(ValueError):
+    """Why there is no backup, or nothing was restored: a sentence."""
+
+
+def backup(url: str, file: Path) -> int:
+    """Copy the database into a new file, which appears when it is complete and on the disk; returns its size [bytes].
+
+    Raises `BackupError`: the file exists, or the copy failed.
+    """
+    if file.exists():
+        raise BackupError(f"{file} exists; give the name of a new file")
+    part = file.with_name(f".{file.name}.part")
+    part.unlink(missing_ok=True)
+    try:
+        create_private(part)
+        if url.startswith("sqlite"):
+            _copy_sqlite(_file_of(url), part)
+        else:
+            _tool(url, "pg_dump", "--format=custom", f"--file={part}")
+        _on_disk(part)
+        part.replace(file)
+        _on_disk(file.parent)
+    except OSError as error:
+        raise BackupError(f"the backup could not be written to {file}: {error.strerror}") from None
+    finally:
+        part.unlink(missing_ok=True)
+    return file.stat().st_size
+
+
+def restore(url: str, file: Path) -> Path | None:
+    """Put a backup in the place of the database; returns where the former SQLite file is now, if there was one.
+
+    Runs that were active when the backup was made go on from what it has. Raises `BackupError`: the file is damaged, or
+    of a newer version, or a service or worker uses the database. Nothing is changed then.
+    """
+    if not file.is_file():
+        raise BackupError(f"there is no file {file}")
+    if not url.startswith("sqlite"):
+        _refuse_used(url)
+        _tool(
+            url, "pg_restore", "--clean", "--if-exists", "--single-transaction", "--no-owner", "--dbname={}", str(file)
+        )
+        return None
+    _refuse_unusable(file)
+    target = _file_of(url)
+    fresh = target.with_name(f".{target.name}.restored")
+    try:
+        with _unused(target):
+            fresh.unlink(missing_ok=True)
+            create_private(fresh)
+            shutil.copyfile(file, fresh)
+            _on_disk(fresh)
+            former = _set_aside(target)
+            fresh.replace(target)
+            _on_disk(target.parent)
+    except OSError as error:
+        raise BackupError(f"the database {target} could not be replaced: {error.strerror}") from None
+    finally:
+        fresh.unlink(missing_ok=True)
+    return former
+
+
+def damage(file: Path) -> str:
+    """What is wrong with an SQLite file, in SQLite's words; empty if it is whole."""
+    try:
+        with closing(sqlite3.connect(f"file:{_quoted(file)}?mode=ro", uri=True, timeout=30.0)) as connection:
+            found = [str(row[0]) for row in connection.execute("PRAGMA quick_check(3)")]
+    except sqlite3.DatabaseError as error:
+        return str(error)
+    return "" if found == ["ok"] else "; ".join(found)
+
+
+def _copy_sqlite(source: Path, part: Path) -> None:
+    part.unlink()  # VACUUM INTO makes the file, or takes one that is empty
+    try:
+        with closing(sqlite3.connect(f"file:{_quoted(source)}?mode=ro", uri=True, timeout=60.0)) as connection:
+            connection.execute("VACUUM INTO ?", (str(part),))
+        part.chmod(0o600)
+    except sqlite3.Error as error:
+        raise BackupError(f"{source} could not be copied: {error}") from None
+    if wrong := damage(part):
+        raise BackupError(f"the copy of {source} is damaged: {wrong}")
+
+
+def _refuse_unusable(file: Path) -> None:
+    if wrong := damage(file):
+        raise BackupError(f"{file} is no backup that can be restored: {wrong}")
+    with closing(sqlite3.connect(f"file:{_quoted(file)}?mode=ro", uri=True)) as connection:
+        try:
+            (found,) = connection.execute("select version_num from alembic_version").fetchone()
+        except (sqlite3.DatabaseError, TypeError):
+            raise BackupError(f"{file} is no database of Clearance") from None
+    if found > revision.newest():
+        raise BackupError(
+            f"{file} was written by a newer version of Clearance (schema {found}, this one knows {revision.newest()}): "
+            "install that version first"
+        )
+
+
+@contextmanager
+def _unused(target: Path) -> Iterator[None]:
+    """While the block lasts, nobody else has the file: exclusive locking fails while another process has it open."""
+    if not target.exists():
+        yield
+        return
+    in_use = BackupError(f"{target} is in use: stop the service and all workers first")
+    with closing(sqlite3.connect(target, timeout=1.0, isolation_level=None)) as connection:
+        try:
+            connection.execute("PRAGMA locking_mode=EXCLUSIVE")
+            if connection.execute("PRAGMA journal_mode=DELETE").fetchone()[0] == "wal":
+                raise in_use
+            connection.execute("BEGIN EXCLUSIVE")
+        except sqlite3.OperationalError:
+            raise in_use from None
+        except sqlite3.DatabaseError:
+            yield  # damaged: that is why it is replaced
+            return
+        yield
+
+
+def _refuse_used(url: str) -> None:
+    engine = connect(url)
+    try:
+        with read(engine) as connection:
+            known = sa.inspect(connection).has_table("workers")
+            live = workers.live(connection) if known else []
+    finally:
+        engine.dispose()
+    if live:
+        raise BackupError(f"the database is in use by {', '.join(live)}: stop the service and all workers first")
+
+
+def _set_aside(target: Path) -> Path | None:
+    if not target.exists():
+        return None
+    if target.stat().st_size == 0:
+        target.unlink()
+        return None
+    former = target.with_name(f"{target.name}.{time.strftime('%Y%m%d-%H%M%S')}")
+    target.rename(former)
+    for ending in ("-wal", "-shm"):
+        left = target.with_name(target.name + ending)
+        if left.exists():
+            left.rename(former.with_name(former.name + ending))
+    return former
+
+
+def _tool(url: str, name: str, *words: str) -> None:
+    """Run a program of PostgreSQL's; the password is not on its command line."""
+    path = shutil.which(name)
+    if path is None:
+        raise BackupError(f"{name} was not found: install PostgreSQL's client programs (on Debian: postgresql-client)")
+    address = sa.make_url(url).set(drivername="postgresql")
+    password = address.password
+    target = address.set(password=None).render_as_string()
+    arguments: Sequence[str] = [word.replace("{}", target) for word in words]
+    if name == "pg_dump":
+        arguments = [*arguments, target]
+    environment: Mapping[str, str] = os.environ | ({"PGPASSWORD": str(password)} if password else {})
+    done = subprocess.run([path, *arguments], env=environment, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        last = done.stderr.strip().splitlines()[-1:] or [f"it ended with exit code {done.returncode}"]
+        raise BackupError(f"{name} failed: {last[0]}")
+
+
+def _file_of(url: str) -> Path:
+    return Path(str(sa.make_url(url).database)).absolute()
+
+
+def _quoted(file: Path) -> str:
+    return str(file.absolute()).replace("%", "%25").replace("?", "%3f").replace("#", "%23")
+
+
+def _on_disk(path: Path) -> None:
+    file = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)

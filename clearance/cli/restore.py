@@ -1,0 +1,44 @@
+"""`clearance restore FILE`: puts a backup in the place of the database."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clearance.cli import WrongInputError
+from clearance.cli._where import DATA, Data, Database, alone, url_of
+
+
+def restore(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A file of `clearance backup`.", dir_okay=False)],
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask for confirmation.")] = False,
+    data: Data = DATA,
+    database: Database = "",
+) -> None:
+    """Put a backup in the place of the database; the former SQLite file is kept under another name."""
+    from backend.db.backup import BackupError
+    from backend.db.backup import restore as put_back
+
+    url = url_of(data, database)
+    if not yes and not _agreed(url):
+        typer.echo("Nothing was changed.")
+        return
+    try:
+        with alone(data) if data.is_dir() else nullcontext():
+            former = put_back(url, file)
+    except BackupError as error:
+        raise WrongInputError(f"{error}") from None
+    typer.echo(f"Restored {file}." + (f" The former database is {former}." if former else ""))
+
+
+def _agreed(url: str) -> bool:
+    import sqlalchemy as sa
+
+    shown = sa.make_url(url).render_as_string(hide_password=True)
+    try:
+        return typer.confirm(f"Replace the database {shown}?")
+    except typer.Abort:
+        raise WrongInputError("no confirmation was given; use --yes where there is no terminal") from None

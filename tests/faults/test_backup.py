@@ -1,0 +1,177 @@
+"""Backup and restore while runs write, and what `clearance doctor` says of a broken installation."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sqlalchemy as sa
+
+from backend.db import revision
+from backend.db.backup import BackupError, backup, restore
+from backend.db.engine import connect, default_url, migrate, read
+from backend.db.queue import submit
+from backend.db.tables import Run
+from campaigns.stages.plan import most
+from clearance.cli import WRONG_INPUT, invoke
+from tests.audited import audited
+from tests.faults.long import case
+from tests.faults.processes import until, worker
+from tests.faults.serving import state
+
+
+def queued(engine: sa.Engine) -> int:
+    with engine.begin() as connection:
+        return submit(connection, case(), name="long", tags=[], owner="", planned=most(case()))
+
+
+def test_a_backup_made_while_a_run_writes_goes_on_where_it_was(database: sa.Engine, tmp_path: Path) -> None:
+    url = database.url.render_as_string(hide_password=False)
+    run_id, file = queued(database), tmp_path / "backup"
+    with worker(url, tmp_path, "first") as running:
+        until(lambda: state(database, run_id).evaluations > 3000, "well under way")
+        stopped_at = state(database, run_id).evaluations
+        assert backup(url, file) == file.stat().st_size
+        until(lambda: state(database, run_id).evaluations > stopped_at, "the run has gone on")
+        with pytest.raises(BackupError, match=r"in use"):
+            restore(url, file)
+        assert running.process.poll() is None
+    with database.begin() as connection:
+        connection.execute(sa.text("delete from workers"))  # as after an orderly end
+    database.dispose()
+    former = restore(url, file)
+    assert (former is not None) == (database.dialect.name == "sqlite")
+    again = state(database, run_id)
+    assert (again.state, again.evaluations >= stopped_at) == ("running", True)
+    with worker(url, tmp_path, "second", "--lease", "2"):
+        until(lambda: state(database, run_id).state == "done", "the run ends", 180)
+    if database.dialect.name == "sqlite":
+        audited(database, run_id=run_id)
+
+
+@pytest.fixture
+def stored(tmp_path: Path) -> str:
+    """A database with one run."""
+    url = default_url(tmp_path / "data")
+    migrate(url)
+    engine = connect(url)
+    queued(engine)
+    engine.dispose()
+    return url
+
+
+def runs(url: str) -> int:
+    engine = connect(url)
+    try:
+        with read(engine) as connection:
+            return connection.scalar(sa.select(sa.func.count()).select_from(Run)) or 0
+    finally:
+        engine.dispose()
+
+
+def cut_off(file: Path) -> None:
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+
+
+def overwritten(file: Path) -> None:
+    content = bytearray(file.read_bytes())
+    content[4096 : 4096 * 3] = b"\xff" * 4096 * 2
+    file.write_bytes(bytes(content))
+
+
+def of_another_program(file: Path) -> None:
+    file.unlink()
+    engine = sa.create_engine(f"sqlite:///{file}")
+    with engine.begin() as connection:
+        connection.execute(sa.text("create table notes (text text)"))
+    engine.dispose()
+
+
+def newer(file: Path) -> None:
+    engine = sa.create_engine(f"sqlite:///{file}")
+    with engine.begin() as connection:
+        connection.execute(sa.text("update alembic_version set version_num = '9999'"))
+    engine.dispose()
+
+
+@pytest.mark.parametrize(
+    "spoil", [cut_off, overwritten, of_another_program, newer, lambda file: file.write_text("hello"), Path.unlink]
+)
+def test_what_is_no_backup_replaces_nothing(stored: str, tmp_path: Path, spoil: Callable[[Path], object]) -> None:
+    file = tmp_path / "backup"
+    backup(stored, file)
+    spoil(file)
+    with pytest.raises(BackupError):
+        restore(stored, file)
+    assert runs(stored) == 1
+
+
+def test_a_damaged_database_is_replaced(stored: str, tmp_path: Path) -> None:
+    file, database = tmp_path / "backup", tmp_path / "data" / "clearance.sqlite3"
+    backup(stored, file)
+    overwritten(database)
+    assert restore(stored, file) is not None
+    assert runs(stored) == 1
+
+
+def test_by_the_command_line(stored: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data, file = ["--data", str(tmp_path / "data")], tmp_path / "backup"
+    assert invoke(["backup", str(file), *data]) == 0
+    assert invoke(["backup", str(file), *data]) == WRONG_INPUT, "it exists"
+    shutil.rmtree(tmp_path / "data")
+    assert invoke(["restore", str(file), "--yes", *data]) == 0
+    assert invoke(["restore", str(tmp_path / "none"), "--yes", *data]) == WRONG_INPUT
+    assert runs(stored) == 1
+    assert (tmp_path / "data" / "clearance.sqlite3").stat().st_mode & 0o077 == 0
+    assert capsys.readouterr().err
+
+
+def diagnosed(data: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, dict[str, Any]]:
+    capsys.readouterr()
+    code = invoke(["doctor", "--json", "--data", str(data)])
+    return code, {one["name"]: one for one in json.loads(capsys.readouterr().out)}
+
+
+@pytest.mark.parametrize(
+    ("spoil", "name", "state"),
+    [
+        (lambda data: None, "workers", "failed"),
+        (shutil.rmtree, "data folder", "failed"),
+        (lambda data: (data / "clearance.sqlite3").unlink(), "database", "failed"),
+        (lambda data: overwritten(data / "clearance.sqlite3"), "database", "failed"),
+        (lambda data: newer(data / "clearance.sqlite3"), "schema", "failed"),
+        (lambda data: data.chmod(0o755), "data folder", "warning"),
+    ],
+)
+def test_the_doctor_names_what_is_wrong_and_what_to_do(
+    stored: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], spoil: Callable[[Path], object], name: str,
+    state: str,
+) -> None:  # fmt: skip
+    data = tmp_path / "data"
+    data.chmod(0o700)
+    spoil(data)
+    code, found = diagnosed(data, capsys)
+    assert (code, found[name]["state"]) == (1, state)
+    assert found[name]["remedy"]
+    assert all(one["remedy"] for one in found.values() if one["state"] != "ok")
+
+
+def test_the_doctor_finds_nothing_wrong_with_a_service_that_works(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = tmp_path / "data"
+    data.mkdir(mode=0o700)
+    url = default_url(data)
+    migrate(url)
+    engine = connect(url)
+    with worker(url, tmp_path, "own"):
+        until(lambda: diagnosed(data, capsys)[1]["workers"]["state"] == "ok", "the worker is alive")
+        found = diagnosed(data, capsys)[1]
+    engine.dispose()
+    for name in ("data folder", "database", "schema", "workers", "clock", "pages"):
+        assert found[name]["state"] == "ok", found[name]
+    assert revision.newest() in found["schema"]["found"]

@@ -1,0 +1,192 @@
+"""Nothing that a simulator started outlives its run: no process and no folder, whatever ends the run."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sqlalchemy as sa
+import yaml
+
+from backend.db.engine import connect, default_url, migrate
+from backend.db.queue import request_cancel, submit
+from campaigns.asked.load import load_document
+from tests.faults.processes import CLEARANCE, Started, alive, command_of, kill, started, until, worker
+from tests.faults.serving import state
+
+HELPERS = "86397.5"
+"""How long the helpers sleep [s]; they are found by it."""
+
+WRAPPER = f"""#!/bin/sh
+sleep {HELPERS} &
+setsid sleep {HELPERS} &
+env -i setsid sleep {HELPERS} &
+exec "$@"
+"""
+LINES = """
+import json, sys, time
+for line in sys.stdin:
+    time.sleep(0.02)
+    print(json.dumps({"results": {"d": 2.0 - json.loads(line)["parameters"]["a"]}}), flush=True)
+"""
+FILES = "import json, sys; json.dump({'d': 2.0 - json.load(open(sys.argv[1]))['a']}, open(sys.argv[2], 'w'))"
+FUNCTION = """
+import subprocess, time
+import clearance
+
+STARTED = []
+
+@clearance.simulator(
+    name="helped", isolated=ISOLATED, parameters={"a": (0.0, 1.0)}, results={"d": clearance.Output(unit="m")}
+)
+def fly(a):
+    if not STARTED:
+        STARTED.append(subprocess.Popen([WRAPPER, "true"]))
+    time.sleep(0.02)
+    return 2.0 - a
+"""
+KINDS = ("lines", "files", "function", "in process")
+
+
+def helpers(but: frozenset[int] = frozenset()) -> set[int]:
+    """The helpers that run."""
+    numbers = {int(entry) for entry in os.listdir("/proc") if entry.isdigit()}
+    return {n for n in numbers - but if command_of(n).startswith(f"sleep {HELPERS}") and alive(n)}
+
+
+class Site:
+    """A folder with one simulator of a kind that starts helpers, and the runs of it."""
+
+    def __init__(self, folder: Path, kind: str) -> None:
+        self.folder = folder
+        self.temporary = folder / "temporary"
+        self.simulators = folder / "simulators"
+        for made in (self.temporary, self.simulators):
+            made.mkdir()
+        self._install(kind)
+        self.document = {
+            "name": "helped",
+            "simulator": {"name": "helped"},
+            "uncertain": {"simulator.a": {"low": 0.0, "high": 1.0}},
+            "criterion": {"result": "d", "threshold": 0.5},
+            "stages": {"search": [{"method": "monte_carlo", "evaluations": 20_000}], "certify": None},
+        }
+
+    @property
+    def environment(self) -> dict[str, str]:
+        return {"TMPDIR": str(self.temporary), "CLEARANCE_SIMULATORS": str(self.simulators)}
+
+    def folders(self) -> list[str]:
+        """What there is for temporary files."""
+        return sorted(os.listdir(self.temporary))
+
+    def queued(self) -> tuple[sa.Engine, int]:
+        """A new database with a run."""
+        url = default_url(self.folder)
+        migrate(url)
+        engine = connect(url)
+        with engine.begin() as connection:
+            campaign = load_document(self.document)
+            return engine, submit(connection, campaign, name="helped", tags=[], owner="", planned=20_000)
+
+    def _install(self, kind: str) -> None:
+        wrapper = self.folder / "wrapper.sh"
+        wrapper.write_text(WRAPPER)
+        wrapper.chmod(0o755)
+        if kind in ("function", "in process"):
+            text = FUNCTION.replace("ISOLATED", str(kind == "function")).replace("WRAPPER", repr(str(wrapper)))
+            (self.simulators / "helped.py").write_text(text)
+            return
+        described: dict[str, Any] = {
+            "name": "helped",
+            "parameters": {"a": {"nominal": 0.5, "low": 0, "high": 1}},
+            "results": {"d": {"unit": "m"}},
+            "slots": 2,
+            "command": [str(wrapper), sys.executable, "-c", LINES],
+        }
+        if kind == "files":
+            described |= {
+                "protocol": "files",
+                "command": [*described["command"][:3], FILES, "{parameters}", "{results}"],
+            }
+        (self.simulators / "helped").mkdir()
+        (self.simulators / "helped" / "simulator.yaml").write_text(yaml.safe_dump(described))
+
+
+ENDINGS: dict[str, Callable[[Started, sa.Engine, int], None]] = {
+    "cancel": lambda running, engine, run: cancel(engine, run),
+    "SIGTERM": lambda running, engine, run: kill(running.pid, number=signal.SIGTERM),
+    "child killed": lambda running, engine, run: kill(running.child()),
+    "worker killed": lambda running, engine, run: kill(running.pid),
+}
+
+
+def cancel(engine: sa.Engine, run: int) -> None:
+    with engine.begin() as connection:
+        request_cancel(connection, run)
+
+
+BY_DAY = {("lines", "cancel"), ("files", "SIGTERM"), ("function", "child killed"), ("in process", "worker killed")}
+
+
+@pytest.mark.parametrize(
+    ("kind", "ending"),
+    [
+        pytest.param(kind, ending, marks=[] if (kind, ending) in BY_DAY else [pytest.mark.nightly])
+        for kind in KINDS
+        for ending in ENDINGS
+    ],
+)
+def test_a_run_of_a_worker(tmp_path: Path, kind: str, ending: str) -> None:
+    site = Site(tmp_path, kind)
+    there = frozenset(helpers())
+    engine, run = site.queued()
+    url = engine.url.render_as_string(hide_password=False)
+    with worker(url, site.folder, "first", "--lease", "2", **site.environment) as running:
+        until(lambda: state(engine, run).evaluations > 20 and helpers(there), "under way, with helpers")
+        begun = helpers(there)
+        ENDINGS[ending](running, engine, run)
+        if ending == "child killed":
+            until(lambda: not begun & helpers(), "the helpers of the first child are gone")
+            cancel(engine, run)
+        until(lambda: ended(running, engine, run), "it ended")
+        if ending != "worker killed":
+            until(lambda: not helpers(there), "no helper is left", 10)
+            until(lambda: not site.folders(), f"no folder is left of {site.folders()}", 10)
+    if ending == "worker killed":
+        cancel(engine, run)
+        with worker(url, site.folder, "second", **site.environment):
+            until(lambda: not helpers(there), "no helper is left", 60)
+            until(lambda: not site.folders(), f"no folder is left of {site.folders()}", 60)
+    engine.dispose()
+
+
+def ended(running: Started, engine: sa.Engine, run: int) -> bool:
+    return running.process.poll() is not None or state(engine, run).state == "cancelled"
+
+
+@pytest.mark.parametrize(
+    ("kind", "number"),
+    [
+        ("lines", signal.SIGTERM),
+        pytest.param("files", signal.SIGINT, marks=pytest.mark.nightly),
+        pytest.param("function", signal.SIGKILL, marks=pytest.mark.nightly),
+    ],
+)
+def test_a_run_of_the_command_line(tmp_path: Path, kind: str, number: signal.Signals) -> None:
+    site = Site(tmp_path, kind)
+    there = frozenset(helpers())
+    campaign = site.folder / "campaign.yaml"
+    campaign.write_text(yaml.safe_dump(site.document))
+    command = [*CLEARANCE, "run", str(campaign)]
+    with started(command, site.folder, "run", **site.environment) as running:
+        until(lambda: helpers(there), "helpers run")
+        kill(running.pid, number=number)
+        until(lambda: running.process.poll() is not None, "it ended")
+        until(lambda: not helpers(there), "no helper is left", 10)
+        until(lambda: not site.folders(), f"no folder is left of {site.folders()}", 10)

@@ -191,7 +191,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
         return ends.NOTHING
     random = stream(context.campaign.seed, FINDINGS_STREAM)
     starts = [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)]
-    alone = _lowered(context, position, found, starts)
+    alone = walked(context, position, found, starts)
     yield from _followed(context, found, starts)
     yield from _distinguished(context, found, starts, alone)
     yield from _evidence(context, found, random)
@@ -202,7 +202,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
     return ends.FINDINGS
 
 
-def _lowered(context: Context, position: int, found: Found, starts: Sequence[Basin]) -> frozenset[int]:
+def walked(context: Context, position: int, found: Found, starts: Sequence[Basin]) -> frozenset[int]:
     """Move starts downhill along what is stored, in steps within which minima count as one. Returns those with nothing
     lower near.
 

@@ -165,7 +165,7 @@ def test_a_candidate_far_from_anything_lower_is_descended_from_whatever_its_line
     low, own = np.array([0.1, 0.5]), np.array([0.7, 0.9])
 
     def function(x: Floats) -> Floats:
-        return np.minimum(((x - low) ** 2).sum(axis=1), 0.27 + 0.5 * ((x - own) ** 2).sum(axis=1))
+        return np.asarray(np.minimum(((x - low) ** 2).sum(axis=1), 0.27 + 0.5 * ((x - own) ** 2).sum(axis=1)))
 
     starts = np.array([low, [0.9, 0.65]])
     line = function(starts[1] + np.linspace(0, 1, 65)[:, None] * (starts[0] - starts[1]))

@@ -149,6 +149,8 @@ class MethodEntry(Entry):
     """Families of its members, by method, that are told nothing of the others' evaluations; omitted without any."""
     whole_budget: Annotated[bool, UNSTATED] = False
     """Whether it uses its whole budget; omitted if it may end by its own rule."""
+    own_rule: Annotated[str, UNSTATED] = ""
+    """The option with which it may end by its own rule all the same; omitted if it has none."""
     effort: Annotated[Iterations | Descents | None, UNSTATED] = None
     """How many evaluations it takes until its own rule ends it; omitted if not declared."""
     parallel: Annotated[str, UNSTATED] = ""
@@ -159,6 +161,8 @@ class MethodEntry(Entry):
     """The option that states the time of an evaluation [s]; omitted if it has none."""
     suits: Annotated[str, UNSTATED] = ""
     """What it is for, in a few words; omitted if not declared."""
+    drawback: Annotated[str, UNSTATED] = ""
+    """By how much others are better, in figures, if no problem of the score board prefers it; else omitted."""
     proposed: Annotated[int, BeforeValidator(_rank), UNSTATED] = 0
     """Its rank among the methods that are proposed, from 1; omitted if it is never proposed."""
     confirms: Annotated[int, UNSTATED] = 0

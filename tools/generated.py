@@ -63,7 +63,8 @@ def table_of_methods() -> str:
     for m in shipped():
         ends = "budget" if m.whole_budget else "own rule"
         at_a_time = f"`{m.at_once}`" if m.at_once else m.parallel
-        rows.append((m.title, f"`{m.name}`", m.how, m.suits, m.family, ends, at_a_time, m.source))
+        aim = f"{m.suits}. {m.drawback}" if m.drawback else m.suits
+        rows.append((m.title, f"`{m.name}`", m.how, aim, m.family, ends, at_a_time, m.source))
     return _table(("method", "name", "how", "for", "family", "ends", "at a time", "source"), rows)
 
 

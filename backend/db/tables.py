@@ -281,6 +281,8 @@ class Worker(Base):
     """What it does besides the stages of its run, see `backend.db.workers.Doing`."""
     compared: orm.Mapped[float] = orm.mapped_column(default=0.0, server_default="0")
     """When it last began to compare its files with what it has published, and found no difference [s since 1970]."""
+    draining: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
+    """Whether it was asked to take no further run and to end."""
 
 
 class RunText(Base):

@@ -114,12 +114,27 @@ def beat(
     simulators: Sequence[str] = (),
     installation: str = "",
     age: float | None = None,
-) -> None:
-    """age: time since it began to compare its files with what it has published, if they are the same [s]."""
+) -> bool:
+    """Whether it is to take no further run.
+
+    age: time since it began to compare its files with what it has published, if they are the same [s].
+    """
     at = now(connection)
     values = {"beat": at, "run_id": run_id, "simulators": list(simulators), "installation": installation}
     values |= {} if age is None else {"compared": at - age}
-    connection.execute(sa.update(Worker).where(Worker.name == name).values(**values))
+    beaten = sa.update(Worker).where(Worker.name == name).values(**values).returning(Worker.draining)
+    return bool(connection.scalar(beaten))
+
+
+def drain(connection: sa.Connection, name: str) -> int | None:
+    """Ask a live worker to take no further run and to end; returns its run, if it has one. Raises `KeyError`."""
+    live = (Worker.name == name, Worker.beat > now(connection) - LIVE)
+    asked = sa.update(Worker).where(*live).values(draining=True).returning(Worker.name, Worker.run_id)
+    row = connection.execute(asked).first()
+    if row is None:
+        raise KeyError(name)
+    run: int | None = row.run_id
+    return run
 
 
 def compared(connection: sa.Connection, simulator: str | None) -> float | None:

@@ -20,6 +20,8 @@ class WorkerOut(Schema):
     """The last heartbeat, seconds since 1970."""
     state: Literal["idle", "busy", "silent"]
     """`silent`: no heartbeat for 20 s, ten times the usual interval."""
+    draining: bool
+    """Whether it was asked to take no further run and to end."""
     run: str | None
     """The run that it executes, R-0001."""
     stage: str | None

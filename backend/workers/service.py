@@ -45,6 +45,7 @@ def _out(row: Any, at: float, stages: dict[int, str]) -> WorkerOut:
         started=row.started,
         beat=row.beat,
         state="silent" if silent else "idle" if row.run_id is None else "busy",
+        draining=row.draining,
         run=None if row.run_id is None else run_name(row.run_id),
         stage=None if silent or row.run_id is None else stages.get(row.run_id),
         doing=None if known is None else waiting.doing_of(known),

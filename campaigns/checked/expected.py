@@ -120,7 +120,7 @@ def _search(campaign: Campaign, search: Search, catalogue: Catalogue) -> Range:
         ends = _iterations(effort, stated, len(campaign.uncertain)) or ends
     elif isinstance(effort, Descents):
         ends = _descents(effort, _starts(search, effort.option, entry), len(campaign.uncertain))
-    elif entry is None or not entry.whole_budget or search.options.get("as_published"):
+    elif entry is None or not entry.whole_budget or search.options.get(entry.own_rule):
         least = FEWEST * (len(campaign.uncertain) + 1)
         ends = least, round(math.sqrt(min(least, limit) * limit))
     least, usual = (max(1, min(limit, end)) for end in ends)

@@ -41,7 +41,9 @@ _WORDS = {
     "families": "families",
     "apart": "members that are apart",
 }
-_ADVICE = ("whole_budget", "effort", "parallel", "at_once", "takes", "suits", "proposed", "confirms")
+_ADVICE = (
+    "whole_budget", "own_rule", "effort", "parallel", "at_once", "takes", "suits", "drawback", "proposed", "confirms",
+)  # fmt: skip
 """What a method states for its choice and for estimates; it changes no result."""
 _GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}
 

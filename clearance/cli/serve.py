@@ -20,6 +20,7 @@ from backend.db.private import SharedFolderError, keep_private
 from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
 from clearance.cli._where import DATA, Data, Database, alone, counted, reading, url_of
 from clearance.cli.login_link import ADDRESS_FILE
+from clearance.cli.worker import DRAINED
 from worker.engine.kernels import jit
 from worker.running.processes.lifeline import Wakeup
 from worker.running.processes.serving import Server, Servers
@@ -72,8 +73,9 @@ class _Serving:
         logs = data / "logs"
         self.backend = Server("backend", [*python, "backend"], listen, logs / "backend.log", signal.SIGKILL)
         # A worker that loses its parent still returns its run to the queue; its child processes die with it.
+        worker = [*python, "clearance", "worker"]
         self.workers = [
-            Server(f"worker {i}", [*python, "clearance", "worker"], here, logs / f"worker-{i}.log", signal.SIGTERM)
+            Server(f"worker {i}", worker, here, logs / f"worker-{i}.log", signal.SIGTERM, final=DRAINED)
             for i in range(1, number + 1)
         ]
         self.servers = Servers([self.backend, *self.workers], wakeup, _say)

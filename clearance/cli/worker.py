@@ -1,4 +1,4 @@
-"""`clearance worker`: claims runs from the queue and executes them until it is stopped.
+"""`clearance worker`: claims runs from the queue and executes them until it is stopped; `clearance worker drain NAME`.
 
 The work is done in `worker.running.processes.supervisor`.
 """
@@ -14,11 +14,20 @@ from typing import Annotated
 
 import typer
 
+from campaigns.runs import run_name
+from clearance.cli import WrongInputError
 from clearance.cli import _evaluator as evaluators
-from clearance.cli._where import DATA, Data, Database, reading, url_of
+from clearance.cli._where import DATA, Data, Database, opened, reading, url_of
+
+DRAINED = 10
+"""The exit code of a worker that was drained: it is not started again."""
+
+app = typer.Typer(invoke_without_command=True)
 
 
+@app.callback()
 def worker(
+    ctx: typer.Context,
     data: Data = DATA,
     database: Database = "",
     check: Annotated[
@@ -38,6 +47,8 @@ def worker(
     ] = 600.0,
 ) -> None:
     """Execute runs from the queue. Start as many as there are cores; Ctrl-C returns the run to the queue."""
+    if ctx.invoked_subcommand is not None:
+        return
     from backend.db.engine import migrate
     from backend.db.private import UMASK
     from worker.engine.kernels import jit
@@ -55,8 +66,27 @@ def worker(
         logging.warning("a simulator is skipped: %s", problem)
     url = url_of(data, database)
     migrate(url)
-    stopped_by = Supervisor(url, name or default_name(), runner=runner, lease=lease, standstill=standstill).run()
-    raise typer.Exit(130 if stopped_by == signal.SIGINT else 0)
+    supervisor = Supervisor(url, name or default_name(), runner=runner, lease=lease, standstill=standstill)
+    stopped_by = supervisor.run()
+    raise typer.Exit(130 if stopped_by == signal.SIGINT else DRAINED if supervisor.drained and not stopped_by else 0)
+
+
+@app.command()
+def drain(
+    name: Annotated[str, typer.Argument(help="The worker's name, as the pages and `clearance doctor` show it.")],
+    data: Data = DATA,
+    database: Database = "",
+) -> None:
+    """Have a worker finish its run, take no further one, and end: before an update, or to use its machine otherwise."""
+    from backend.db import workers
+
+    with opened(data, database) as connection:
+        try:
+            run = workers.drain(connection, name)
+        except KeyError:
+            live = ", ".join(workers.live(connection)) or "none"
+            raise WrongInputError(f"there is no live worker {name!r}; live are: {live}") from None
+    typer.echo(f"{name} takes no further run and ends" + (f" when {run_name(run)} has ended." if run else "."))
 
 
 def _alive(data: Path, database: str) -> bool:

@@ -47,7 +47,8 @@ def search(space: Space, options: Options) -> Search:
 method = Method(
     name="corner_walk", title="Corner walk", kind="global", how="Global. Every corner", source="Clearance 2026",
     evaluations=64, options=Options, search=search, family="corners", whole_budget=True, parallel="all corners",
-    suits="monotonic criteria", look=MethodLook(colour="#123456", dark="#abcdef", marker="star"),
+    suits="monotonic criteria", drawback="Others reach 0.9",
+    look=MethodLook(colour="#123456", dark="#abcdef", marker="star"),
 )
 '''
 ASK = """
@@ -144,5 +145,6 @@ def test_one_file_is_in_catalogue_api_effort_colours_pages_and_guide(tmp_path: P
     assert found["expected"] == ["search", "Search", 40, 40, 40], "its whole budget"
     assert found["colours"] == ["#123456", "#abcdef"]
     assert "corner_walk" in [method["name"] for method in json.loads(found["pages"])]
-    assert "| Corner walk | `corner_walk` | Global. Every corner | monotonic criteria | corners |" in found["guide"]
+    aim = f"monotonic criteria. {found['api']['drawback']}"
+    assert f"| Corner walk | `corner_walk` | Global. Every corner | {aim} | corners |" in found["guide"]
     assert any("`corner_walk`" in line for line in found["guide"].splitlines() if not line.startswith("|"))

@@ -19,7 +19,8 @@ from backend.db.queue import Claim, request_cancel, submit
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.db.tables import Worker as WorkerRow
-from clearance.cli import INTERNAL, invoke
+from clearance.cli import INTERNAL, WRONG_INPUT, invoke
+from clearance.cli.worker import DRAINED
 from tests.faults.cases import campaign, columns
 from tests.faults.jobs import SEARCH, WINGS
 from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
@@ -323,3 +324,17 @@ def test_an_outage_while_the_child_starts(tmp_path: Path) -> None:
         locked.close()
         assert bench.ended(bench.submit("none")).state == "done"
         assert bench.worker.process.poll() is None
+
+
+def test_a_drained_worker_finishes_its_run_and_takes_no_further_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with own(tmp_path) as bench:
+        first, second = bench.submit("linger"), bench.submit("linger")
+        until(lambda: bench.run(first).evaluations > SEARCH // 2, "the first is under way")
+        assert invoke(["worker", "drain", "other", "--database", bench.url]) == WRONG_INPUT
+        assert "own" in capsys.readouterr().err, "it names those that there are"
+        assert invoke(["worker", "drain", "own", "--database", bench.url]) == 0
+        until(lambda: bench.worker.process.poll() is not None, "it ends")
+        assert bench.worker.process.returncode == DRAINED
+        assert (bench.run(first).state, bench.run(second).state) == ("done", "queued")

@@ -119,12 +119,13 @@ function Doing({ worker, now, onLeave }: { worker: WorkerOut; now: number; onLea
         {run && <>, had {run}</>}
       </>
     )
-  if (!run) return <>Idle</>
+  if (!run) return <>{worker.draining ? 'Ends, takes no run' : 'Idle'}</>
   const what = worker.doing ? 'Compiling' : stage(worker.stage)
   return (
     <>
       {run}
       {what && `: ${what}`}
+      {worker.draining && ', then ends'}
     </>
   )
 }

@@ -56,6 +56,7 @@ const COLUMNS: readonly Column<[string, Rule]>[] = [
 /** What a method may state in a few words. */
 const FACTS = [
   ['suits', 'For'],
+  ['drawback', 'Drawback'],
   ['family', 'Family'],
   ['parallel', 'Points at a time'],
 ] as const

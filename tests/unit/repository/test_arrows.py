@@ -392,7 +392,7 @@ RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.insta
             ),
             (CLI, {"numba", "scipy", "fastapi"}),
             ("import worker.running.processes.supervisor", {"numba", "scipy", "fastapi"}),
-            (RUNNER, {"SALib", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "pymoo", "fastapi"}),
+            (RUNNER, {"SALib", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"}),
         ],
     ],
     ids=["service", "worker"],

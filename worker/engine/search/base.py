@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, is_dataclass
+from itertools import accumulate
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -30,7 +31,7 @@ class Batch(NamedTuple):
 
     def split(self, lengths: Sequence[int]) -> list[Batch]:
         """The batches of the parts of a request, in their order."""
-        ends = np.cumsum(lengths)
+        ends = accumulate(lengths)
         rows = [slice(end - length, end) for length, end in zip(lengths, ends, strict=True)]
         return [Batch(self.costs[some], self.status[some]) for some in rows]
 
@@ -163,9 +164,11 @@ class Method:
     `apart`: families of its members, by method, that are told nothing of the others' evaluations: what such a member
     reaches, it confirms.
     `whole_budget`: it uses its whole budget; others may end by their own rule, after their `effort` if it is known.
+    `own_rule`: the option with which it may end by its own rule all the same.
     `parallel`, `at_once`: how many points it requests at a time, in a few words; the option that states this number.
     `takes`: the option that states the time of an evaluation [s].
     `suits`: what it is for, in a few words.
+    `drawback`: of a method that no problem of the score board prefers, by how much others are better, in figures.
     `proposed`: its rank among the methods that are proposed, from 1; 0 for one that never is.
     `confirms`: evaluations per parameter from which its parts that are apart can confirm each other.
     `sampling`: of a random method, what so many points with these options support at a confidence.
@@ -191,11 +194,13 @@ class Method:
     families: Mapping[str, Mapping[str, str]] = field(default_factory=dict, hash=False)
     apart: Mapping[str, str] = field(default_factory=dict, hash=False)
     whole_budget: bool = False
+    own_rule: str = ""
     effort: Iterations | Descents | None = None
     parallel: str = ""
     at_once: str = ""
     takes: str = ""
     suits: str = ""
+    drawback: str = ""
     proposed: int = 0
     confirms: int = 0
     earlier: tuple[str, ...] = ()

@@ -48,6 +48,8 @@ class Server:
     due: float = 0.0
     status: int | None = None
     """Exit status of its last end, as in `Popen.returncode`."""
+    final: int | None = None
+    """The exit status after which it is not started again."""
     begins: int = 0
     """Where the log of this start begins [bytes]."""
 
@@ -89,7 +91,7 @@ class Servers:
     """All the processes; `report` is called with a sentence about every event."""
 
     def __init__(self, servers: Sequence[Server], wakeup: Wakeup, report: Callable[[str], None]) -> None:
-        self.servers, self.report, self._wakeup = servers, report, wakeup
+        self.servers, self.report, self._wakeup = list(servers), report, wakeup
 
     def start(self) -> None:
         """Start all processes."""
@@ -99,7 +101,7 @@ class Servers:
     def watch(self, seconds: float) -> list[Server]:
         """Monitor them for about this long [s]; returns those that died, which are restarted after a delay."""
         self._wakeup.wait(seconds)
-        return [server for server in self.servers if self._died(server)]
+        return [server for server in list(self.servers) if self._died(server)]
 
     def stop(self) -> None:
         """Terminate them with SIGTERM and, after a timeout, with SIGKILL."""
@@ -123,6 +125,10 @@ class Servers:
             return False
         lifeline.kill_group(server.process)
         server.process, server.status = None, status
+        if status == server.final:
+            self.report(f"The {server.name} has ended as it was asked to; it is not started again.")
+            self.servers = [one for one in self.servers if one is not server]
+            return False
         server.pause = 0.0 if at - server.started > STEADY else min(LONGEST_PAUSE, max(0.5, 2 * server.pause))
         server.due = at + server.pause
         how = lifeline.how_it_ended(status)

@@ -85,17 +85,19 @@ class Supervisor:
         """The simulators that were published last."""
         self.installation = ""
         """Digest of the code that the child has loaded."""
+        self.drained = False
+        """Whether it was asked to take no further run."""
         self._next_beat = 0.0
         self._failures = 0
 
     def run(self) -> int:
-        """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal."""
+        """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal, or 0 once it is drained."""
         marks.end_orphans()
         places.remove_left()
         with self._wakeup:
             try:
                 self._despite_outage(lambda: self._notify(workers.arrive))
-                while self._wakeup.signal is None:
+                while self._wakeup.signal is None and not self.drained:
                     self._despite_outage(self._turn)
             finally:
                 self._drop_child()
@@ -107,7 +109,7 @@ class Supervisor:
         """Process one run from its claim to its end, or wait for the next poll."""
         self._beat_idle()
         child = self._ready_child()
-        if child is None or self._wakeup.signal is not None:
+        if child is None or self._wakeup.signal is not None or self.drained:
             return
         claim = self.queue.claim(self.name, self.simulators, self.installation)
         if claim is None:
@@ -154,7 +156,7 @@ class Supervisor:
                 return False
             self._next_beat = time.monotonic() + self.queue.lease / 5
             cancelling = self.queue.beat(claim)
-            self._notify(workers.beat, claim.run_id, self.simulators, self.installation, self._files.age)
+            self._beat(claim.run_id)
             return cancelling
         except sa.exc.OperationalError as error:
             log.warning("run %d: heartbeat failed, the database did not respond: %s", claim.run_id, error.orig)
@@ -256,10 +258,14 @@ class Supervisor:
     def _beat_idle(self) -> None:
         if time.monotonic() >= self._next_beat:
             self._next_beat = time.monotonic() + self.queue.lease / 5
-            self._notify(workers.beat, None, self.simulators, self.installation, self._files.age)
+            self._beat(None)
 
-    def _notify(self, what: Callable[..., None], *values: float | list[str] | str | None) -> None:
-        write(self.engine, lambda connection: what(connection, self.name, *values), 0.0)
+    def _beat(self, run_id: int | None) -> None:
+        known = (run_id, self.simulators, self.installation, self._files.age)
+        self.drained = write(self.engine, lambda connection: workers.beat(connection, self.name, *known), 0.0)
+
+    def _notify(self, what: Callable[[sa.Connection, str], None]) -> None:
+        write(self.engine, lambda connection: what(connection, self.name), 0.0)
 
     def _despite_outage(self, work: Callable[[], None]) -> None:
         try:

@@ -20,7 +20,7 @@ from pathlib import Path
 from worker.engine.components.own import folders, listed
 from worker.engine.systems.simulators.declared.folder import watched
 
-PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "pymoo", "SALib")
+PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "SALib")
 """Third-party packages that can change a number, where a run uses them."""
 
 GROUPS = ("clearance.components", "clearance.methods", "clearance.simulators")

@@ -154,7 +154,7 @@ function MethodRow({ at, stage, method, single, parameters, set, onToggle }: Met
         <td>
           <MethodName method={method.name} title={method.title} />
         </td>
-        <td className={clsx(layout.hideS, 'sec')}>{method.how}</td>
+        <td className={clsx(layout.hideS, 'sec')}>{[method.how, method.drawback].filter(Boolean).join('. ')}</td>
         <td className={clsx(layout.hideN, 'mut')}>{method.source}</td>
         <td>
           <NumberCell

@@ -114,6 +114,7 @@ def test_a_ray_and_a_slice_take_what_the_allowance_counts() -> None:
 def test_a_method_that_may_end_by_its_own_rule_has_a_range() -> None:
     for method, options, whole in (
         ("genetic", {"as_published": True}, False), ("of_another_package", {}, False), ("genetic", {}, True),
+        ("mlsl", {"as_published": True}, True),
         ("cma_es", {}, True),
     ):  # fmt: skip
         search = {"method": method, "evaluations": 4000, "options": options}

@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
+from pymoo.algorithms.moo.nsga2 import NSGA2
+from pymoo.core.evaluator import Evaluator
+from pymoo.core.population import Population
+from pymoo.core.problem import Problem
+from pymoo.core.termination import NoTermination
+from pymoo.operators.crossover.sbx import SBX
+from pymoo.operators.mutation.pm import PM
+from pymoo.problems.static import StaticProblem
 
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from clearance.testing.searching import space
@@ -54,6 +63,49 @@ def run(
     except StopIteration as stopped:
         return np.concatenate(points), np.concatenate(costs), stopped.value
     return np.concatenate(points), np.concatenate(costs), ""
+
+
+def pymoo(f: Several, dimension: int, generations: int, failing: Several, options: Options) -> Floats:
+    """The points that pymoo requests with the same seed."""
+    given = space(dimension, 1)
+    first = given.random.random((options.population, dimension))
+    breeder: Any = NSGA2(
+        pop_size=options.population,
+        sampling=Population.new("X", first),
+        crossover=SBX(prob=options.crossover, eta=options.crossover_index),
+        mutation=PM(prob=1.0, prob_var=options.mutation or 1.0 / dimension, eta=options.mutation_index),
+    )
+    breeder.tournament_type = "comp_by_rank_and_crowding"
+    problem = Problem(n_var=dimension, n_obj=f(first).shape[1], n_ieq_constr=1, xl=0.0, xu=1.0)
+    breeder.setup(problem, termination=NoTermination(), seed=int(given.random.integers(2**31)))
+    points = []
+    for _ in range(generations):
+        asked = breeder.ask()
+        points.append(np.array(asked.get("X"), dtype=np.float64))
+        lost = failing(points[-1])
+        costs = np.where(lost[:, None], 0.0, f(points[-1]))
+        Evaluator().eval(StaticProblem(problem, F=costs, G=np.where(lost, 1.0, -1.0)[:, None]), asked)
+        breeder.tell(infills=asked)
+    return np.concatenate(points)
+
+
+@pytest.mark.parametrize(
+    ("f", "dimension", "options"),
+    [
+        (zdt1, 4, {}),
+        (lambda x: np.round(np.stack([x[:, 0], x[:, 1] - x[:, 0], x[:, 2] ** 2], axis=1), 1), 3, {"population": 31}),
+        (lambda x: np.round(x[:, :1], 1), 1, {"population": 20, "crossover": 0.3, "mutation": 0.7}),
+        (zdt1, 2, {"population": 12, "crossover_index": 1.0, "mutation_index": 0.0}),
+    ],
+    ids=["two costs", "three costs, many equal", "one cost", "wide crossover and mutation"],
+)
+@pytest.mark.parametrize("most", [2.0, 0.6], ids=["all valued", "some failed"])
+def test_its_points_are_those_of_pymoo(f: Several, dimension: int, options: dict[str, Any], most: float) -> None:
+    def failing(x: Floats) -> Floats:
+        return np.asarray(x[:, -1] > most)
+
+    points, _, _ = run(f, dimension, 10**6, failing=failing, generations=25, **options)
+    assert points.tobytes() == pymoo(f, dimension, 25, failing, Options(**options)).tobytes()
 
 
 def test_it_reaches_a_known_convex_front_and_spreads_over_it() -> None:

@@ -13,7 +13,7 @@ from clearance.testing.searching import Function, batch, run, space
 from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Batch, Floats
 from worker.engine.search.methods import direct
-from worker.engine.search.methods.portfolio import MEMBERS, Member, Options, Part, _turn, method
+from worker.engine.search.methods.portfolio import MEMBERS, Options, Part, Running, _turn, method
 from worker.engine.search.parts.portfolio_record import APART, Record
 
 NAMES = [part.method.name for part in MEMBERS]
@@ -112,21 +112,21 @@ def test_a_member_that_ends_restarts_unless_it_would_repeat_itself() -> None:
     record, given = Record(2), space(2, 1000)
     once = Part(direct.method, direct.Options(iterations=1), 0.1, again=False)
     for part, anew in ((once, False), (replace(once, again=True), True)):
-        member = Member(part, given)
-        while member.ready(record) and member.used < 50:
+        member = Running(part, given, record)
+        while member.ready() and member.used < 50:
             values = ((member.requested - 0.3) ** 2).sum(axis=1)
-            member.tell(Batch(values[:, None], np.zeros(len(values), np.uint8)), record)
+            member.tell(Batch(values[:, None], np.zeros(len(values), np.uint8)))
         assert (member.used >= 50) == anew
 
 
 def test_turns_follow_the_shares() -> None:
     record, given = Record(2), space(2, 1000)
-    members = [Member(Part(direct.method, direct.Options(), own), given) for own in (0.1, 0.1)]
+    members = [Running(Part(direct.method, direct.Options(), own), given, record) for own in (0.1, 0.1)]
     used = []
     for _ in range(60):
-        for member in _turn(members, record, 10**9):
+        for member in _turn(members, 10**9, ()):
             values = ((member.requested - 0.3) ** 2).sum(axis=1)
-            member.tell(Batch(values[:, None], np.zeros(len(values), np.uint8)), record)
+            member.tell(Batch(values[:, None], np.zeros(len(values), np.uint8)))
         used.append([m.used for m in members])
     assert all(abs(a - b) <= 120 for a, b in used)
     assert all(sum(later) > sum(earlier) for earlier, later in pairwise(used))

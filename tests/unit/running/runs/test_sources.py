@@ -217,7 +217,7 @@ def test_the_code_of_a_run_is_what_its_campaign_uses() -> None:
 def test_the_packages_of_a_run_are_those_that_it_imports() -> None:
     used = identity.packages(load_file(library()["unicycle_static"]))
     assert used.keys() >= {"numpy", "numba", "llvmlite", "scipy"}
-    assert "pymoo" not in used
+    assert "cma" not in used
     assert used["numpy"] == importlib.import_module("numpy").__version__
 
 

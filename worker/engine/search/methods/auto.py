@@ -25,20 +25,19 @@ from pydantic import Field
 
 from worker.engine.search.base import (
     Batch,
-    Ended,
     Floats,
     Method,
     MethodLook,
     Minimum,
     Parallel,
     Search,
-    Several,
     Space,
 )
 from worker.engine.search.methods import cma_es, contrast_racing, differential_evolution, direct, lq_cma_es, sqp, turbo
 from worker.engine.search.parts.descent import End, Settings, descend
 from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.portfolio_record import Record
+from worker.engine.search.parts.turns import Member, taking_turns
 
 OPENING = 60
 """Evaluations per parameter at most until the first descent has ended and the other members begin."""
@@ -85,49 +84,34 @@ class Options:
 def search(space: Space, options: Options) -> Parallel:
     """Give the members their turns until the budget ends."""
     team = Team(space, options)
-    try:
-        return (yield from (team.in_slots() if space.slots else team.in_batches()))
-    finally:
-        for member in team.members:
-            member.search.close()
+    return (yield from taking_turns(space, team.members, team.turn, team.tell, PENDING))
 
 
-@dataclass
-class Member:
-    """A running search: whose name its evaluations have, what it requests, and what it has used and found."""
+class Running(Member):
+    """A running search: whether it stays apart, and what it has found."""
 
-    name: str
-    search: Parallel
-    apart: bool = False
-    requested: Floats | None = None
-    used: int = 0
-    stale: int = 0
-    """Evaluations since its last improvement."""
-    credit: float = 0.0
-    lowest: float = np.inf
-    ended: bool = False
+    def __init__(self, name: str, search: Parallel, space: Space, apart: bool = False) -> None:
+        super().__init__(name, space.dimension, search)
+        self.apart = apart
+        self.stale = 0
+        """Evaluations since its last improvement."""
+        self.credit = 0.0
+        self.begun = False
 
     def ready(self) -> bool:
         """Whether it requests points."""
-        if self.requested is None and not self.ended:
-            self._advance(None)
-        return self.requested is not None
+        if not self.begun:
+            self.begun = True
+            return self.advance(None)
+        return self.search is not None
 
-    def tell(self, batch: Batch) -> None:
+    def tell(self, batch: Batch, values: Floats) -> None:
         """Pass the values of the points that it requested."""
-        self.used += len(batch.status)
-        lowest = float(batch.ranked().min())
-        self.stale = 0 if lowest < self.lowest else self.stale + len(batch.status)
+        self.used += len(values)
+        lowest = float(values.min())
+        self.stale = 0 if lowest < self.lowest else self.stale + len(values)
         self.lowest = min(self.lowest, lowest)
-        self._advance(batch)
-
-    def _advance(self, batch: Batch | None) -> None:
-        try:
-            request = next(self.search) if batch is None else self.search.send(batch)
-            assert isinstance(request, np.ndarray)
-            self.requested = request.copy()
-        except StopIteration:
-            self.requested, self.ended = None, True
+        self.advance(batch)
 
 
 @dataclass
@@ -175,18 +159,19 @@ class Team:
         n = space.dimension
         self.space, self.costly = space, options.seconds >= COSTLY
         self.shared = Shared(space, Explored(space, options.at_once), Record(n))
-        self.descents = Member(sqp.method.name, descents(self.shared, self._own()))
-        self.model = Member(lq_cma_es.method.name, modelled(self.shared, self._own(), options.at_once))
+        self.descents = self._member(sqp.method, descents(self.shared, self._own()))
+        self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once))
         evolving = differential_evolution.method if n <= SMALL else cma_es.method
-        self.evolving = Member(evolving.name, evolving.search(self._own(), evolving.options()))
-        self.cover = Member(direct.method.name, direct.search(self._own(), direct.Options()))
-        self.few = Member(
-            turbo.method.name, turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4))), apart=True
-        )
-        self.many = Member(
-            contrast_racing.method.name, contrast_racing.search(self._own(), contrast_racing.Options()), apart=True
-        )
+        self.evolving = self._member(evolving, evolving.search(self._own(), evolving.options()))
+        self.cover = self._member(direct.method, direct.search(self._own(), direct.Options()))
+        few = turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4)))
+        self.few = self._member(turbo.method, few, apart=True)
+        many = contrast_racing.search(self._own(), contrast_racing.Options())
+        self.many = self._member(contrast_racing.method, many, apart=True)
         self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many]
+
+    def _member(self, of: Method, search: Parallel, apart: bool = False) -> Running:
+        return Running(of.name, search, self.space, apart)
 
     def _own(self) -> Space:
         """The space of a member: with random numbers of its own."""
@@ -195,74 +180,44 @@ class Team:
         own = replace(self.space, budget=EPOCH * n, random=random, starts=np.empty((0, n)), slots=0)
         return replace(own, attribute=_nobody)
 
-    def in_batches(self) -> Parallel:
-        """A request has the points of one member."""
-        while True:
-            member = self._next(())
-            if member is None:
-                return Ended("members", "every member has ended")
-            assert member.requested is not None
-            self.space.attribute(member.name, len(member.requested))
-            self._tell(member, (yield member.requested))
-
-    def in_slots(self) -> Parallel:
-        """A member continues when its own points have ended; others get a turn while the slots have little to do."""
-        pending: dict[int, Member] = {}
-        while True:
-            request = Several([])
-            while sum(len(m.requested) for m in pending.values() if m.requested is not None) < PENDING:
-                member = self._next(pending.values())
-                if member is None or member.requested is None:
-                    break
-                number = self.members.index(member)
-                pending[number] = member
-                self.space.attribute(member.name, len(member.requested))
-                request.groups.append((number, member.requested))
-            if not pending:
-                return Ended("members", "every member has ended")
-            batch = yield request
-            self._tell(pending.pop(request.answered), batch)
-
-    def _tell(self, member: Member, batch: Batch) -> None:
-        assert member.requested is not None
+    def tell(self, member: Running, batch: Batch) -> None:
+        """Pass a member its values, which all leading members learn from."""
+        values = batch.ranked()
         if not member.apart:
-            self.shared.see(member.requested, batch.ranked())
-        member.tell(batch)
+            self.shared.see(member.requested, values)
+        member.tell(batch, values)
 
     @property
     def used(self) -> int:
         """The evaluations of all members."""
         return sum(member.used for member in self.members)
 
-    def _next(self, busy: Collection[Member]) -> Member | None:
+    def turn(self, busy: Collection[Running]) -> list[Running]:
         """The member whose turn it is: every request of a member costs it credit, which all get by their shares."""
-        weights = {m.name: w for m, w in self._weights() if w > 0.0}
-        able = [m for m in self.members if m.name in weights and m not in busy and m.ready()]
+        able = [(m, w) for m, w in self._weights() if w > 0.0 and m not in busy and m.ready()]
         if not able:
-            return None
-        total = sum(weights[m.name] for m in able)
-        need = {
-            m.name: (len(m.requested) - m.credit) * total / weights[m.name] for m in able if m.requested is not None
-        }
-        chosen = min(able, key=lambda m: need[m.name])
-        for member in able:
-            member.credit += max(need[chosen.name], 0.0) * weights[member.name] / total
-        assert chosen.requested is not None
+            return []
+        total = sum(w for _, w in able)
+        needs = [(len(member.requested) - member.credit) * total / weight for member, weight in able]
+        need = min(needs)
+        chosen = able[needs.index(need)][0]
+        for member, weight in able:
+            member.credit += max(need, 0.0) * weight / total
         chosen.credit -= len(chosen.requested)
-        return chosen
+        return [chosen]
 
-    def _weights(self) -> list[tuple[Member, float]]:
+    def _weights(self) -> list[tuple[Running, float]]:
         """The shares of the coming evaluations."""
         n = self.space.dimension
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share = self._share()
-        if not (self.shared.opened or self.descents.ended or self.descents.used >= OPENING * n):
+        if not (self.shared.opened or self.descents.search is None or self.descents.used >= OPENING * n):
             return [(self.descents, 1.0 - share), (witness, share)]
         if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self.model.stale < STALE * n:
             return [(self.model, 1.0 - share), (witness, share)]
         lead = 1.0 - share
-        others = [(self.descents, DESCENTS * lead), (self.cover, COVER * lead)]
-        return [*others, (self.evolving, (1.0 - DESCENTS - COVER) * lead), (witness, share)]
+        evolving = (self.evolving, (1.0 - DESCENTS - COVER) * lead)
+        return [(self.descents, DESCENTS * lead), evolving, (self.cover, COVER * lead), (witness, share)]
 
     def _share(self) -> float:
         """The witness's share of the coming evaluations."""

@@ -144,6 +144,7 @@ method = Method(
     extend=lambda options, more: replace(options, restarts=ALWAYS - 1) if options.as_published else options,
     family="population",
     whole_budget=True,
+    own_rule="as_published",
     parallel="a generation",
     suits="rough criteria and bent valleys, some thousand evaluations",
     look=MethodLook(colour="#8379ea", dark="#7470e6", marker="down", short="DE"),

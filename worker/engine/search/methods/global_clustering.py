@@ -256,6 +256,7 @@ method = Method(
     repeats=True,
     family="multistart",
     whole_budget=True,
+    own_rule="as_published",
     extend=lambda options, more: options,
     parallel="every local search on its own",
     suits="a list of all valleys; CMA-ES reaches 0.66 of the targets of BBOB at 1,000 n, this 0.28",

@@ -3,7 +3,7 @@
 Johnson, The NLopt nonlinear-optimization package (2007): crs2_lm, controlled random search (Kaelo and Ali 2006);
 isres, an evolution strategy (Runarsson and Yao 2005); esch, another (da Silva Santos 2010); ags, space-filling curves
 (Sergeyev and Markin 1995), up to 10 parameters; direct and its variants, besides the project's own. The library
-requests one point at a time, random methods with a thread switch for each (20 us), so batch simulators are used poorly.
+requests one point at a time, so batch simulators are used poorly.
 It may end by itself; see the papers for its guarantees.
 """
 
@@ -24,7 +24,7 @@ DIVIDES = (
 )  # fmt: skip
 FAMILIES = {"crs2_lm": "population", "isres": "population", "esch": "population", "ags": "space-filling curve"}
 RANDOM = ("crs2_lm", "isres", "esch", "direct_l_rand", "direct_l_rand_noscal")
-"""Those that draw random numbers; each needs a thread of its own."""
+"""Those that draw random numbers, all that a thread runs from one stream."""
 AGS_PARAMETERS = 10
 """The largest number of parameters that NLopt is built with for ags."""
 

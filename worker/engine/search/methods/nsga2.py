@@ -1,23 +1,31 @@
 """NSGA-II: breeds a population towards the Pareto front of several criteria, where none can improve alone.
 
 Deb, Pratap, Agarwal and Meyarivan, A fast and elitist multiobjective genetic algorithm: NSGA-II (IEEE Transactions on
-Evolutionary Computation 6, 2002), as pymoo: tournaments by front and crowding distance, simulated binary crossover,
-polynomial mutation; population 100, 250 generations, crossover 0.9, mutation 1/n, both indices 20. A generation is one
-batch; children equal to a point of the population are bred again. Failed and excluded points rank behind all others,
-by the paper's rule for constraints, and get no value. With one criterion it is a genetic algorithm. No guarantee: its
-front is the best found so far.
+Evolutionary Computation 6, 2002), point by point as pymoo: tournaments by front and crowding distance, simulated binary
+crossover, polynomial mutation; population 100, 250 generations, crossover 0.9, mutation 1/n, both indices 20. A
+generation is one batch; children equal to a point of the population are bred again. Failed and excluded points rank
+behind all others, by the paper's rule for constraints, and get no value. With one criterion it is a genetic algorithm.
+No guarantee: its front is the best found so far.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
 from campaigns.results.base import OK
-from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
+from worker.engine.search.base import Ended, Floats, Method, MethodLook, Search, Space
+from worker.engine.search.parts.fronts import Population, survivors, tournaments
+
+EQUAL = 1e-16
+"""Two points are one if they are not farther apart than this."""
+TOO_CLOSE = 1e-14
+"""Parents whose values of a parameter differ by no more are not crossed in it."""
+ATTEMPTS = 100
+"""To breed points that do not exist yet."""
 
 
 @dataclass(frozen=True)
@@ -39,48 +47,91 @@ def search(space: Space, options: Options) -> Search:
     points = space.random.random((options.population, space.dimension))
     starts = space.starts[: options.population]
     points[: len(starts)] = starts
-    points = points[np.sort(np.unique(points, axis=0, return_index=True)[1])]  # the library drops duplicates
+    points = points[np.sort(np.unique(points, axis=0, return_index=True)[1])]  # as pymoo, without duplicates
     batch = yield points.copy()
-    breeder = _breeder(space, options, points, batch.costs.shape[1])
-    breeder.tell(infills=_evaluated(breeder, breeder.ask(), batch))
+    random = np.random.default_rng(int(space.random.integers(2**31)))
+    population = survivors(random, points, batch.costs, batch.status == OK, len(points))
     for generation in range(1, options.generations):
-        children = breeder.ask()
-        if children is None or len(children) == 0:
+        children = _children(random, population, options)
+        if len(children) == 0:
             return Ended("exhausted", "bred no new point after {generations} generations", generations=generation)
-        batch = yield np.clip(children.get("X").astype(np.float64), 0.0, 1.0)
-        breeder.tell(infills=_evaluated(breeder, children, batch))
+        batch = yield children.copy()
+        population = survivors(
+            random,
+            np.concatenate([population.points, children]),
+            np.concatenate([population.costs, batch.costs]),
+            np.concatenate([population.valued, batch.status == OK]),
+            options.population,
+        )
     return Ended("iterations", "completed the {generations} generations", generations=options.generations)
 
 
-def _breeder(space: Space, options: Options, points: Floats, criteria: int) -> Any:
-    """The library's algorithm, starting with these points; imported late because it is slow to load."""
-    from pymoo.algorithms.moo.nsga2 import NSGA2
-    from pymoo.core.population import Population
-    from pymoo.core.problem import Problem
-    from pymoo.core.termination import NoTermination
-    from pymoo.operators.crossover.sbx import SBX
-    from pymoo.operators.mutation.pm import PM
+def _children(random: np.random.Generator, population: Population, options: Options) -> Floats:
+    """New points, as many as the population has; fewer if most attempts equal points that exist."""
+    from scipy.spatial.distance import cdist  # imported late: slow to load
 
-    breeder = NSGA2(
-        pop_size=options.population,
-        sampling=Population.new("X", points.copy()),
-        crossover=SBX(prob=options.crossover, eta=options.crossover_index),
-        mutation=PM(prob=1.0, prob_var=options.mutation or 1.0 / space.dimension, eta=options.mutation_index),
-    )
-    breeder.tournament_type = "comp_by_rank_and_crowding"
-    problem = Problem(n_var=space.dimension, n_obj=criteria, n_ieq_constr=1, xl=0.0, xu=1.0)
-    breeder.setup(problem, termination=NoTermination(), seed=int(space.random.integers(2**31)))
-    return breeder
+    children = np.empty((0, population.points.shape[1]))
+    for _ in range(ATTEMPTS):
+        missing = options.population - len(children)
+        parents = tournaments(random, population, 2 * -(-missing // 2)).reshape(-1, 2)
+        bred = _mutated(random, _crossed(random, population.points[parents.T], options), options)
+        bred = bred[~np.tril(cdist(bred, bred) <= EQUAL, -1).any(axis=1)]
+        for known in (population.points, children):
+            bred = bred[~(cdist(bred, known) <= EQUAL).any(axis=1)]
+        children = np.concatenate([children, bred[:missing]])
+        if len(children) == options.population:
+            break
+    return children
 
 
-def _evaluated(breeder: Any, population: Any, batch: Batch) -> Any:
-    """The points with their costs; a point without a cost violates a constraint, so its costs are never used."""
-    from pymoo.problems.static import StaticProblem
+def _crossed(random: np.random.Generator, parents: Floats, options: Options) -> Floats:
+    """Simulated binary crossover of pairs (2, m, n) of parents, each parameter of a pair with probability one half.
 
-    lost = batch.status != OK
-    costs = np.where(lost[:, None], 0.0, batch.costs)
-    breeder.evaluator.eval(StaticProblem(breeder.problem, F=costs, G=np.where(lost, 1.0, -1.0)[:, None]), population)
-    return population
+    Deb and Agrawal, Simulated binary crossover for continuous search space (Complex Systems 9, 1995), within bounds.
+    """
+    pairs, n = parents.shape[1:]
+    crossed = np.less(random.random(pairs), options.crossover)
+    if not crossed.any():
+        return parents.reshape(-1, n)
+    random.random(pairs)  # pymoo's draw whether a pair exchanges parameters: always
+    chosen = (random.random((pairs, n)) < 0.5) & ~(np.abs(parents[0] - parents[1]) <= TOO_CLOSE)
+    one, other = parents[0][chosen], parents[1][chosen]
+    low, high = np.minimum(one, other), np.maximum(one, other)
+    drawn, distance = random.random(len(one)), high - low
+    power = np.full(len(one), options.crossover_index + 1.0)
+
+    def spread(room: Floats) -> Floats:
+        """beta_q of the paper, where the nearer face is this far from the parents."""
+        alpha = 2.0 - np.power(1.0 + 2.0 * room / distance, -power)
+        inner = drawn <= 1.0 / alpha
+        return np.asarray(np.power(np.where(inner, drawn * alpha, 1.0 / (2.0 - drawn * alpha)), 1.0 / power))
+
+    below = 0.5 * ((low + high) - spread(low) * distance)
+    above = 0.5 * ((low + high) + spread(1.0 - high) * distance)
+    swapped = random.random(len(one)) < 0.5
+    children = parents.copy()
+    children[0][chosen], children[1][chosen] = np.where(swapped, (above, below), (below, above))
+    children[:, ~crossed] = parents[:, ~crossed]
+    return np.clip(children, 0.0, 1.0).reshape(-1, n)
+
+
+def _mutated(random: np.random.Generator, points: Floats, options: Options) -> Floats:
+    """Polynomial mutation of a part of the parameters of points (m, n).
+
+    Deb and Goyal, A combined genetic adaptive search for engineering design (Computer Science and Informatics, 1996).
+    """
+    chosen = random.random(points.shape) < (options.mutation or 1.0 / points.shape[1])
+    x = points[chosen]
+    power = np.full(len(x), options.mutation_index + 1.0)
+    drawn = random.random(len(x))
+    with np.errstate(invalid="ignore"):
+        down = np.power(2.0 * drawn + (1.0 - 2.0 * drawn) * np.power(1.0 - x, power), 1.0 / power) - 1.0
+        to_face = 1.0 - (1.0 - x)
+        up = 1.0 - np.power(2.0 * (1.0 - drawn) + 2.0 * (drawn - 0.5) * np.power(to_face, power), 1.0 / power)
+    mutated = points.copy()
+    mutated[chosen] = x + np.where(drawn <= 0.5, down, up)
+    random.random(len(points))  # pymoo's draw whether a point is mutated: always
+    return np.clip(mutated, 0.0, 1.0)
 
 
 def extend(options: Options, more: int) -> Options:
@@ -98,6 +149,7 @@ method = Method(
     options=Options,
     search=search,
     starts=True,
+    compiles=True,
     extend=extend,
     family="population",
     whole_budget=True,

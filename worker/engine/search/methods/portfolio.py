@@ -20,7 +20,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Parallel, Several, Space
+from worker.engine.search.base import Batch, Floats, Method, MethodLook, Parallel, Space
 from worker.engine.search.methods import (
     cma_es,
     contrast_racing,
@@ -31,6 +31,7 @@ from worker.engine.search.methods import (
     sqp,
 )
 from worker.engine.search.parts.portfolio_record import Record
+from worker.engine.search.parts.turns import Member, taking_turns
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ and 0."""
 MEMBERS = [
     Part(contrast_racing.method, contrast_racing.Options(abreast=4), 0.2, explores=True),
     Part(direct.method, direct.Options(), 0.1, explores=True, again=False),
-    Part(mlsl.method, mlsl.Options(), 0.3, explores=True),
+    Part(mlsl.method, mlsl.Options(as_published=True), 0.3, explores=True),
     Part(cma_es.method, cma_es.Options(), 0.3),
     Part(differential_evolution.method, SMALL, 0.2),
     Part(global_clustering.method, global_clustering.Options(), 0.02),
@@ -90,63 +91,24 @@ class Options:
 def search(space: Space, options: Options) -> Parallel:
     """Give the members their turns until the budget ends."""
     record = Record(space.dimension)
-    members = [Member(part, space) for part in MEMBERS]
+    members = [Running(part, space, record) for part in MEMBERS]
     fair = options.fair * space.dimension
-    try:
-        return (yield from (_in_slots if space.slots else _in_batches)(space, members, record, fair))
-    finally:
-        for member in members:
-            member.close()
+    return (yield from taking_turns(space, members, lambda busy: _turn(members, fair, busy), Running.tell, PENDING))
 
 
-def _in_batches(space: Space, members: list[Member], record: Record, fair: int) -> Parallel:
-    """One request contains the points of every member whose turn it is."""
-    while True:
-        turn = _turn(members, record, fair)
-        if not turn:
-            return Ended("members", "every member has ended")
-        for member in turn:
-            space.attribute(member.method.name, len(member.requested))
-        batch = yield np.concatenate([member.requested for member in turn])
-        for member, own in zip(turn, batch.split([len(member.requested) for member in turn]), strict=True):
-            member.tell(own, record)
+class Running(Member):
+    """One running method: the time of its next turn, and its progress."""
 
-
-def _in_slots(space: Space, members: list[Member], record: Record, fair: int) -> Parallel:
-    """Each member continues when its own points have ended; others get a turn while the slots have too little to do."""
-    pending: dict[int, Member] = {}
-    while True:
-        request = Several([])
-        while sum(len(m.requested) for m in pending.values()) < PENDING:
-            turn = _turn(members, record, fair, pending.values())
-            if not turn:
-                break
-            for member in turn:
-                space.attribute(member.method.name, len(member.requested))
-                number = members.index(member)
-                pending[number] = member
-                request.groups.append((number, member.requested))
-        if not pending:
-            return Ended("members", "every member has ended")
-        batch = yield request
-        pending.pop(request.answered).tell(batch, record)
-
-
-class Member:
-    """One running method: the points it requests, the time of its next turn, and its progress."""
-
-    def __init__(self, part: Part, space: Space) -> None:
-        self.part, self.method, self.space = part, part.method, space
-        self.requested: Floats = np.empty((0, space.dimension))
-        self.search: Parallel | None = None
-        self.used = self.stale = 0
+    def __init__(self, part: Part, space: Space, record: Record) -> None:
+        super().__init__(part.method.name, space.dimension)
+        self.part, self.method, self.space, self.record = part, part.method, space, record
+        self.stale = 0
         self.ever = np.inf
         self.due = self.cost = 0.0
-        self.lowest = np.inf
         self.past: deque[tuple[int, float]] = deque()
         self.best: Floats | None = None
 
-    def ready(self, record: Record) -> bool:
+    def ready(self) -> bool:
         """Whether it requests points; starts or restarts it if possible."""
         if self.search is not None:
             return True
@@ -154,7 +116,7 @@ class Member:
             return False
         starts = np.empty((0, self.space.dimension))
         if self.method.starts:
-            start = record.start()
+            start = self.record.start()
             if start is None:
                 return False
             starts = start[None, :]
@@ -169,11 +131,11 @@ class Member:
             slots=0,
         )
         self.search = self.method.search(space, self.part.options)
-        return self._advance(None, record)
+        return self._advanced(None)
 
-    def tell(self, batch: Batch, record: Record) -> None:
+    def tell(self, batch: Batch) -> None:
         """Pass the values of the points that it requested."""
-        values = batch.ranked()
+        values, record = batch.ranked(), self.record
         record.see(self.requested, values)
         self.used += len(values)
         low = int(np.argmin(values))
@@ -186,17 +148,17 @@ class Member:
             self.past.append((self.used, self.lowest))
         while len(self.past) > 2 and self.past[1][0] <= self.used - WINDOW * self.space.dimension:
             self.past.popleft()
-        if self.method.starts and record.lowest_start() < self.lowest and self.promise(record) < HOPELESS:
-            self._end(record)
+        if self.method.starts and record.lowest_start() < self.lowest and self.promise() < HOPELESS:
+            self._end()
         else:
-            self._advance(batch, record)
+            self._advanced(batch)
 
-    def weight(self, record: Record) -> float:
+    def weight(self) -> float:
         """The member's share of the coming evaluations, relative to the others."""
         fresh = 1.0 / (1.0 + self.stale / (PATIENCE * self.space.dimension))
-        return self.part.own * (1.0 if self.part.explores else fresh) + fresh * self.promise(record)
+        return self.part.own * (1.0 if self.part.explores else fresh) + fresh * self.promise()
 
-    def promise(self, record: Record) -> float:
+    def promise(self) -> float:
         """How soon the member would beat the best at its rate of improvement, from 0 to 1."""
         if len(self.past) < 2:
             return 0.5
@@ -204,39 +166,27 @@ class Member:
         pace = (lowest - self.lowest) / (self.used - used)
         if not pace > 0.0:
             return 0.0
-        gap = self.lowest - record.lowest + LOWER * record.spread()
+        gap = self.lowest - self.record.lowest + LOWER * self.record.spread()
         return float(1.0 / (1.0 + gap / (pace * HORIZON * self.space.dimension)))
 
-    def close(self) -> None:
-        """Close the method's generator."""
-        if self.search is not None:
-            self.search.close()
+    def _advanced(self, batch: Batch | None) -> bool:
+        if not self.advance(batch):
+            self._end()
+        return self.search is not None
 
-    def _advance(self, batch: Batch | None, record: Record) -> bool:
-        assert self.search is not None
-        try:
-            request = next(self.search) if batch is None else self.search.send(batch)
-            assert isinstance(request, np.ndarray)
-            self.requested = request.copy()
-        except StopIteration:
-            self._end(record)
-            return False
-        return True
-
-    def _end(self, record: Record) -> None:
+    def _end(self) -> None:
         self.close()
-        self.search = None
         if self.best is not None and self.method.starts:
-            record.take(self.best)
+            self.record.take(self.best)
 
 
-def _turn(members: list[Member], record: Record, fair: int, busy: Collection[Member] = ()) -> list[Member]:
+def _turn(members: list[Running], fair: int, busy: Collection[Running]) -> list[Running]:
     """The members whose turn it is: a request delays the next one by its length divided by the member's share."""
-    able = [m for m in members if m not in busy and m.ready(record)]
+    able = [m for m in members if m not in busy and m.ready()]
     if not able:
         return []
     early = sum(m.used for m in members) < fair * len(members)
-    parts = [1.0 if early else m.weight(record) for m in able]
+    parts = [1.0 if early else m.weight() for m in able]
     now = min(m.due for m in able)
     for member, part in zip(able, parts, strict=True):
         member.due = max(member.due, now)

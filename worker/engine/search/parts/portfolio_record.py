@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import insort
+
 import numpy as np
 
 from worker.engine.search.base import Floats
@@ -21,6 +23,7 @@ class Record:
         self.taken: Floats = np.empty((0, dimension))
         self.lowest = np.inf
         self.first: list[float] = []
+        """In ascending order."""
 
     def see(self, points: Floats, values: Floats) -> None:
         """Update with points (m, n) and their values (m,), infinity if there is no value."""
@@ -29,18 +32,29 @@ class Record:
             return
         self.lowest = min(self.lowest, float(values.min()))
         if len(self.first) < 100 * self.dimension:
-            self.first.extend(values[known].tolist())
+            for value in values[known].tolist():
+                insort(self.first, value)
         worst = self.values[-1] if len(self.values) == KEPT else np.inf
         some = np.flatnonzero(known & (values < worst))
-        some = some[self._free(points[some])]
         if len(some):
+            some = some[self._free(points[some])]
+        if len(some) == 1:
+            self._insert(points[some], values[some])
+        elif len(some):
             points, values = np.concatenate([self.points, points[some]]), np.concatenate([self.values, values[some]])
             order = np.argsort(values, kind="stable")[:KEPT]
             self.points, self.values = points[order], values[order]
 
+    def _insert(self, point: Floats, value: Floats) -> None:
+        """One point (1, n), after those that are equally low."""
+        at, end = int(np.searchsorted(self.values, value[0], side="right")), KEPT - 1
+        self.points = np.concatenate([self.points[:at], point, self.points[at:end]])
+        self.values = np.concatenate([self.values[:at], value, self.values[at:end]])
+
     def spread(self) -> float:
         """The median of the first costs minus the lowest of all; 0 if there are no costs yet."""
-        return float(np.median(self.first)) - self.lowest if self.first else 0.0
+        count = len(self.first)
+        return (self.first[(count - 1) // 2] + self.first[count // 2]) / 2 - self.lowest if count else 0.0
 
     def lowest_start(self) -> float:
         """The cost of the next start; infinity if there is none."""

@@ -28,6 +28,24 @@ _OTHERS = frozenset(
     )
 )  # fmt: skip
 """Variables of workers, simulators and the command line."""
+CLONE = Path(__file__).parent.parent
+
+
+def built_pages() -> Path:
+    """The folder of the built pages: of the clone that this file is in, else of the installed wheel."""
+    from importlib.metadata import PackageNotFoundError, files
+
+    clone = CLONE / "frontend" / "dist"
+    if clone.is_dir() or (CLONE / "pyproject.toml").is_file():
+        return clone
+    try:
+        listed = files("clearance") or []
+    except PackageNotFoundError:
+        listed = []
+    installed = (Path(str(f.locate())) for f in listed if f.as_posix().endswith("share/clearance/pages/index.html"))
+    return next((file.resolve().parent for file in installed), clone)
+
+
 _PATH = re.compile(r"(/[A-Za-z0-9_~-][A-Za-z0-9._~-]*)*")
 
 
@@ -66,7 +84,7 @@ class Settings(BaseModel):
     """The role of users of whom no group has one; empty: they are refused."""
     print_link: bool = True
     """Whether a login link is printed on standard output at start."""
-    pages: Path = Path(__file__).parent.parent / "frontend" / "dist"
+    pages: Path = Field(default_factory=built_pages)
     """The built front end."""
     max_viewers: Annotated[int, Field(ge=0, le=1000)] = 32
     """Maximum number of open 3D views."""

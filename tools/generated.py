@@ -159,6 +159,7 @@ CLASSES = (
     Class("StageProgress", "StageProgress", "position kind method state planned evaluations failed best seconds"),
     Class("RunBaseline", "Baseline", "asked run sentence"),
     Class("DescribedCheck", "Check", "name title standing text"),
+    Class("Sureness", "Sureness", "chance lower landscapes text"),
     Class("RunVerdict", "VerdictParts", "verdict sentence scope checks"),
     Class(
         "RunSummary",

@@ -87,8 +87,8 @@ def unbuilt(folder: Path) -> str:
     if (folder / INDEX).is_file():
         return ""
     return (
-        f"there are no built pages in {folder}, only the API: run `make install` in a clone of Clearance, set "
-        "CLEARANCE_PAGES to its folder frontend/dist, and start the service again"
+        f"there are no built pages in {folder}, only the API: install the wheel that `make wheel` builds in a clone of "
+        "Clearance, or set CLEARANCE_PAGES to the folder frontend/dist of a clone after `make install`"
     )
 
 

@@ -94,6 +94,7 @@ def _context(record: Record, at: float) -> dict[str, object]:
             "icon": icon,
             "sentence": sentence,
             "error": run.error,
+            "sureness": () if verdict is None or verdict.sureness is None else verdict.sureness.statement,
         },
         "scope": () if verdict is None else verdict.holds_for,
         "of": record.of,

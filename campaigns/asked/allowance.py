@@ -16,8 +16,9 @@ SLICE = 42
 RAY, RAYS = 34, 2
 """Evaluations along one ray to the boundary of a violation; rays per parameter, and one more to the worst case."""
 
-STARTS, DESCENT = 60, 5
-"""Points to descend from at most, and the gradients that a descent from one should be able to take."""
+STARTS, DESCENT, USUAL = 60, 5, 8
+"""Points to descend from at most, and the gradients that a descent from one should be able to take; the usual number of
+findings, beyond which there are proportionally more points."""
 CASE = 3
 """Evaluations that confirm a case: of a closed loop at the campaign's step, at half of it and with the reference
 integrator; of a simulator in a used process, in a fresh one, and with half the step if it has one."""
@@ -52,7 +53,12 @@ def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
     total = max(needed, min(total, most + confirming + CASE * VIOLATIONS))
     stored = max(0, min(most, total - max(needed, min(confirming, total // 2))))
     descents = stored // (DESCENT * (len(campaign.uncertain) + 1))
-    return Allowance(stored, total, min(STARTS, max(1, descents)))
+    return Allowance(stored, total, min(per_finding(STARTS, findings.at_most), max(1, descents)))
+
+
+def per_finding(usual: int, at_most: int) -> int:
+    """As many points as usual, and proportionally more of them where more findings are listed than usual."""
+    return usual * max(at_most, USUAL) // USUAL
 
 
 def searches(campaign: Campaign) -> int:

@@ -92,7 +92,7 @@ class Validate(Strict):
 class Findings(Strict):
     """When two worst cases count as one, how many are stored, and how many evaluations distinguishing them may take."""
 
-    at_most: Annotated[int, Field(ge=1, le=50), AS_WHOLE] = 8
+    at_most: Annotated[int, Field(ge=1, le=250), AS_WHOLE] = 8
     evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = limits.FINDINGS
     """To distinguish them; neighbours, slices and boundaries come in addition. Validation as a whole takes at most as
     many evaluations as the searches, or as this states if it is more; the usual number counts as not stated (canonical

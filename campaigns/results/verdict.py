@@ -15,6 +15,7 @@ from campaigns.limits import SAMPLE
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
 from campaigns.results.regression import OptionalRegression
 from campaigns.results.sample import Noise, QuantileBound
+from campaigns.results.sureness import Sureness
 from campaigns.versions import Versions
 
 
@@ -129,6 +130,9 @@ class Verdict(Result):
     provenance: Provenance = Provenance()
     regression: OptionalRegression = None
     """What has changed since the baseline; omitted without one."""
+    sureness: Annotated[Sureness | None, UNLESS_NONE] = None
+    """How likely another search finds a lower case; omitted in results of earlier versions, and where it is not known:
+    only of a whole search by `auto` alone."""
 
     @computed_field  # type: ignore[prop-decorator]
     @property

@@ -188,3 +188,8 @@ def changes(verdict: Verdict) -> list[str]:
         return []
     lost = [f"{case.text}." for case in regression.cases if case.standing == "not compared"]
     return [regression.text, *lost, *filter(None, [exit_sentence(verdict)])]
+
+
+def sureness(verdict: Verdict) -> list[str]:
+    """The sentence on how likely another search finds a lower case; empty where that is not known."""
+    return [] if verdict.sureness is None else [f"{verdict.sureness.text}."]

@@ -15,7 +15,7 @@ import typer
 
 from campaigns.runs import RunState
 from clearance.cli import WrongInputError
-from clearance.cli._ended import Case, EndedRun, Source, changes, write_files
+from clearance.cli._ended import Case, EndedRun, Source, changes, sureness, write_files
 
 if TYPE_CHECKING:
     from clearance.cli._launch import Launch
@@ -225,5 +225,5 @@ def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
         lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]
     lines += ended.notes
     if ended.verdict is not None:
-        lines += changes(ended.verdict)
+        lines += [*sureness(ended.verdict), *changes(ended.verdict)]
     return [*lines, service.link(found)]

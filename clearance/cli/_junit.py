@@ -13,7 +13,7 @@ from xml.etree import ElementTree as Xml
 
 from campaigns.claims.numbers import signed
 from campaigns.results.regression import FindingChange, Standing
-from clearance.cli._ended import Case, EndedRun, exit_sentence
+from clearance.cli._ended import Case, EndedRun, exit_sentence, sureness
 
 if TYPE_CHECKING:
     from campaigns.results import Verdict
@@ -37,6 +37,7 @@ def junit(ended: EndedRun) -> str:
     if ended.identity is not None:
         values["code"] = ended.identity.digest or f"not identified: {', '.join(ended.identity.unidentified)}"
         values |= {f"code.{name}": digest for name, digest in ended.identity.digests.items()}
+    values["sureness"] = "" if ended.verdict is None else " ".join(sureness(ended.verdict))
     for name, value in values.items():
         if value:
             Xml.SubElement(properties, "property", name=name, value=_clean(value))

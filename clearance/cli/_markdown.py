@@ -9,7 +9,7 @@ from urllib.parse import quote
 from campaigns.claims.numbers import NONE, signed
 from campaigns.results.regression import FindingChange, Regression
 from clearance.cli import INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED
-from clearance.cli._ended import EndedRun
+from clearance.cli._ended import EndedRun, sureness
 
 SIGNS = {0: "✅", VIOLATED: "❌", INCONCLUSIVE: "❔", INTERNAL: "⚠️", INTERRUPTED: "⚠️"}
 """Of the exit codes: a job that fails never opens with a tick."""
@@ -34,6 +34,7 @@ def markdown(ended: EndedRun) -> str:
     else:
         stated = ", ".join(filter(None, [f"**{verdict.headline.capitalize()}**", run]))
         lines.append(f"{stated}. {_text(verdict.reason)}")
+        lines += [_text(line) for line in sureness(verdict)]
     lines += [_text(note) for note in ended.notes]
     if ended.labels:
         lines.append("Labels: " + ", ".join(f"{_text(key)} = {_text(value)}" for key, value in ended.labels.items()))

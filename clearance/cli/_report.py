@@ -22,7 +22,7 @@ from campaigns.results.regression import Regression, Standing
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
 from clearance.cli import INCONCLUSIVE, VIOLATED
-from clearance.cli._ended import changes, code
+from clearance.cli._ended import changes, code, sureness
 from clearance.local.failures import lines as failures
 from clearance.local.progress import named
 from worker.running.runs.store import MemoryStore
@@ -74,7 +74,7 @@ def print_report(
         console.print(_changes(verdict.regression))
     sign, colour = SIGNS[code(verdict)]
     console.print(Text(f"{sign} {verdict.headline.capitalize()}", style=f"bold {colour}"))
-    for line in [verdict.reason, *changes(verdict)]:
+    for line in [verdict.reason, *sureness(verdict), *changes(verdict)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)
     identity = identity_of(verdict.provenance, simulator_of(campaign)).text
     console.print(Text(f"Code: {identity}"), soft_wrap=not console.is_terminal)

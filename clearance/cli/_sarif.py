@@ -18,7 +18,7 @@ from campaigns.codes import CheckCode
 from campaigns.results.regression import FindingChange, Standing
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.version import VERSION
-from clearance.cli._ended import Case, EndedRun, Source
+from clearance.cli._ended import Case, EndedRun, Source, sureness
 from clearance.cli._lines import Place, first, lines
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -104,6 +104,7 @@ def _properties(ended: EndedRun) -> dict[str, object]:
             "headline": verdict.headline,
             "reason": verdict.reason,
             "scope": verdict.scope,
+            "sureness": " ".join(sureness(verdict)),
         }
         stated |= {"campaignDigest": verdict.provenance.digest, "seed": verdict.provenance.seed}
     return {name: value for name, value in stated.items() if value not in (None, "")}

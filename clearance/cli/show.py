@@ -28,7 +28,7 @@ def show(
         if as_json:
             typer.echo(json.dumps(found.document, indent=2))
             return
-        parts = [*_head(found), *_checks(found), *_findings(found, client.findings(found))]
+        parts = [*_head(found), *_checks(found), *_sureness(found), *_findings(found, client.findings(found))]
         signed = client.signoffs(found)
         missing = [f"Not signed off: {plain(signed.not_carried)}"] if signed.not_carried else []
         typer.echo("\n".join([*parts, *map(_signoff, signed.items), *missing, client.link(found)]))
@@ -60,6 +60,11 @@ def _checks(found: RunDetail) -> list[str]:
 
     checks = [] if found.summary is None else found.summary.checks
     return [f"  {check.standing:5}  {check.title}: {plain(check.text)}" for check in checks]
+
+
+def _sureness(found: RunDetail) -> list[str]:
+    stated = None if found.summary is None else found.summary.sureness
+    return [] if stated is None else [f"{plain(stated.text)}."]
 
 
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:

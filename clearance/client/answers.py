@@ -106,6 +106,22 @@ class Check(Answer):
     """Its limitation, as plain text."""
 
 
+class Sureness(Answer):
+    """An estimate from searches on random landscapes, never a bound; it enters no verdict.
+
+    It says nothing of a case that this kind of search cannot find.
+    """
+
+    chance: float
+    """Of another search, with another seed and the same budget, to find a case lower by more than `lower`."""
+    lower: float
+    """A hundredth of nominal minus worst, in the criterion's unit."""
+    landscapes: int
+    """Random landscapes on which it was set."""
+    text: str
+    """The sentence as plain text."""
+
+
 class VerdictParts(Answer):
     """The verdict of a run, with its checks."""
 
@@ -114,6 +130,10 @@ class VerdictParts(Answer):
     checks: list[Check]
     quantity: str | None = None
     unit: str | None = None
+    sureness: Sureness | None = None
+    """How likely another search finds a lower case; omitted in results of earlier versions, and where it is not known:
+    only of a whole search by `auto` alone.
+    """
     sentence: str
     """What may be claimed, as plain text."""
     scope: str

@@ -34,24 +34,37 @@ class Check(NamedTuple):
     text: str
 
 
+class Sureness(NamedTuple):
+    """The estimated chance that another search of the same budget finds a case lower by more than `lower` [unit], a
+    hundredth of nominal minus worst: an estimate, no bound, and no verdict rests on it. text: it as a sentence."""
+
+    chance: float
+    lower: float
+    text: str
+
+
 class Verdict(str):
     """What may be claimed: "cleared", "violated" or "inconclusive", with the sentence that explains it.
 
     It is a string: `result.verdict == "cleared"`. checks: every condition of "cleared"; scope: what the sentence holds
-    for.
+    for. sureness: the estimated chance that another search finds a lower case, None where it is not known.
     """
 
     sentence: str
     scope: str
     checks: tuple[Check, ...]
+    sureness: Sureness | None
 
-    def __new__(cls, word: str, sentence: str = "", scope: str = "", checks: Sequence[Check] = ()) -> Verdict:
+    def __new__(
+        cls, word: str, sentence: str = "", scope: str = "", checks: Sequence[Check] = (),
+        sureness: Sureness | None = None,
+    ) -> Verdict:  # fmt: skip
         made = super().__new__(cls, word)
-        made.sentence, made.scope, made.checks = sentence, scope, tuple(checks)
+        made.sentence, made.scope, made.checks, made.sureness = sentence, scope, tuple(checks), sureness
         return made
 
     def __getnewargs__(self) -> tuple[Any, ...]:
-        return str(self), self.sentence, self.scope, self.checks
+        return str(self), self.sentence, self.scope, self.checks, self.sureness
 
 
 @dataclass(frozen=True)
@@ -222,10 +235,15 @@ def of(origin: Origin, verdict: Concluded) -> Result:
     nominal = Nominal(_by_name(origin, first.parameters), first.cost, first.margin, first.reason)
     return Result(
         **vars(evaluations(origin)),
-        verdict=Verdict(verdict.verdict.value, verdict.sentence, verdict.scope, checks),
+        verdict=Verdict(verdict.verdict.value, verdict.sentence, verdict.scope, checks, _sureness(verdict)),
         findings=tuple(_finding(origin, f) for f in origin.store.found()),
         nominal=nominal,
     )
+
+
+def _sureness(verdict: Concluded) -> Sureness | None:
+    stated = verdict.sureness
+    return None if stated is None else Sureness(stated.chance, stated.lower, f"{stated.text}.")
 
 
 def _finding(origin: Origin, f: Stored) -> Finding:

@@ -36,6 +36,8 @@ def text(result: Result) -> str:
     for check in verdict.checks:
         if check.standing != "holds":
             lines += ["", *textwrap.wrap(f"{check.title}: {check.text}", 100)]
+    if verdict.sureness is not None:
+        lines += ["", *textwrap.wrap(verdict.sureness.text, 100)]
     if result.reasons:
         first = min(result.reasons)
         lines += ["", f"{_failed(result)}, the first because:", *textwrap.wrap(result.reasons[first], 100)]
@@ -56,6 +58,7 @@ def page(result: Result) -> str:
     )
     failing = [f"<li><b>{escape(c.title)}</b>: {escape(c.text)}</li>" for c in verdict.checks if c.standing != "holds"]
     listed = f'<ul style="margin:6px 0">{"".join(failing)}</ul>' if failing else ""
+    sure = "" if verdict.sureness is None else f'<p style="opacity:.8">{escape(verdict.sureness.text)}</p>'
     failed = ""
     if result.reasons:
         reason = result.reasons[min(result.reasons)]
@@ -63,7 +66,7 @@ def page(result: Result) -> str:
     return (
         f'<div style="font-family:system-ui,sans-serif;font-size:13px;max-width:760px;color:inherit">{badge}'
         f'<p style="margin:8px 0">{escape(verdict.sentence)}</p>'
-        f"{listed}{_table(result)}{failed}{_convergence(result)}</div>"
+        f"{listed}{sure}{_table(result)}{failed}{_convergence(result)}</div>"
     )
 
 

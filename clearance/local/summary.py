@@ -31,7 +31,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
         "evaluations": parts["evaluations"],
         "checks": [check.model_dump() for check in verdicts.described(verdict.checks, failed)],
         "statistics": parts["statistics"],
-        **({"regression": parts["regression"]} if "regression" in parts else {}),
+        **{name: parts[name] for name in ("regression", "sureness") if name in parts},
         "findings": [finding.model_dump() for finding in store.findings],
         **({"failures": [one.document for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
         "digest": campaign.digest,

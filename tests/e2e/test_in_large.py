@@ -1,4 +1,5 @@
-"""What is stated in large is the same everywhere: the worst value that every evaluation grants, a missing sample."""
+"""What is stated in large is the same everywhere: the worst value that every evaluation grants, a missing sample, how
+sure the search is."""
 
 from __future__ import annotations
 
@@ -13,7 +14,9 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, expect
 
+from campaigns.claims.sureness import sureness
 from campaigns.results.finding import Finding
+from campaigns.results.sureness import Sureness
 from campaigns.results.verdict import Check
 from clearance.cli import invoke
 from tests import results
@@ -29,6 +32,8 @@ DRAWS = False
 EVALUATED, GRANTED, THRESHOLD = 0.261, 0.495, 0.5
 DIFFERING, LACKING, CALLED = "R-0001", "R-0002", "R-0003"
 """A violation whose evaluations differ; a run that lacks a sample only; one that an earlier version called cleared."""
+SURE = Sureness(chance=0.0437, lower=0.0104, landscapes=1234, statement=sureness(0.0437, 0.0104, "m", 1234))
+"""Of the one that lacks a sample; the others have none."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Home]:
             if _ == 0:
                 finish_fully(service, "violated", found=[differing()], worst=GRANTED)
             elif _ == 1:
-                finish_fully(service, "inconclusive", checks=[holds, sample], statistics=None)
+                finish_fully(service, "inconclusive", checks=[holds, sample], statistics=None, sureness=SURE)
             else:
                 finish_fully(service, "cleared", checks=[holds], statistics=None)
         yield Home(service, client, folder)
@@ -139,6 +144,27 @@ def test_a_missing_sample_is_stated(home: Home, place: str, run: str, lacks: boo
     assert LARGE[place](home, run) == lacks
 
 
+SURENESS: dict[str, Callable[[Home, str], str]] = {
+    "run": lambda home, run: str(
+        (home.client.get(f"/api/v1/runs/{run}").json()["summary"].get("sureness") or {}).get("text")
+    ),
+    "report.html": lambda home, run: home.text(f"/runs/{run}/report.html"),
+    "junit": lambda home, run: home.written("junit", run),
+    "sarif": lambda home, run: home.written("sarif", run),
+    "summary": lambda home, run: home.written("summary", run),
+    "show": lambda home, run: home.printed("show", run),
+    "follow": lambda home, run: home.printed("follow", run),
+}
+
+
+@pytest.mark.parametrize("place", SURENESS)
+@pytest.mark.parametrize(("run", "known"), [(DIFFERING, False), (LACKING, True)])
+def test_how_sure_the_search_is(home: Home, place: str, run: str, known: bool) -> None:
+    text = " ".join(SURENESS[place](home, run).split())
+    assert ("about 4.4 %" in text and "1 234 random" in text) == known
+    assert ("not a bound" in text) == known
+
+
 def test_the_pages(home: Home, browser: Browser) -> None:
     with visiting(browser, home.service.url) as visit:
         page = visit.page
@@ -150,6 +176,7 @@ def test_the_pages(home: Home, browser: Browser) -> None:
         looks(visit, "granted-run")
         visit.move(f"/runs/{LACKING}")
         expect(page.get_by_test_id("verdict")).to_have_text("Inconclusive: not sampled")
+        expect(page.get_by_test_id("sureness")).to_contain_text("4.4\u202f%")
         looks(visit, "not-sampled-run")
         visit.move(f"/runs/{CALLED}")
         expect(page.get_by_test_id("verdict")).to_have_text("Cleared: not sampled")

@@ -487,8 +487,8 @@ CALLS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
     (
         "violated",
         "fewer violating calls",
-        edit("result/findings/0/validation/repeats/violating", 0),
-        "findings.0.validation.repeats.violating",
+        edit("result/findings/2/validation/repeats/violating", 0),
+        "findings.2.validation.repeats.violating",
     ),
     ("retried", "a call not tried again", lambda f: f.arrays.__setitem__("reasons_2", np.array("{}")),
      "evaluations.flaky"),

@@ -72,6 +72,19 @@ def _bold(*path: Any) -> Callable[[Folder], None]:
     return change
 
 
+def _surer(folder: Folder) -> None:
+    """Another chance, in the sentence, too."""
+    stated = folder.result["sureness"]
+    for span in stated["statement"]:
+        if span.get("name") == "chance":
+            span["value"] = 0.011
+    stated |= {"chance": 0.011, "text": words(SPANS.validate_python(stated["statement"]))}
+
+
+def _sure(folder: Folder) -> None:
+    folder.result["sureness"] = {"chance": 0.01, "lower": 0.1, "landscapes": 100, "statement": [], "text": ""}
+
+
 def _scope(old: str, new: str) -> Callable[[Folder], None]:
     def change(folder: Folder) -> None:
         text = json.dumps(folder.result["holds_for"])
@@ -234,6 +247,12 @@ FORGERIES: list[Forgery] = [
     Forgery("the worst as evaluated", "cleared", edit("result/worst/evaluated", 0.97)),
     Forgery("families of methods", "inconclusive", _family),
     Forgery("the family of a search", "cleared", edit("evidence/results/2/family", "another one")),
+    Forgery("another chance of a lower case", "alone", _surer),
+    Forgery("no chance of a lower case", "alone", lambda f: f.result.pop("sureness")),
+    Forgery("a chance where nothing is known of it", "cleared", _sure),
+    Forgery("a smaller difference of a lower case", "alone", edit("result/sureness/lower", 1e-6)),
+    Forgery("more landscapes", "alone", edit("result/sureness/landscapes", 10**6)),
+    Forgery("a bolder chance of a lower case", "alone", _bold("result", "sureness")),
     Forgery("a mean of the sample", "cleared", edit(f"{SAMPLE_}/mean", 1.2)),
     Forgery("a deviation of the sample", "cleared", edit(f"{SAMPLE_}/deviation", 1e-3)),
     Forgery("a histogram", "cleared", edit(f"{SAMPLE_}/histogram/counts/0", 77)),

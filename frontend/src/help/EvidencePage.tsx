@@ -67,10 +67,28 @@ export function EvidencePage() {
           </div>
         </section>
       ))}
+      <Sureness />
       <Intended />
       <Caps />
       <Limits />
     </HelpFrame>
+  )
+}
+
+function Sureness() {
+  return (
+    <section className={cards.card} id="sureness">
+      <div className={clsx(cards.bd, prose.md)}>
+        <h2>How sure a search is</h2>
+        <p>
+          Beside the verdict of a run that was searched by Auto alone stands the chance that another search, with another
+          seed and the same budget, finds a case lower by more than 1 % of nominal minus worst. It is an estimate from
+          searches on random landscapes, not a bound, and no verdict rests on it: it only counts how many evaluations are
+          as low as the lowest. It says nothing of a case that this kind of search cannot find, such as a needle in a
+          wide valley. The guide <em>Methods</em> states how often such statements came true, and where they are wrong.
+        </p>
+      </div>
+    </section>
   )
 }
 

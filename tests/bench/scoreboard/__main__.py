@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from tests.bench.scoreboard import bbob, niching, page, reaching, verdicts
+from tests.bench.scoreboard import bbob, niching, page, reaching, sureness, verdicts
 from tests.bench.scoreboard.bars import bars
 from tests.bench.scoreboard.cells import Cell, Row, measured, versions
 from tests.bench.scoreboard.contestants import names, own_names
@@ -28,7 +28,9 @@ from tests.given.landscapes import Half
 
 BUILD = Path("build")
 SEEDS = 30
-IN_ORDER = (bbob.PART, reaching.LANDSCAPES, niching.PART, reaching.LOOPS, reaching.FALSIFICATION, verdicts.PART)
+IN_ORDER = (
+    bbob.PART, reaching.LANDSCAPES, niching.PART, reaching.LOOPS, reaching.FALSIFICATION, verdicts.PART, sureness.PART,
+)  # fmt: skip
 PARTS: dict[str, Part] = {part.name: part for part in IN_ORDER}
 
 

@@ -2,8 +2,9 @@
 
 A run is that of `clearance.search` with one method: half of the evaluations that the competition permits go to the
 search and at most the other half to distinguishing its findings. The nominal case is the median of a few random points:
-the middle of the box, which is usual, is an optimum of some functions. The reported points are the findings as low as
-the worst case within 1 % of nominal less worst.
+the middle of the box, which is usual, is an optimum of some functions. Two minima count as one within the radius that
+the competition states, if that is less than usual. The reported points are the findings as low as the worst case within
+1 % of nominal less worst.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 from annotated_types import Le
 
 from campaigns.asked.stages import Findings
-from campaigns.limits import SAME_COST
+from campaigns.limits import DISTANCE, SAME_COST
 from clearance.function.request import _document, _request_of
 from clearance.function.running import run
 from clearance.function.searches import searches, stages
@@ -79,7 +80,8 @@ def reported(cell: Cell, permitted: int) -> tuple[Floats, Floats, int]:
     half = permitted // 2
     asked = dict(stages(searches([cell.method], half, None, None, request.ranges), 0, half))
     most = next(limit.le for limit in Findings.model_fields["at_most"].metadata if isinstance(limit, Le))
-    asked["findings"] = {"at_most": most}
+    radius = problem.radius / float((problem.high - problem.low).max())
+    asked["findings"] = {"at_most": most, "distance": min(DISTANCE, radius)}
     result = run(request, _document(request, BELOW, cell.problem, asked, cell.number), False, None, None)
     found = [f for f in result.findings if np.isfinite(f.cost)]
     points = np.array([[f.parameters[name] for name in names] for f in found]).reshape(-1, len(names))

@@ -44,13 +44,17 @@ def _about(found: Mapping[str, Any]) -> list[str]:
 
 def _bars(bars: Sequence[Mapping[str, Any]]) -> list[str]:
     rows = [
-        f"| {bar['part']} | {bar['statement']} | {bar['least']:.3f} | {_figure(bar['measured'])} | {bar['verdict']} |"
+        f"| {bar['part']} | {bar['statement']} | {_demanded(bar)} | {_figure(bar['measured'])} | {bar['verdict']} |"
         for bar in bars
     ]
     met = sum(bar["verdict"] == "met" for bar in bars)
     missed = sum(bar["verdict"] == "missed" for bar in bars)
     text = f"{met} met, {missed} missed, {len(bars) - met - missed} not measured."
     return [text, "", "| part | bar | at least | measured | |", "|---|---|---|---|---|", *rows]
+
+
+def _demanded(bar: Mapping[str, Any]) -> str:
+    return f"{bar['least']:.3f}" + (f" to {bar['most']:.3f}" if bar["most"] is not None else "")
 
 
 def _tables(table: Table, shown: str) -> list[str]:

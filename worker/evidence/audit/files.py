@@ -19,8 +19,9 @@ from campaigns.versions import Versions
 TABLE = "evaluations.csv"
 PARTS = {
     "verdict", "reason", "sentence", "scope", "statement", "holds_for", "values", "nominal", "worst", "stages",
-    "comparison", "evaluations", "checks", "statistics", "regression", "findings", "failures", "digest", "seed",
-    "identity", "versions", "continues", "command_given", "labels", "baseline", "results", "components", "files",
+    "comparison", "evaluations", "checks", "statistics", "regression", "sureness", "findings", "failures", "digest",
+    "seed", "identity", "versions", "continues", "command_given", "labels", "baseline", "results", "components",
+    "files",
 }  # fmt: skip
 """Of result.json and evidence.json; what has another name is no part of a record, and nothing compares it."""
 

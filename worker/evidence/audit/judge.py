@@ -30,6 +30,7 @@ from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
 from worker.evidence.audit.regression import evaluated, position, regression
 from worker.evidence.audit.sentences import SPANS, needed, of_sample, of_stage, shown, unlike
+from worker.evidence.audit.sureness import sureness
 
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
@@ -239,6 +240,8 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
         expected["findings"] = [found | _found(run, recorded) for found, recorded in pairs]
     if run.sealed and run.findings:
         expected["worst"] = _worst(run)
+    if not run.reworded and (run.sealed or "sureness" in run.claims):
+        expected["sureness"] = sureness(run)
     if not run.confirmed:
         stated = _as_stated(run)
         clear = all((stated | checks).values()) and stated.keys() >= checks.keys()

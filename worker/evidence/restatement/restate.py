@@ -25,6 +25,7 @@ from worker.evidence.audit.sentences import alike
 from worker.evidence.scopes import recorded
 from worker.evidence.verdicts.conclude import conclude
 from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 
 UNREADABLE = (ValidationError, ValueError, KeyError, TypeError, AttributeError, IndexError, AssertionError)
@@ -86,6 +87,8 @@ def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sen
     findings = [Finding.model_validate(found) for found in record.claims["findings"]]
     results = [stage_result(result) for result in record.claims["results"]]
     status, ok = record.status, record.costs[record.status == OK, 0]
+    rows = {k: record.stage == k for k in range(len(results))}
+    stored = {k: Stored(record.costs[here], record.status[here]) for k, here in rows.items()}
     evidence = Evidence(
         results=[worded(problem, result, findings) for result in results],
         finding=findings[0] if findings else None,
@@ -97,6 +100,7 @@ def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sen
         violating=int(np.count_nonzero(ok <= record.campaign.criterion.threshold)),
         exclusions=record.exclusions,
         flaky=0 if isinstance(record.flaky, Missing) else record.flaky,
+        sureness=sureness(problem, results, stored),
     )
     verdict = conclude(problem, evidence, versions)
     return _sentences(record, verdict, evidence)
@@ -113,6 +117,9 @@ def _sentences(record: Record, verdict: Verdict, evidence: Evidence) -> dict[str
     for name in ("violations", "spot_checks"):
         part = getattr(validation, name)
         found[f"validation.{name}"] = Sentence(last[name].get("statement"), part.statement)
+    if verdict.sureness is not None:
+        stated = claims.get("sureness") or {}
+        found["sureness"] = Sentence(stated.get("statement"), verdict.sureness.statement)
     if verdict.statistics is not None:
         found["statistics"] = Sentence(claims["statistics"].get("statement"), verdict.statistics.statement)
         if verdict.statistics.quantile is not None:

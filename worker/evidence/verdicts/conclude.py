@@ -46,6 +46,7 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
         unit=problem.unit,
         provenance=Provenance(**versions.model_dump(), digest=campaign.digest, seed=campaign.seed),
         regression=regression(problem, evidence),
+        sureness=evidence.sureness,
     )
 
 

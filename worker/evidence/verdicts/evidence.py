@@ -13,6 +13,7 @@ from campaigns.codes import CheckCode
 from campaigns.results import Finding, SearchResult, StageResult, ValidateResult
 from campaigns.results.nominal import NominalCase
 from campaigns.results.sample import Certificate, Sample
+from campaigns.results.sureness import Sureness
 from campaigns.results.validate import Encounter, Gathered, SpotChecks, Violations
 from campaigns.results.verdict import Check
 
@@ -40,6 +41,8 @@ class Evidence:
     """How many evaluations were excluded for each reason."""
     others: Sequence[Finding] = ()
     """The findings that are not the worst."""
+    sureness: Sureness | None = None
+    """The estimate from the stored evaluations of the search; no check rests on it."""
 
     @cached_property
     def nominal(self) -> NominalCase:

@@ -24,6 +24,7 @@ from worker.engine.stages.parts.store import StagePlan, StageRecord, Store
 from worker.engine.systems.base import CampaignUnusable
 from worker.evidence.verdicts.conclude import conclude
 from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
 from worker.running.opening import opened
@@ -83,12 +84,14 @@ def _carry_out(context: Context, position: int, record: StageRecord) -> None:
 
 def _evidence(context: Context) -> Evidence:
     findings = context.store.found()
-    columns = [c for _, c in all_columns(context, list(range(len(context.plan))))]
+    stored = dict(all_columns(context, list(range(len(context.plan)))))
+    columns = list(stored.values())
+    results = [context.results[at] for at in range(len(context.plan))]
     status = np.concatenate([c.status for c in columns])
     costs = np.concatenate([c.costs[:, 0] for c in columns])[status == OK]
     return Evidence(
         exclusions=sum(map(exclusions, columns), Counter[str]()),
-        results=[context.results[at] for at in range(len(context.plan))],
+        results=results,
         finding=findings[0] if findings else None,
         others=findings[1:],
         evaluations=len(status),
@@ -97,4 +100,5 @@ def _evidence(context: Context) -> Evidence:
         lowest=float(costs.min()) if len(costs) else None,
         violating=int(np.count_nonzero(costs <= context.problem.threshold)),
         flaky=sum(map(flaky, columns)),
+        sureness=sureness(context.problem, results, {at: Stored.of(c) for at, c in stored.items()}),
     )

@@ -33,6 +33,11 @@ export function Banner({ data }: { data: RunData }) {
         <p>
           {run.verdict ? <Spans spans={summary?.statement ?? [words(run.reason ?? '')]} /> : reasonOf(run, outcome)}
         </p>
+        {run.verdict && summary?.sureness && (
+          <p className="sec" data-testid="sureness">
+            <Spans spans={[...summary.sureness.statement, words('.')]} />
+          </p>
+        )}
         {run.verdict && summary && summary.holds_for.length > 0 && (
           <details className={styles.scope}>
             <summary>

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from clearance.testing.searching import Function, batch
 from worker.engine.search.base import Floats
-from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
+from worker.engine.search.parts.basins import Basin, Rules, distinct, downhill, promising, spread
 
 RULES = Rules(distance=0.03, barrier=0.05, at_most=8)
 
@@ -22,6 +24,30 @@ def wells(*places: tuple[float, float, float]) -> Function:
         return found
 
     return value
+
+
+def evaluations(function: Function, points: Floats, rules: Rules = RULES) -> int:
+    """How many distinct points are evaluated besides these candidates."""
+    seen: set[bytes] = set()
+
+    def counted(x: Floats) -> Floats:
+        seen.update(p.tobytes() for p in x)
+        return function(x)
+
+    told_from(counted, points, rules)
+    return len(seen - {p.tobytes() for p in points})
+
+
+def told_from(function: Function, points: Floats, rules: Rules = RULES) -> list[Basin]:
+    """The basins found from these candidates."""
+    found: list[Basin] = []
+    search = distinct(points, function(points), rules, found)
+    try:
+        asked = next(search)
+        while True:
+            asked = search.send(batch(function(asked)))
+    except StopIteration:
+        return found
 
 
 def told(function: Function, dimension: int, samples: int, rules: Rules = RULES, budget: int = 10**6) -> list[Basin]:
@@ -122,3 +148,68 @@ def test_points_without_a_cost_are_not_promising() -> None:
     assert len(promising(points, ranked, 6)) == 0
     ranked[7] = 1.0
     assert promising(points, ranked, 6).tolist() == [7]
+
+
+def test_a_candidate_on_the_slope_of_a_known_valley_needs_three_evaluations_at_most() -> None:
+    """Lines to lower candidates replace descents, except where a ridge is seen."""
+    function = wells((0.2, 0.2, 1), (0.8, 0.8, 0.9))
+    slope = np.array([[0.2, 0.2], [0.25, 0.3], [0.35, 0.2], [0.2, 0.1], [0.3, 0.35]])
+    alone, both = (evaluations(function, points) for points in (slope[:1], slope))
+    assert both - alone <= 3 * (len(slope) - 1)
+    apart = np.concatenate([slope, [[0.75, 0.7]]])
+    assert len(told_from(function, apart)) == 2
+
+
+def test_a_candidate_far_from_anything_lower_is_descended_from_whatever_its_line_shows() -> None:
+    """Its line to the lowest has no rise above the barrier, yet its descent ends in a valley of its own."""
+    low, own = np.array([0.1, 0.5]), np.array([0.7, 0.9])
+
+    def function(x: Floats) -> Floats:
+        return np.asarray(np.minimum(((x - low) ** 2).sum(axis=1), 0.27 + 0.5 * ((x - own) ** 2).sum(axis=1)))
+
+    starts = np.array([low, [0.9, 0.65]])
+    line = function(starts[1] + np.linspace(0, 1, 65)[:, None] * (starts[0] - starts[1]))
+    assert (line - np.minimum.accumulate(line)).max() < 0.01
+    assert len(told_from(function, starts, Rules(0.03, 0.01, 8))) == 1
+    found = told_from(function, starts, Rules(0.03, 0.01, 8, alone=frozenset({1})))
+    assert [tuple(np.round(b.point, 3)) for b in found] == [tuple(low), tuple(own)]
+
+
+def test_descents_begin_from_candidates_that_are_alone_while_they_find_valleys_to_list() -> None:
+    function = wells((0.2, 0.2, 1))
+    far = np.random.default_rng(5).random((40, 2)) * [0.3, 0.3] + [0.05, 0.05]
+    some = Rules(0.03, 0.05, 8, alone=frozenset(range(len(far))))
+    assert evaluations(function, far, some) < 0.6 * evaluations(function, far, replace(some, followed=some.alone))
+
+
+def test_starts_walk_down_what_is_stored() -> None:
+    x = np.linspace(0.0, 1.0, 101)[:, None] * np.array([[1.0, 0.0]])
+    values = np.abs(x[:, 0] - 0.4)
+    basin = Basin(np.array([0.9, 0.0]), 0.5, [0])
+    assert downhill(basin, x, values, 0.03) == np.inf
+    assert basin.point.tolist() == [0.4, 0.0]
+    high = Basin(np.array([0.9, 0.0]), 0.5, [0])
+    assert downhill(high, x[:60], values[:60], 0.03) == pytest.approx(0.31)
+    assert high.point.tolist() == [0.9, 0.0], "nothing lower is near"
+
+
+def test_the_lowest_of_every_cell_is_a_candidate() -> None:
+    points = np.random.default_rng(3).random((5000, 2))
+    values = wells((0.2, 0.2, 1), (0.8, 0.8, 0.1))(points)
+    values[7] = np.inf
+    rows = spread(points, values, 0.25)
+    cells = np.floor(points / 0.25)
+    assert len(rows) == 16
+    assert values[rows].tolist() == sorted(values[rows])
+    for row in rows:
+        assert values[row] == values[(cells == cells[row]).all(axis=1)].min()
+
+
+def test_where_many_are_requested_a_quarter_are_low_though_something_lower_is_near() -> None:
+    """Pairs of valleys: the second of each pair is near the first, and far lower than a plateau of far points."""
+    pairs = np.array([[0.1, 0.5], [0.15, 0.5], [0.5, 0.5], [0.55, 0.5]])
+    plateau = np.random.default_rng(4).random((40, 2)) * [1.0, 0.3]
+    points = np.concatenate([pairs, plateau])
+    ranked = np.concatenate([[0.0, 0.1, 0.05, 0.15], 1.0 + np.arange(40)])
+    assert not {1, 3} <= set(promising(points, ranked, 16).tolist())
+    assert {0, 1, 2, 3} <= set(promising(points, ranked, 16, 0.03).tolist())

@@ -13,9 +13,10 @@ import pytest
 
 from tests.bench.scoreboard import __main__ as board
 from tests.bench.scoreboard import bbob, cells, page, peers, searches
-from tests.bench.scoreboard.bars import BBOB, bars
+from tests.bench.scoreboard.bars import ABOUT, BBOB, bars
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant, names, own_names
+from tests.bench.scoreboard.fitted import coefficients
 from tests.bench.scoreboard.parts import Request, averaged
 from worker.engine.search.base import Floats
 
@@ -154,6 +155,35 @@ def test_a_peer_gets_a_number_where_an_evaluation_fails_and_ends_at_its_budget_o
     assert (len(trace.values), trace.lowest(3), trace.error) == (5, 0.5, "")
     assert searches.peer_trace(peer, half_fails, 1, 9, 1).error == "ValueError: broken"
     assert len(searches.peer_trace(peer, half_fails, 1, 9, 1, stop=0.1).values) == 4
+
+
+def test_what_a_search_states_is_decided_by_another_one() -> None:
+    part, chosen = board.PARTS["sureness"], {("needles", 4), ("ill-conditioned bowls", 5)}
+    made = [c for c in part.cells(Request("setting", ("auto",), 1, (50, 60))) if (c.problem, c.number) in chosen]
+    rows = [Row(cell, part.measure(cell), "", 0.0) for cell in made]
+    assert len(rows) == 2
+    for row in rows:
+        assert [budget for budget, *_ in row.figures["statements"]] == [50, 50, 60, 60]
+    table = part.table(rows)
+    assert table["needles, statements"] == {"auto": 4.0}
+    groups = [name.removesuffix(", statements") for name in table if name.endswith("%, statements")]
+    assert sum(table[f"{name}, statements"]["auto"] for name in groups) == 8.0
+    assert ABOUT.removesuffix(", came true") in groups
+
+
+def test_coefficients_are_those_of_which_the_statements_were_drawn() -> None:
+    random = np.random.default_rng(1)
+    near = random.uniform(0.0, 2.0, 20_000)
+    lower = random.random(20_000) < 1.0 / (1.0 + np.exp(0.5 + 1.5 * near))
+    assert coefficients(near, lower) == pytest.approx([-0.5, -1.5], abs=0.1)
+
+
+def test_a_bar_may_have_two_ends() -> None:
+    verdicts = {}
+    for true in (0.05, 0.1, 0.2):
+        (bar,) = (b for b in bars({"sureness": {ABOUT: {"auto": true}}}, ["auto"]) if b.part == "sureness")
+        verdicts[true] = bar.verdict
+    assert verdicts == {0.05: "missed", 0.1: "met", 0.2: "missed"}
 
 
 def test_what_is_not_installed_is_reported_and_takes_no_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

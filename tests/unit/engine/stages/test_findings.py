@@ -11,6 +11,7 @@ from campaigns.results.finding import FoundBy
 from campaigns.stages.nominal import NominalResult
 from clearance.testing.searching import Function, batch
 from tests.given.case_campaigns import case1, searching
+from worker.engine.search.parts.basins import Basin
 from worker.engine.stages import search
 from worker.engine.stages.parts import findings
 from worker.engine.stages.parts.base import Context, Driven, drive
@@ -141,6 +142,34 @@ def test_each_minimum_of_a_search_is_in_the_basin_of_the_finding_that_it_ended_i
         assert of == nearest.label
     assert {of for _, of in inside} == {"F1", "F2"}, "at least one descent ended in each well"
     assert set(sqp.minima) <= {"F1", "F2", None}
+
+
+def test_starts_walk_down_what_is_stored_but_for_the_best_of_a_stage() -> None:
+    campaign = searching({"method": "direct", "evaluations": 500}, {"method": "monte_carlo", "evaluations": 300})
+    made, _, _ = found_by(campaign, two_failures)
+    state = Found()
+    state.candidates = findings.gather(made, 3, state)
+    starts = [Basin(c.point, c.cost, [i]) for i, c in enumerate(state.candidates)]
+    alone = findings.walked(made, 3, state, starts)
+    bests = {(at, result.best.cost) for at, result in made.searched.items() if result.best is not None}
+    moved = [s.cost < c.cost for s, c in zip(starts, state.candidates, strict=True)]
+    claimed = [(c.position, c.cost) in bests for c in state.candidates]
+    assert {c.position for c, own in zip(state.candidates, claimed, strict=True) if own} == {1, 2}
+    assert not any(np.array(moved) & np.array(claimed))
+    assert sum(moved) > 5
+    assert all(s.cost == two_failures(s.point[None, :])[0] for s in starts)
+    assert all(i in alone for i, s in enumerate(starts) if s.cost == min(s.cost for s in starts))
+
+
+def test_where_more_findings_are_requested_descents_begin_from_more_points() -> None:
+    counts = []
+    for most in (1, 8, 32):
+        stages = {"stages__findings": {"at_most": most}, "stages__validate": {"evaluations": 100_000}}
+        campaign = searching({"method": "monte_carlo", "evaluations": 3000}, **stages)
+        made, _, _ = found_by(campaign, lambda x: np.cos(25 * x).sum(axis=1), budget=1)
+        counts.append(len(findings.gather(made, 2, Found())))
+    few, usual, many = counts
+    assert few == usual < many
 
 
 def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:

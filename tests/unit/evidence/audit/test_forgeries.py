@@ -129,6 +129,15 @@ def test_a_record_of_an_earlier_version_of_the_templates_is_not_forged(tmp_path:
     assert not accepted(folder)
 
 
+def test_a_record_of_an_earlier_version_states_no_chance_of_a_lower_case(tmp_path: Path) -> None:
+    """What it cannot state is not missed; the same record of this version is rejected without it."""
+    folder = Folder(written(tmp_path / "out", "alone"))
+    assert folder.result.pop("sureness")["landscapes"] > 0
+    assert not accepted(folder)
+    folder.result["versions"]["wording"] = 2
+    assert accepted(folder)
+
+
 @pytest.mark.parametrize("count", [25, pytest.param(2000, marks=[pytest.mark.nightly, pytest.mark.timeout(3600)])])
 @pytest.mark.parametrize("name", ["cleared", "violated", "inconclusive", "noisy", "excluded", "alone"])
 def test_any_other_value_is_rejected_or_documented(name: str, count: int, tmp_path: Path) -> None:

@@ -39,7 +39,8 @@ class Settings:
     """Differences and tolerances as fractions of each parameter's range and of the cost. most: evaluation limit.
 
     apart: a slope is requested only where the library asks for one, after its point and not with it: a line search then
-    takes one evaluation a step, in smaller requests. SciPy's only.
+    takes one evaluation a step, in smaller requests. Not with L-BFGS-B. gain: a descent ends when two steps together
+    lowered the cost by less than this [the cost's unit].
     """
 
     library: Library = "nlopt"
@@ -50,6 +51,7 @@ class Settings:
     iterations: int = 200
     most: int = 2**62
     apart: bool = False
+    gain: float = 0.0
 
 
 def descend(start: Floats, settings: Settings) -> Generator[Floats, Batch, End]:
@@ -65,6 +67,10 @@ class _Spent(Exception):
     pass
 
 
+class _Slow(Exception):
+    pass
+
+
 class _Trail:
     """The history of one descent: its lowest point, the distinct points it requested, the unit of its costs."""
 
@@ -76,15 +82,21 @@ class _Trail:
         self.unit = 1.0
         self.at: Floats | None = None
         self.value_there = np.inf
+        self.course: list[float] = []
+        self.lowest_step = np.inf
 
     def __call__(self, x: Floats) -> tuple[float, Floats]:
         """Cost and gradient, divided by a number that keeps the first slopes from being large.
 
         A library's own quadratic programme overflows at slopes of 1e11 per range.
         """
-        points, steps = stencil(_snapped(x), self.settings)
         first = not self.seen
+        if self.settings.apart and not first and (value := self.value(x)) >= self.lowest_step:
+            return value / self.unit, np.zeros(len(x))  # a line search goes back from here: no slope is used
+        points, steps = stencil(_snapped(x), self.settings)
         values = self._values(points)
+        self.lowest_step = float(values[0])
+        self.step()
         slope = gradient(values, steps)
         if first:
             steepest = float(np.abs(slope).max())
@@ -116,6 +128,12 @@ class _Trail:
         self.seen.update(p.tobytes() for p in points)
         return values
 
+    def step(self) -> None:
+        """A step has ended: the library asks for a slope."""
+        self.course.append(self.cost)
+        if len(self.course) > 2 and self.course[-3] - self.cost < self.settings.gain:
+            raise _Slow
+
 
 def _run(ask: Ask, start: Floats, settings: Settings) -> End:
     trail = _Trail(ask, start, settings)
@@ -126,6 +144,8 @@ def _run(ask: Ask, start: Floats, settings: Settings) -> End:
         text = Ended("no value", "a start could not be evaluated")
     except _Spent:
         text = Ended("share", "used its {evaluations} evaluations", evaluations=settings.most)
+    except _Slow:
+        text = CHANGES
     return End(trail.point, trail.cost, len(trail.seen), text)
 
 
@@ -135,8 +155,10 @@ ITERATIONS = Ended("iterations", "used all iterations")
 FAILED = Ended("rounding", "the line search failed")
 
 
-def _nlopt(trail: Objective, settings: Settings, start: Floats) -> str:
+def _nlopt(trail: _Trail, settings: Settings, start: Floats) -> str:
     def objective(x: Floats, slope: Floats) -> float:
+        if settings.apart and not slope.size:
+            return trail.value(x) / trail.unit
         value, found = trail(x)
         if slope.size:
             slope[:] = found

@@ -11,14 +11,25 @@ from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from campaigns.asked.allowance import STARTS, validation
+from campaigns.asked.allowance import STARTS, USUAL, per_finding, validation
 from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
 from worker.engine.search.base import Batch, Search
-from worker.engine.search.parts.basins import ROUGH, Basin, Rules, descended, distinct, promising
+from worker.engine.search.parts.basins import (
+    LOOKED_AT,
+    ROUGH,
+    Basin,
+    Rules,
+    descended,
+    distinct,
+    downhill,
+    promising,
+    spread,
+)
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
@@ -32,6 +43,10 @@ from worker.engine.systems.base import Floats
 
 EACH = 12
 """Limit on the points to descend from, per stage."""
+CELL = 0.03
+"""Fraction of every range: candidates are chosen from the lowest evaluation of every cell of this size."""
+ALONE = 0.1
+"""Fraction of every range: a candidate with no lower evaluation closer than this may be of a valley of its own."""
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
 ROUNDS = 20
@@ -176,14 +191,37 @@ def _search(context: Context, position: int, found: Found) -> Search:
         return ends.NOTHING
     random = stream(context.campaign.seed, FINDINGS_STREAM)
     starts = [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)]
+    alone = walked(context, position, found, starts)
     yield from _followed(context, found, starts)
-    yield from _distinguished(context, found, starts)
+    yield from _distinguished(context, found, starts, alone)
     yield from _evidence(context, found, random)
     compared = True
     while compared:
         yield from _polished(context, position, found, random)
         compared = yield from _fall(context, position, found)
     return ends.FINDINGS
+
+
+def walked(context: Context, position: int, found: Found, starts: Sequence[Basin]) -> frozenset[int]:
+    """Move starts downhill along what is stored, in steps within which minima count as one. Returns those with nothing
+    lower near.
+
+    Not the best of a stage, nor cases of the baseline: in which basin they are is a claim, shown by lines and descents.
+    """
+    low = [(c, np.argsort(_ranked(c), kind="stable")[:LOOKED_AT]) for _, c in seeds.stated(context, range(position))]
+    points = np.concatenate([np.empty((0, context.problem.dimension)), *(c.points[rows] for c, rows in low)])
+    ranked = np.concatenate([np.empty(0), *(_ranked(c)[rows] for c, rows in low)])
+    searched = context.searched.items()
+    bests = {(at, part.best) for at, result in searched for part in result.apart}
+    bests |= {(at, result.best.cost) for at, result in searched if result.best is not None}
+    alone = set()
+    for i, (start, candidate) in enumerate(zip(starts, found.candidates, strict=True)):
+        if not candidate.followed:
+            claimed = (candidate.position, candidate.cost) in bests
+            moved = replace(start) if claimed else start
+            if downhill(moved, points, ranked, context.campaign.stages.findings.distance) > ALONE:
+                alone.add(i)
+    return frozenset(alone)
 
 
 def _followed(context: Context, found: Found, starts: Sequence[Basin]) -> Part:
@@ -229,7 +267,7 @@ def gather(context: Context, position: int, state: Found) -> list[Candidate]:
         ranked = _ranked(columns)
         result = context.results.get(at)
         known = result is not None and result.followed
-        rows = np.flatnonzero(np.isfinite(ranked)) if known else promising(columns.points, ranked, EACH)
+        rows = np.flatnonzero(np.isfinite(ranked)) if known else _promising(context, columns)
         mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at, followed=known) for i in map(int, rows)]
         best += mine if known else mine[:1]
         found += mine
@@ -240,8 +278,17 @@ def gather(context: Context, position: int, state: Found) -> list[Candidate]:
             found += [part for part in alone if not any(part is m for m in mine)]
             found += [Candidate(np.array(m.point), m.cost, at, i) for i, m in enumerate(searched[at].minima)]
     kept = sorted(found, key=lambda c: c.cost)[: validation(context.campaign, noisy(context)).starts]
-    state.skipped = min(len(found), STARTS) - len(kept)
+    state.skipped = min(len(found), per_finding(STARTS, context.campaign.stages.findings.at_most)) - len(kept)
     return sorted(kept + [b for b in best if not any(b is k for k in kept)], key=lambda c: c.cost)
+
+
+def _promising(context: Context, columns: Columns) -> NDArray[np.int64]:
+    """Rows of a stage to descend from; where more findings are listed than usual, more of them, of which some are low
+    although something lower is near."""
+    most, ranked = context.campaign.stages.findings.at_most, _ranked(columns)
+    rows = spread(columns.points, ranked, CELL)
+    further = CELL if most > USUAL else np.inf
+    return rows[promising(columns.points[rows], ranked[rows], per_finding(EACH, most), further)]
 
 
 def reached(context: Context, columns: Columns, basin: Basin) -> int | None:
@@ -264,7 +311,7 @@ def _drawn(context: Context, position: int, found: Found) -> Part:
     for at, columns, _ in seeds.drawn(context, range(position)):
         result = context.results.get(at)
         known = result is not None and result.followed
-        points = columns.points[promising(columns.points, _ranked(columns), EACH)]
+        points = columns.points[_promising(context, columns)]
         ranked = (yield points).ranked() if len(points) else np.empty(0)
         found.candidates += [
             Candidate(p.copy(), float(c), position, followed=known)
@@ -274,7 +321,7 @@ def _drawn(context: Context, position: int, found: Found) -> Part:
     found.candidates.sort(key=lambda c: c.cost)
 
 
-def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Part:
+def _distinguished(context: Context, found: Found, starts: list[Basin], alone: frozenset[int] = frozenset()) -> Part:
     """Descend from these starts and merge; the end of a descent takes over what its start represented."""
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
     basins: list[Basin] = []
@@ -282,7 +329,7 @@ def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Part:
     followed = (i for i, b in enumerate(starts) if any(found.candidates[m].followed for m in b.members))
     distinguished = False
     try:
-        yield from distinct(points, costs, replace(rules, followed=frozenset(followed)), basins)
+        yield from distinct(points, costs, replace(rules, followed=frozenset(followed), alone=alone), basins)
         found.descended = distinguished = True
     finally:  # when the budget ends, none is lost
         known = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]

@@ -1,0 +1,118 @@
+"""How sure a search is: where there is an estimate, and what it says of searches that differ."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns.results.base import FAILED, OK
+from campaigns.results.measured import Measured
+from campaigns.results.nominal import NominalCase
+from campaigns.results.sureness import Sureness
+from campaigns.stages.nominal import NominalResult
+from clearance.testing.problems import Problem
+from tests.given.case_campaigns import searching
+from tests.given.stated_facts import facts
+from tests.given.verdict_evidence import NOMINAL, concluded, nominal
+from worker.evidence.audit import sureness as audited
+from worker.evidence.verdicts import sureness as module
+from worker.evidence.verdicts.sureness import MODEL, Stored, chance, sureness
+
+BUDGET = 400
+AUTO = {"method": "auto", "evaluations": BUDGET}
+"""200 evaluations for each of the two parameters."""
+
+
+def costs(as_low: int, evaluations: int = BUDGET) -> Any:
+    """Costs of a search with so many evaluations at its lowest."""
+    return np.where(np.arange(evaluations) < as_low, 0.5, np.linspace(0.8, 2.0, evaluations))
+
+
+def estimated(
+    *requests: dict[str, Any], first: NominalResult | None = None, found: Any = None, **changes: Any
+) -> Sureness | None:
+    campaign = searching(*(requests or [AUTO]), **changes)
+    ranked = costs(30) if found is None else found
+    stored = {2: Stored(ranked[:, None], np.where(np.isfinite(ranked), OK, FAILED).astype(np.uint8))}
+    return sureness(Problem(campaign), [first or nominal()], stored)
+
+
+def test_the_estimate_and_its_sentence() -> None:
+    found = estimated()
+    assert found is not None
+    assert found.lower == pytest.approx(0.01 * (NOMINAL - 0.5))
+    assert 0.07 < found.chance < 0.13
+    rounded = [float(f"{found.lower:.3g}"), float(f"{found.chance:.2g}"), MODEL.landscapes]
+    assert facts(found.statement) == rounded
+    assert "not a bound" in found.text
+
+
+def test_the_more_evaluations_are_as_low_as_the_lowest_the_surer_it_is() -> None:
+    stated = [chance(costs(as_low), NOMINAL) for as_low in (1, 3, 10, 30, 100, 300)]
+    assert stated[:5] == sorted(set(stated[:5]), reverse=True)
+    assert stated[4] == stated[5]
+    assert stated[0] > 0.3
+
+
+def test_failed_evaluations_are_never_the_lowest() -> None:
+    with_failures = costs(30)
+    with_failures[-50:] = np.inf
+    found = estimated(found=with_failures)
+    assert found is not None
+    assert found.chance == pytest.approx(chance(costs(30), NOMINAL))
+
+
+@pytest.mark.parametrize(
+    ("requests", "changes"),
+    [
+        ([{"method": "direct", "evaluations": BUDGET}], {}),
+        ([AUTO, AUTO], {}),
+        ([AUTO, {"method": "sqp", "evaluations": 100}], {}),
+        ([AUTO | {"options": {"seconds": 0.5}}], {}),
+        ([AUTO | {"evaluations": 60}], {"found": costs(30, 60)}),
+        ([AUTO], {"objectives": [{"component": "time_to_goal"}]}),
+        ([AUTO], {"first": nominal(None, "it failed")}),
+        ([AUTO], {"first": nominal(0.5)}),
+        ([AUTO], {"found": np.full(BUDGET, np.inf)}),
+    ],
+    ids=["method", "two", "another one", "costly", "few", "criteria", "nominal", "nothing lower", "all failed"],
+)
+def test_there_is_none_of_what_it_was_not_set_on(requests: list[dict[str, Any]], changes: dict[str, Any]) -> None:
+    assert estimated(*requests, **changes) is None
+
+
+def test_there_is_none_of_a_search_that_ended_early() -> None:
+    campaign = searching(AUTO)
+    stored = {2: Stored(costs(30)[:-1, None], np.zeros(BUDGET - 1, dtype=np.uint8))}
+    assert sureness(Problem(campaign), [nominal()], stored) is None
+
+
+def measured(identical: bool) -> NominalCase:
+    of = Measured(points=5, evaluations=15, failed=0, identical=identical, spread=0.0, deviation=0.0, seconds=1.0)
+    return NominalCase(cost=NOMINAL, margin=0.4, status="ok", measured=of)
+
+
+@pytest.mark.parametrize(("calls", "identical", "repeats"), [(1, True, True), (1, False, False), (3, True, False)])
+def test_results_must_repeat(calls: int, identical: bool, repeats: bool) -> None:
+    class Simulated:
+        campaign = type("C", (), {"simulator": type("S", (), {"calls": calls})})
+
+    first = type("R", (), {"at_nominal": measured(identical)})
+    assert module._repeats(Simulated, [first]) == repeats  # type: ignore[arg-type, list-item]
+
+
+def test_it_enters_no_verdict() -> None:
+    stated = Sureness(chance=0.99, lower=0.1, landscapes=10, statement=())
+    without = concluded()
+    sure = concluded(sureness=stated)
+    assert sure.sureness == stated
+    assert sure.model_copy(update={"sureness": None}) == without
+    assert "sureness" not in without.model_dump()
+
+
+def test_the_audit_has_the_same_coefficients() -> None:
+    assert (audited.LANDSCAPES, audited.CONSTANT, audited.NEAR) == MODEL
+    ends = tuple(zip(module.PARAMETERS, module.EVALUATIONS, strict=True))
+    assert (*ends, module.ENOUGH) == (audited.FEWEST, audited.MOST, audited.ENOUGH)

@@ -147,8 +147,8 @@ def migrate(url: str) -> None:
     Raises `NewerSchemaError`, and `outages.DatabaseOutage` if the database cannot be used.
     """
     engine = connect(url)
+    refuse_read_only(engine)
     if is_sqlite(engine):
-        _refuse_read_only(Path(str(engine.url.database)))
         # A table is altered by copying and dropping it, which must not cascade; the pragma has no effect later.
         sa.event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=OFF"))
     try:
@@ -165,9 +165,17 @@ def migrate(url: str) -> None:
         engine.dispose()
 
 
-def _refuse_read_only(file: Path) -> None:
-    """In WAL mode a write transaction begins even on a file that cannot be written, and fails later."""
-    if not (os.access(file, os.W_OK) and os.access(file.absolute().parent, os.W_OK)):
+def refuse_read_only(engine: sa.Engine) -> None:
+    """Raise `DatabaseOutage` for an SQLite file that is there and cannot be written.
+
+    In WAL mode a write transaction begins even then, and fails later.
+    """
+    file = Path(str(engine.url.database))
+    if (
+        is_sqlite(engine)
+        and file.exists()
+        and not (os.access(file, os.W_OK) and os.access(file.absolute().parent, os.W_OK))
+    ):
         error = PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(file))
         raise outages.DatabaseOutage("database-away", outages.READ_ONLY, error, False)
 

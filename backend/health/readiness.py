@@ -8,7 +8,7 @@ from pathlib import Path
 import sqlalchemy as sa
 
 from backend.db import damage, revision, space, workers
-from backend.db.engine import read
+from backend.db.engine import read, refuse_read_only
 from backend.db.outages import DatabaseOutage
 
 NO_WORKER = "no worker is alive, so that runs wait: start `clearance serve` or `clearance worker`"
@@ -39,6 +39,7 @@ def reasons(engine: sa.Engine, data: Path, url: str, min_free: int) -> list[Reas
             elif not workers.live(connection):
                 found.append(Reason("workers", NO_WORKER))
         damage.refuse(engine)
+        refuse_read_only(engine)
     except DatabaseOutage as error:
         found.append(Reason(error.kind, error.sentence))
     return found

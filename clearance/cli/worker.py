@@ -109,7 +109,8 @@ def _once_it_answers(url: str) -> None:
         except DatabaseOutage as error:
             if url.startswith("sqlite") or error.kind != "database-away":
                 raise
-            logging.warning("waiting for the database: %s", error)  # one line a minute
+            # One line a minute; the driver's words tell a server that is down from a wrong password.
+            logging.warning("waiting for the database: %s (%s)", error, " ".join(str(error.orig).split()))
         time.sleep(1.0)
 
 

@@ -15,7 +15,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db import space
+from backend.db import engine, space
 from backend.db.tables import Run
 from backend.metrics import service as metrics
 from backend.settings import Settings
@@ -49,6 +49,9 @@ def test_ready_says_what_is_missing(service: Service, tmp_path: Path, monkeypatc
         with service.engine.begin() as connection:
             connection.execute(sa.text("update alembic_version set version_num = '0001'"))
         assert reasons(client) == ["schema"]
+        with monkeypatch.context() as patched:
+            patched.setattr(engine.os, "access", lambda *_: False)
+            assert reasons(client) == ["schema", "database-away"]
         with moved(Path(str(service.engine.url.database))):
             assert reasons(client) == ["database-gone"]
             assert client.get(LIVE).status_code == 200

@@ -130,8 +130,8 @@ class Supervisor:
         child = self._ready_child()
         if child is None or self._wakeup.signal is not None or self.drained:
             return
-        if why := space.short(self._folders, self._min_free):
-            log.warning("no further run is begun: %s", why)
+        if space.short(self._folders, self._min_free):  # without the changing number, so that it is one line a minute
+            log.warning("no further run is begun: less than %s bytes are free (%s)", self._min_free, space.VARIABLE)
             self._wakeup.wait(POLL)
             return
         claim = self.queue.claim(self.name, self.simulators, self.installation)

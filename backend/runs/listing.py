@@ -17,7 +17,7 @@ from backend.db.engine import read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from backend.runs import counts, identity, sampled, waiting
-from backend.runs.filters import Filters
+from backend.runs.filters import Filters, unindexed
 from backend.runs.order import Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
 from campaigns.results.verdict import VerdictWord
@@ -127,11 +127,11 @@ def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
 def _counts(reader: sa.Connection, filters: Filters) -> dict[str, int]:
     found = filters.found()
     counts = dict.fromkeys(("total", "removed", *RunState, *VerdictWord), 0)
-    groups = sa.select(Run.state, Run.verdict, sa.func.count()).where(*found).group_by(Run.state, Run.verdict)
-    for state, verdict, count in reader.execute(groups):
+    columns = unindexed(Run.state), unindexed(Run.verdict)
+    for state, verdict, count in reader.execute(sa.select(*columns, sa.func.count()).where(*found).group_by(*columns)):
         counts["total"] += count
         counts[state] += count
-        if verdict is not None:
+        if verdict:
             counts[verdict] += count
     away = replace(filters, removed=True).found()
     counts["removed"] = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(*away)) or 0

@@ -1,4 +1,4 @@
-"""`python -m tests.bench.large`: what a run of a million evaluations, 10,000 runs and an open live page cost the service.
+"""`python -m tests.bench.large`: costs of a run of a million evaluations, of 10,000 runs and of a live page.
 
 The service is a process of its own with its own data, on a machine that should be idle. Times are of its processor,
 unless called wall. Prints every figure, one a line.

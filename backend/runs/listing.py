@@ -26,6 +26,22 @@ from campaigns.runs import HELD, RunState, StageState, run_name
 _PLAIN = tuple(name for name in RunSummary.model_fields if name in Run.__table__.columns and name not in counts.NAMES)
 """The fields of a summary that are columns of the run."""
 
+_SUMMARIES = (
+    sa.select(
+        *(getattr(Run, column) for column in _PLAIN),
+        CampaignRow.name.label("campaign_name"),
+        *(CampaignRow.document["criterion"][key].as_string().label(key) for key in ("component", "result")),
+        *(Run.summary[key].as_string().label(key) for key in ("quantity", "unit")),
+        *counts.COLUMNS,
+        *identity.COLUMNS,
+        *sampled.COLUMNS,
+    )
+    .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    .where(Run.purged.is_(None))
+    .order_by(Run.id.desc())
+)
+"""What a summary is made of; built once, because that takes longer than reading a row."""
+
 Units = dict[tuple[str | None, str], tuple[str, str]]
 
 
@@ -52,21 +68,7 @@ def named(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
 
 def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[RunSummary]:
     """Summaries of the runs that fulfil the conditions, newest first; purged runs are omitted."""
-    document = CampaignRow.document
-    named = [document["criterion"][k].as_string().label(k) for k in ("component", "result")]
-    verdicts = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
-    columns = [getattr(Run, column) for column in _PLAIN]
-    query = sa.select(
-        *columns,
-        CampaignRow.name.label("campaign_name"),
-        *named,
-        *verdicts,
-        *counts.COLUMNS,
-        *identity.COLUMNS,
-        *sampled.COLUMNS,
-    )
-    query = query.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-    rows = reader.execute(query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc())).all()
+    rows = reader.execute(_SUMMARIES.where(*conditions)).all()
     working = _working(reader, [row.id for row in rows if row.state in HELD])
     units = _units(reader) if any(row.unit is None for row in rows) else {}
     excluded = counts.excluded(reader, [row.id for row in rows])

@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench scoreboard reproduce wheel sbom advisories frontend library-flights library-verdicts clean distclean
+.PHONY: help install run check test faults soak nightly screenshots lint types bench bench-pages search-bench scoreboard reproduce wheel sbom advisories frontend library-flights library-verdicts clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-15s %s\n", part[1], $$0}' Makefile
@@ -19,6 +19,12 @@ check: install ## ruff, types and the quick tests: less than a minute and a half
 test: install ## run every check and every test
 	@tools/chromium.sh
 	@tools/test.sh
+
+faults: install ## hurt real processes while runs go on, on both databases; a table, build/faults.json
+	@.venv/bin/python -m tests.storm
+
+soak: install ## a service under load for a quarter of an hour; a table, build/soak.json
+	@.venv/bin/python -m tests.storm.soak
 
 nightly: install ## run the tests that take minutes, left out of `make test`
 	@source tools/common.sh; source tools/node.sh; cd frontend; export CLEARANCE_NIGHTLY=1; node_modules/.bin/eslint . && npm run --silent test

@@ -18,6 +18,8 @@ from backend.db.queue import request_cancel, submit
 from campaigns.asked.load import load_document
 from tests.faults.processes import CLEARANCE, Started, alive, command_of, kill, started, until, worker
 from tests.faults.serving import state
+from worker.engine.systems.simulators.slots.pool import SlotPool
+from worker.engine.systems.simulators.slots.program import Program
 
 HELPERS = "86397.5"
 """How long the helpers sleep [s]; they are found by it."""
@@ -190,3 +192,19 @@ def test_a_run_of_the_command_line(tmp_path: Path, kind: str, number: signal.Sig
         until(lambda: running.process.poll() is not None, "it ended")
         until(lambda: not helpers(there), "no helper is left", 10)
         until(lambda: not site.folders(), f"no folder is left of {site.folders()}", 10)
+
+
+def test_what_is_left_when_a_guard_is_killed(tmp_path: Path) -> None:
+    """By its mark, where the pool still lives; else a worker that starts ends it."""
+    there = frozenset(helpers())
+    wrapper = tmp_path / "wrapper.sh"
+    wrapper.write_text(WRAPPER.replace("env -i ", ""))
+    wrapper.chmod(0o755)
+    with SlotPool(Program([str(wrapper), sys.executable, "-c", LINES], "lines"), 1) as pool:
+        assert pool.evaluate([{"parameters": {"a": 1.0}}])[0].kind == "ok"
+        begun = helpers(there)
+        assert len(begun) == 3
+        kill(pool._slots[0].process.pid)
+        assert pool.evaluate([{"parameters": {"a": 1.0}}])[0].kind in ("ok", "crash")
+        until(lambda: not begun & helpers(), "its helpers are gone", 10)
+    until(lambda: not helpers(there), "no helper is left", 10)

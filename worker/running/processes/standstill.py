@@ -25,6 +25,10 @@ class Standstill:
         self._pulse, self._floor = pulse, floor
         self._beats, self._since, self._gap = pulse.beats, time.monotonic(), 0.0
 
+    def excuse(self) -> None:
+        """Not by its fault it cannot store anything: the time begins again."""
+        self._since = time.monotonic()
+
     def look(self) -> str:
         """Why the child is to be replaced, completing "the worker process ..."; empty if it may go on."""
         now, beats = time.monotonic(), self._pulse.beats

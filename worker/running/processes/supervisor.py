@@ -87,6 +87,8 @@ class Supervisor:
         """Digest of the code that the child has loaded."""
         self.drained = False
         """Whether it was asked to take no further run."""
+        self._outage = False
+        """Whether the last heartbeat of a run could not be stored."""
         self._next_beat = 0.0
         self._failures = 0
 
@@ -137,6 +139,8 @@ class Supervisor:
                 if self._cancel_requested(claim):
                     self._drop_child()
                     return Ending("cancelled")
+                if self._outage:
+                    still.excuse()
                 if why := still.look():
                     self._drop_child()
                     return Ending("failed", f"the worker process {why}")
@@ -157,8 +161,10 @@ class Supervisor:
             self._next_beat = time.monotonic() + self.queue.lease / 5
             cancelling = self.queue.beat(claim)
             self._beat(claim.run_id)
+            self._outage = False
             return cancelling
         except sa.exc.OperationalError as error:
+            self._outage = True
             log.warning("run %d: heartbeat failed, the database did not respond: %s", claim.run_id, error.orig)
             return False
 

@@ -65,6 +65,7 @@ def test_a_package_contains_each_of_them() -> None:
     packed = {
         Path(target).relative_to("share/clearance/examples") / file.name
         for target, patterns in stated.items()
+        if target.startswith("share/clearance/examples")
         for pattern in patterns
         for file in REPOSITORY.glob(pattern)
     }

@@ -1,7 +1,6 @@
 """Finds what a process of ours has started by a mark in its environment, and ends it.
 
-Guards end what runs in slots. This is for what is left when a guard was killed, and for functions that are evaluated in
-the process itself.
+Guards end what runs in slots. This is for what is left when a guard was killed.
 """
 
 from __future__ import annotations
@@ -19,12 +18,6 @@ WAIT = 4.0
 def mark(name: str) -> str:
     """A mark of this process: its number and when it started, since numbers are used again."""
     return f"{os.getpid()}.{_started(os.getpid())}-{name}"
-
-
-def marked(process: int) -> str:
-    """How the marks begin that a process gives; empty if there is no such process."""
-    started = _started(process)
-    return f"{process}.{started}-" if started else ""
 
 
 def end(prefix: str, wait: float = 0.0) -> None:

@@ -1,9 +1,9 @@
-"""`python -m tests.bench.faults [campaign ...]`: cost of faults and environment components, and which vectorise.
+"""`python -m tests.bench.component_costs [campaign ...]`: cost of faults and environments, and which vectorise.
 
 Each is put alone into the loop of a library campaign, at a magnitude at which it does something. Cost is the ratio to
 the bare loop in one run; wide and scalar count the instructions on whole registers and on single numbers, libm calls
 are none where the lane loop vectorises (a power in a constant of the flight is not in it). Prints a table, writes
-build/faults.json.
+build/component_costs.json.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def main() -> None:
     """Measure all requested loops, print and write the results."""
     BUILD.mkdir(exist_ok=True)
     found = {name: measure(load_file(library()[name])) for name in sys.argv[1:] or ["unicycle_static"]}
-    (BUILD / "faults.json").write_text(json.dumps(found, indent=2) + "\n")
+    (BUILD / "component_costs.json").write_text(json.dumps(found, indent=2) + "\n")
     for campaign, rows in found.items():
         print(f"\n{campaign:<24}{'cost':>6}{'wide':>8}{'scalar':>8}  libm")
         for name, row in rows.items():

@@ -1,0 +1,141 @@
+"""A database with runs and workers that are hurt, and what is compared with a run that nobody has disturbed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sqlalchemy as sa
+
+from backend.db.engine import connect, migrate, read
+from backend.db.queue import Claim, submit
+from backend.db.store import RunStore
+from backend.db.tables import Run, Stage
+from campaigns import Campaign
+from campaigns.sample_seed import SampleSeed
+from campaigns.stages.plan import most
+from tests.faults.long import case
+from tests.faults.processes import Started, alive, kill, until, worker
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
+
+MARK = "CLEARANCE_STORM"
+SEED = SampleSeed(20_261_125, stated=True)
+SAMPLE = 12_000
+OPTIONS = ("--lease", "2", "--standstill", "5")
+
+
+@cache
+def campaign(seed: int = 1) -> Campaign:
+    """Case 1 with a search that is long enough to be hurt in the middle."""
+    document = case().document()
+    document["stages"]["search"][1]["evaluations"] = SAMPLE
+    return Campaign.model_validate({**document, "seed": seed})
+
+
+@cache
+def undisturbed(seed: int) -> MemoryStore:
+    """The same run in this process."""
+    store = MemoryStore(sample_seed=SEED)
+    execute(campaign(seed), store)
+    return store
+
+
+class Site:
+    """One database, its workers, and the folder for their temporary files."""
+
+    def __init__(self, url: str, folder: Path, stack: ExitStack) -> None:
+        self.url, self.folder, self._stack = url, folder, stack
+        self.temporary = folder / "temporary"
+        self.temporary.mkdir(parents=True)
+        self.mark = f"{os.getpid()}-{folder.name}"
+        self.engine = connect(url)
+        self.workers: list[Started] = []
+
+    def begin(self, seed: int = 1) -> int:
+        """Queue a run."""
+        asked = campaign(seed)
+        with self.engine.begin() as connection:
+            return submit(connection, asked, name="storm", tags=[], owner="", planned=most(asked), seed=SEED)
+
+    def run(self, run_id: int) -> Any:
+        with read(self.engine) as connection:
+            return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
+
+    def start(self) -> Started:
+        """One more worker."""
+        name = f"w{len(self.workers) + 1}"
+        environment = {MARK: self.mark, "TMPDIR": str(self.temporary)}
+        self.workers.append(self._stack.enter_context(worker(self.url, self.folder, name, *OPTIONS, **environment)))
+        return self.workers[-1]
+
+    def staffed(self, number: int = 1) -> None:
+        """Have as many workers as before, as a service manager would."""
+        while sum(one.process.poll() is None for one in self.workers) < number:
+            self.start()
+
+    def stop(self) -> None:
+        """End all workers in order."""
+        for one in self.workers:
+            if one.process.poll() is None:
+                kill(one.pid, number=signal.SIGTERM)
+        until(lambda: all(one.process.poll() is not None for one in self.workers), "all workers have ended", 60)
+
+    def left_behind(self) -> int:
+        """Processes and folders that are still there some seconds after the workers have ended."""
+        until_then = time.monotonic() + 6.0
+        while self._left() and time.monotonic() < until_then:
+            time.sleep(0.05)
+        return self._left()
+
+    def _left(self) -> int:
+        return len(list(self._marked())) + len(os.listdir(self.temporary))
+
+    def _marked(self) -> Iterator[int]:
+        sought = f"{MARK}={self.mark}".encode()
+        for entry in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                environment = Path("/proc", entry, "environ").read_bytes()
+            except OSError:
+                continue
+            if sought in environment.split(b"\0") and alive(int(entry)):
+                yield int(entry)
+
+    def compared(self, run_id: int, seed: int = 1) -> tuple[int, int]:
+        """Evaluations that are missing, and those that are there twice or have other bits than an undisturbed run."""
+        store, expected = RunStore(self.engine, Claim(run_id, 0, 0, 0, "", {})), undisturbed(seed)
+        lost = repeated = 0
+        with read(self.engine) as connection:
+            stages = connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position)).all()
+        for stage in stages:
+            found, right = store.evaluations(stage.position), expected.evaluations(stage.position)
+            here, there = (0 if one is None else len(one.status) for one in (found, right))
+            lost += max(0, there - here)
+            repeated += max(0, here - there)
+            if found is not None and right is not None and here == there:
+                same = (found.points == right.points).all(axis=1) & _equal(found.costs, right.costs).all(axis=1)
+                repeated += int((~same).sum())
+        return lost, repeated
+
+
+def _equal(a: Any, b: Any) -> Any:
+    return (a == b) | (np.isnan(a) & np.isnan(b))
+
+
+@contextmanager
+def site(url: str, folder: Path) -> Iterator[Site]:
+    """A site on a migrated database; all its processes are killed at the end."""
+    migrate(url)
+    with ExitStack() as stack:
+        made = Site(url, folder, stack)
+        try:
+            yield made
+        finally:
+            made.engine.dispose()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, TypedDict
 
 import numpy as np
@@ -72,6 +72,19 @@ def _bytes(array: Any) -> bytes:
 def failed(columns: Columns) -> int:
     """How many evaluations failed, timeouts included."""
     return int(np.isin(columns.status, (FAILED, TIMEOUT)).sum())
+
+
+BLOCK = 4
+"""Number of chunks of a stage that are in memory at once while they are read one by one."""
+
+
+def chunks(
+    reader: sa.Connection, run_id: int, position: int, *columns: Any, where: sa.ColumnElement[bool] | None = None
+) -> Iterator[Any]:
+    """These columns of the chunks of a stage, in order, never more than a few at once."""
+    query = sa.select(*columns).where(EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
+    query = (query if where is None else query.where(where)).order_by(EvaluationChunk.first)
+    yield from reader.execute(query.execution_options(yield_per=BLOCK))
 
 
 def stored_columns(reader: sa.Connection, run_id: int, position: int) -> Columns | None:

@@ -58,9 +58,9 @@ class Campaign(Base):
 
 
 _LISTED = (
-    "pinned", "state", "verdict", "owner", "name", "campaign_digest", "tags", "created", "started", "finished",
-    "threshold", "nominal_cost", "worst_cost", "worst_method", "evaluations", "failed_evaluations", "upper_bound",
-    "removed", "token",
+    "pinned", "id", "state", "verdict", "owner", "token", "name", "tags", "campaign_digest", "created", "started",
+    "finished", "threshold", "nominal_cost", "worst_cost", "worst_method", "evaluations", "failed_evaluations",
+    "upper_bound",
 )  # fmt: skip
 
 
@@ -147,9 +147,12 @@ class Run(Base):
     """Digest of the deleted results; see `backend.db.digest`."""
     __table_args__ = (
         sa.Index("ix_runs_queue", "state", "owner", "not_before", "lease_until"),
-        # Covers all columns by which the run list searches, filters and sorts, so that SQLite does not read the wide
-        # rows. PostgreSQL stores wide values outside its rows, and cannot index JSON this way.
-        sa.Index("ix_runs_list", *_LISTED).ddl_if(dialect="sqlite"),
+        # Has all columns by which the run list searches, filters and sorts, in the order of the list, so that SQLite
+        # does not read the wide rows. PostgreSQL stores wide values outside its rows, and cannot index JSON this way.
+        sa.Index("ix_runs_list", *_LISTED, sqlite_where=sa.text("removed IS NULL")).ddl_if(dialect="sqlite"),
+        sa.Index("ix_runs_removed", "purged", "removed", sqlite_where=sa.text("removed IS NOT NULL")).ddl_if(
+            dialect="sqlite"
+        ),
     )
 
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import starmap
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sqlalchemy as sa
+from numpy.typing import NDArray
 
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
@@ -20,10 +21,11 @@ from backend.db.engine import read
 from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
 from backend.http.written import finite_all, headed
-from backend.results.evaluations import Bounds, in_units
-from campaigns import Campaign
+from backend.results.evaluations import Bounds
+from campaigns import Campaign, cube
 from campaigns.checked.check import parameters
 from campaigns.results.base import OK, STATUS
+from campaigns.stored.records import Floats
 
 BLOCK = 16
 """Number of chunks per read."""
@@ -40,6 +42,19 @@ class Evaluated:
     kind: str
     method: str | None
     evaluations: int
+
+
+class Block(NamedTuple):
+    """Consecutive evaluations of a stage as columns: their indices, what is not ok and why, the criteria in their own
+    sign and the parameters in their units."""
+
+    index: range
+    status: NDArray[np.uint8]
+    reasons: dict[int, str]
+    seconds: Floats
+    costs: list[Floats]
+    """NaN where the status is not ok."""
+    values: list[Floats]
 
 
 @dataclass(frozen=True)
@@ -61,8 +76,8 @@ class Sheet:
         """The headers of `rows`; `index` counts from 0 within the stage."""
         return ["index", "status", "reason", "seconds [s]", *starmap(headed, [*self.criteria, *self.parameters])]
 
-    def rows(self, engine: sa.Engine, stage: Evaluated) -> Iterator[list[list[Any]]]:
-        """The evaluations of one stage as blocks of rows; missing values are None."""
+    def blocks(self, engine: sa.Engine, stage: Evaluated) -> Iterator[Block]:
+        """The evaluations of one stage."""
         done = 0
         while done < stage.evaluations:
             with read(engine) as reader:
@@ -74,19 +89,30 @@ class Sheet:
                     yield self._block(chunk)
             done = chunks[-1].first + chunks[-1].count
 
-    def _block(self, chunk: Any) -> list[list[Any]]:
+    def rows(self, engine: sa.Engine, stage: Evaluated) -> Iterator[list[list[Any]]]:
+        """The evaluations of one stage as blocks of rows; missing values are None."""
+        for block in self.blocks(engine, stage):
+            costs = map(finite_all, block.costs)
+            values = [column.tolist() for column in block.values]
+            status = [STATUS[code] for code in block.status.tolist()]
+            reasons = map(block.reasons.get, block.index)
+            columns = (block.index, status, reasons, block.seconds.tolist(), *costs, *values)
+            yield list(map(list, zip(*columns, strict=True)))
+
+    def _block(self, chunk: Any) -> Block:
         columns = as_columns(chunk)
-        units = in_units(columns.points, [path for path, _ in self.parameters], self.limits)
-        shares = {path: columns.points[:, k].tolist() for k, (path, _) in enumerate(self.parameters)}
-        values = [units.get(path, shares[path]) for path, _ in self.parameters]
         turned = [0.0 - c if turn else c for c, turn in zip(columns.costs.T, self.turned, strict=False)]
-        costs = [finite_all(np.where(columns.status == OK, column, np.nan)) for column in turned]
-        index = range(chunk.first, chunk.first + chunk.count)
-        status = [STATUS[code] for code in columns.status.tolist()]
-        reasons = [columns.reasons.get(i) for i in index]
-        return [
-            list(row) for row in zip(index, status, reasons, columns.seconds.tolist(), *costs, *values, strict=True)
-        ]
+        return Block(
+            index=range(chunk.first, chunk.first + chunk.count),
+            status=columns.status,
+            reasons=columns.reasons,
+            seconds=columns.seconds,
+            costs=[np.where(columns.status == OK, column, np.nan) for column in turned],
+            values=[
+                cube.natural(columns.points[:, k], *self.limits[path]) if path in self.limits else columns.points[:, k]
+                for k, (path, _) in enumerate(self.parameters)
+            ],
+        )
 
 
 def sheet(reader: sa.Connection, run_id: int, campaign: Campaign) -> Sheet:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic_core import to_json
 
 from campaigns.cells import Writer
 
@@ -26,6 +27,16 @@ def finite(value: float | None) -> float | None:
 def finite_all(values: NDArray[np.float64]) -> list[float | None]:
     """The values (m,); None for those that are not finite."""
     return list(map(finite, values.tolist()))
+
+
+def cells(values: NDArray[np.float64]) -> list[bytes]:
+    """The `repr` of each value (m,), in a quarter of its time: the JSON of pydantic has the same digits, but writes
+    small numbers in other forms."""
+    found = to_json(values.tolist(), inf_nan_mode="constants")[1:-1].split(b",") if len(values) else []
+    size = np.abs(values)
+    for i in np.flatnonzero(~((size == 0.0) | (size >= 1e-4) & (size < 1e16))).tolist():
+        found[i] = repr(float(values[i])).encode()
+    return found
 
 
 def headed(name: str, unit: str) -> str:

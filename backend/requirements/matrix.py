@@ -152,7 +152,8 @@ def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present
     known: dict[int, Known] = {}
     for some in chunks(run_ids):
         signed = signatures(reader, some, now)
-        of = sa.select(Run.id, CampaignRow.name, CampaignRow.document, *identity.COLUMNS)
+        evidence = Run.summary["provenance"][EVIDENCE].as_string().label("evidence")
+        of = sa.select(Run.id, CampaignRow.name, CampaignRow.document, evidence, *identity.COLUMNS)
         of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(some))
         stored = {row.id: row for row in reader.execute(of)}
         for outcome in outcomes(reader, [Run.id.in_(some)]):
@@ -161,7 +162,7 @@ def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present
             changed = tuple(present.changes(now, run_id, row.name, row.document, identity.of_row(row)))
             own = signed.get(run_id, UNSIGNED)
             found = [one for one in own.signatures if one.row.withdrawn is None]
-            known[run_id] = Known(outcome, found, own.not_carried, changed, (row.provenance or {}).get(EVIDENCE))
+            known[run_id] = Known(outcome, found, own.not_carried, changed, row.evidence)
     return known
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -12,39 +13,59 @@ from numpy.typing import NDArray
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
-from backend.db.rows import as_columns, stored_columns
+from backend.db.rows import as_columns, chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.http.written import finite_all
 from backend.results import noise
+from backend.results.improvements import Improvements
 from backend.results.schemas import EvaluationFailure, Evaluations, EvaluationSeries
 from backend.runs.service import campaign
 from campaigns import cube, thin
 from campaigns.results.base import EXCLUDED, OK, STATUS, TIMEOUT
-from campaigns.stored.records import Columns
+from campaigns.stored.records import Columns, join
 
 MOST_FAILURES = 200
+_COSTS, _SHOWN, _FAILURES = (
+    [EvaluationChunk.first, EvaluationChunk.count, *(getattr(EvaluationChunk, name) for name in names)]
+    for names in (
+        ("costs", "status", "seconds"),
+        ("points", "costs", "status", "seconds"),
+        ("points", "status", "reasons"),
+    )
+)
+"""What is read of a chunk."""
 
 Bounds = Mapping[str, tuple[float, float, float]]
 
 
 def read(reader: sa.Connection, run_id: int, most: int, position: int | None) -> Evaluations:
-    """At most `most` evaluations of each stage, and the first failures with reasons; 404 if there is no such run."""
+    """At most `most` evaluations of each stage, and the first failures with reasons; 404 if there is no such run.
+
+    Two passes over the chunks of a stage, because which evaluations are shown depends on all of its costs: memory is
+    that of a few chunks, however many there are.
+    """
     run_campaign = campaign(reader, run_id)
     catalogue = described(reader, run_id)
-    limits = bounds(run_campaign, catalogue)
+    of = _Read(
+        reader,
+        run_id,
+        list(run_campaign.uncertain),
+        bounds(run_campaign, catalogue),
+        criteria(run_campaign.document(), catalogue),
+    )
     drawn = noise.drawn(reader, run_id, run_campaign)
-    listed = criteria(run_campaign.document(), catalogue)
-    paths = list(run_campaign.uncertain)
     query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations, Stage.failed, Stage.excluded)
     query = query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
     if position is not None:
         query = query.where(Stage.position == position)
-    found = Evaluations(criteria=listed, stages=[], failures=[])
+    found = Evaluations(criteria=of.criteria, stages=[], failures=[])
     for stage in reader.execute(query).all():
-        columns = stored_columns(reader, run_id, stage.position)
-        if columns is not None:
-            found.stages.append(_series(stage, columns, most, paths, limits, listed, drawn.get(stage.position, [])))
-            found.failures += _failures(stage.position, columns, paths, limits)[: MOST_FAILURES - len(found.failures)]
+        costs = _Costs()
+        for chunk in chunks(reader, run_id, stage.position, *_COSTS):
+            costs.add(chunk)
+        if costs.steps.read:
+            found.stages.append(of.series(stage, costs, most, drawn.get(stage.position, noise.NONE)))
+            found.failures += of.failures(stage.position, costs, MOST_FAILURES - len(found.failures))
     return found
 
 
@@ -63,7 +84,7 @@ def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) ->
     """A stage's first `most` non-excluded evaluations."""
     run_campaign = campaign(reader, run_id)
     of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
-    drawn = noise.drawn(reader, run_id, run_campaign).get(position, [])
+    drawn = noise.drawn(reader, run_id, run_campaign).get(position, noise.NONE)
     found: list[Evaluated] = []
     for row in reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first)):
         columns = as_columns(row)
@@ -80,49 +101,109 @@ def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) ->
     return found
 
 
-def _series(
-    stage: Any,
-    columns: Columns,
-    most: int,
-    paths: list[str],
-    limits: Bounds,
-    listed: list[CriterionOut],
-    drawn: list[int],
-) -> EvaluationSeries:
-    costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)
-    better = thin.improvements(costs)
-    chosen = thin.with_kept(len(costs), most, better)
-    return EvaluationSeries(
-        position=stage.position,
-        kind=stage.kind,
-        method=stage.method,
-        total=stage.evaluations,
-        failed=stage.failed,
-        timeouts=int((columns.status == TIMEOUT).sum()),
-        excluded=stage.excluded,
-        index=chosen.tolist(),
-        seconds=columns.seconds[chosen].tolist(),
-        cost=finite_all(costs[chosen]),
-        further=_further(columns, chosen, listed),
-        status=[STATUS[code] for code in columns.status[chosen].tolist()],
-        parameters=in_units(columns.points[chosen], paths, limits),
-        seeds=_seeds(drawn, chosen) if drawn else [],
-        improvements=improved(costs, columns.seconds, better),
-    )
+@dataclass
+class _Costs:
+    """What one pass over the costs of a stage shows."""
+
+    steps: Improvements = field(default_factory=Improvements)
+    timeouts: int = 0
+    without: dict[int, thin.Indices] = field(default_factory=dict)
+    """The rows of the first evaluations without a cost, by the first index of their chunk."""
+
+    def add(self, chunk: Any) -> None:
+        self.steps.add(chunk)
+        status = np.frombuffer(chunk.status, dtype=np.uint8)
+        self.timeouts += int((status == TIMEOUT).sum())
+        known = sum(map(len, self.without.values()))
+        if known < MOST_FAILURES and status.any():
+            self.without[chunk.first] = np.flatnonzero(status != OK)[: MOST_FAILURES - known]
 
 
-def _further(columns: Columns, chosen: thin.Indices, listed: list[CriterionOut]) -> dict[str, list[float | None]]:
-    """The other criteria's values of the chosen evaluations in their own sign; costs are always lower when worse."""
-    found = {}
-    for k, criterion in enumerate(listed[1 : columns.costs.shape[1]], 1):
-        costs = np.where(columns.status[chosen] == OK, columns.costs[chosen, k], np.nan)
-        found[criterion.name] = finite_all(0.0 - costs if criterion.worse == "high" else costs)
-    return found
+@dataclass(frozen=True)
+class _Read:
+    """Reads the evaluations that are shown of a run with these parameters and criteria."""
+
+    reader: sa.Connection
+    run_id: int
+    paths: list[str]
+    limits: Bounds
+    criteria: list[CriterionOut]
+
+    def series(self, stage: Any, costs: _Costs, most: int, drawn: noise.Seeds) -> EvaluationSeries:
+        steps = costs.steps
+        chosen = thin.with_kept(steps.read, most, np.array(steps.index, dtype=np.int64))
+        columns = self._rows(stage.position, chosen)
+        return EvaluationSeries(
+            position=stage.position,
+            kind=stage.kind,
+            method=stage.method,
+            total=stage.evaluations,
+            failed=stage.failed,
+            timeouts=costs.timeouts,
+            excluded=stage.excluded,
+            index=chosen.tolist(),
+            seconds=columns.seconds.tolist(),
+            cost=finite_all(np.where(columns.status == OK, columns.costs[:, 0], np.nan)),
+            further=self._further(columns),
+            status=[STATUS[code] for code in columns.status.tolist()],
+            parameters=in_units(columns.points, self.paths, self.limits),
+            seeds=_seeds(drawn, chosen) if len(drawn) else [],
+            improvements=_improved(steps),
+        )
+
+    def failures(self, position: int, costs: _Costs, most: int) -> list[EvaluationFailure]:
+        """At most `most` of the first evaluations without a cost."""
+        if most <= 0 or not costs.without:
+            return []
+        wanted = EvaluationChunk.first.in_(costs.without)
+        found: list[EvaluationFailure] = []
+        for chunk in chunks(self.reader, self.run_id, position, *_FAILURES, where=wanted):
+            rows = costs.without[chunk.first]
+            values = in_units(_array(chunk.points, chunk.count)[rows], self.paths, self.limits)
+            codes = np.frombuffer(chunk.status, dtype=np.uint8)[rows].tolist()
+            found += [
+                EvaluationFailure(
+                    position=position,
+                    index=index,
+                    status=cast(Any, STATUS[code]),
+                    reason=chunk.reasons.get(str(index), ""),
+                    parameters={path: column[row] for path, column in values.items()},
+                )
+                for row, (index, code) in enumerate(zip((chunk.first + rows).tolist(), codes, strict=True))
+            ]
+        return found[:most]
+
+    def _rows(self, position: int, chosen: thin.Indices) -> Columns:
+        """These evaluations of a stage; their indices are ordered."""
+        found = []
+        for chunk in chunks(self.reader, self.run_id, position, *_SHOWN):
+            first, last = np.searchsorted(chosen, [chunk.first, chunk.first + chunk.count])
+            rows = chosen[first:last] - chunk.first
+            points, costs, seconds = (
+                _array(data, chunk.count)[rows] for data in (chunk.points, chunk.costs, chunk.seconds)
+            )
+            status = np.frombuffer(chunk.status, dtype=np.uint8)[rows]
+            found.append(Columns(points, costs, status, seconds[:, 0], {}))
+        joined = join(found)
+        assert joined is not None
+        return joined
+
+    def _further(self, columns: Columns) -> dict[str, list[float | None]]:
+        """The other criteria's values in their own sign; costs are always lower when worse."""
+        found = {}
+        for k, criterion in enumerate(self.criteria[1 : columns.costs.shape[1]], 1):
+            costs = np.where(columns.status == OK, columns.costs[:, k], np.nan)
+            found[criterion.name] = finite_all(0.0 - costs if criterion.worse == "high" else costs)
+        return found
 
 
-def _seeds(drawn: list[int], index: thin.Indices) -> list[int | None]:
+def _array(data: bytes, count: int) -> thin.Floats:
+    return np.frombuffer(data, dtype="<f8").reshape(count, -1)
+
+
+def _seeds(drawn: noise.Seeds, index: thin.Indices) -> list[int | None]:
     """The noise seeds of these evaluations of a stage whose first ones drew `drawn`."""
-    return [drawn[at] if at < len(drawn) else None for at in index.tolist()]
+    return [int(drawn[at]) if at < len(drawn) else None for at in index.tolist()]
 
 
 def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> dict[str, list[float]]:
@@ -135,25 +216,12 @@ def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> d
     return found
 
 
-def improved(costs: thin.Floats, seconds: thin.Floats, better: thin.Indices) -> dict[str, list[float]]:
+def _improved(steps: Improvements) -> dict[str, list[float]]:
     """The convergence history as a step line: its steps, and its end at the last evaluation."""
-    last = len(costs) - 1
-    index, best = better.tolist(), costs[better].tolist()
-    if index and index[-1] != last:
-        index, best = [*index, last], [*best, best[-1]]
-    return {"index": index, "seconds": seconds[index].tolist() if index else [], "cost": best}
-
-
-def _failures(position: int, columns: Columns, paths: list[str], limits: Bounds) -> list[EvaluationFailure]:
-    found = np.flatnonzero(columns.status != OK)[:MOST_FAILURES]
-    values = in_units(columns.points[found], paths, limits)
-    return [
-        EvaluationFailure(
-            position=position,
-            index=index,
-            status=cast(Any, STATUS[columns.status[index]]),
-            reason=columns.reasons.get(index, ""),
-            parameters={path: column[row] for path, column in values.items()},
-        )
-        for row, index in enumerate(found.tolist())
-    ]
+    if not steps.index or steps.index[-1] == steps.read - 1:
+        return {"index": [*steps.index], "seconds": steps.seconds, "cost": steps.cost}
+    return {
+        "index": [*steps.index, steps.read - 1],
+        "seconds": [*steps.seconds, steps.last],
+        "cost": [*steps.cost, steps.cost[-1]],
+    }

@@ -26,7 +26,9 @@ class Improvements:
     read: int = 0
     """Number of evaluations read."""
     elapsed: float = 0.0
-    """Working time at the last of them [s]."""
+    """Working time when the last of them was completed [s]."""
+    last: float = 0.0
+    """Working time at the last of them by index [s]."""
     point: Floats | None = None
     """The best point (n,) on the unit cube."""
 
@@ -36,14 +38,15 @@ class Improvements:
         query = sa.select(chunk.first, chunk.count, chunk.costs, chunk.status, chunk.seconds)
         of = (chunk.run_id == run_id, chunk.position == position)
         for row in reader.execute(query.where(*of, chunk.first >= self.read).order_by(chunk.first)):
-            self._add(row)
+            self.add(row)
         if len(self.index) > known:
             # Only the best point is needed; the other points are not read.
             best = sa.select(chunk.first, chunk.count, chunk.points).where(*of, chunk.first <= self.index[-1])
             first, count, points = reader.execute(best.order_by(chunk.first.desc()).limit(1)).one()
             self.point = np.frombuffer(points, dtype="<f8").reshape(count, -1)[self.index[-1] - first]
 
-    def _add(self, chunk: Any) -> None:
+    def add(self, chunk: Any) -> None:
+        """Read the next chunk: `first`, `count`, `costs`, `status`, `seconds`."""
         costs = np.frombuffer(chunk.costs, dtype="<f8").reshape(chunk.count, -1)[:, 0]
         costs = np.where(np.frombuffer(chunk.status, dtype=np.uint8) == 0, costs, np.nan)
         seconds = np.frombuffer(chunk.seconds, dtype="<f8")
@@ -51,4 +54,5 @@ class Improvements:
         self.index += (chunk.first + better).tolist()
         self.seconds += seconds[better].tolist()
         self.cost += costs[better].tolist()
+        self.last = float(seconds[-1])
         self.read, self.elapsed = chunk.first + chunk.count, max(self.elapsed, float(seconds.max()))

@@ -5,7 +5,9 @@ Which stages draw them is in their declarations (`campaigns.stages`).
 
 from __future__ import annotations
 
+import numpy as np
 import sqlalchemy as sa
+from numpy.typing import NDArray
 
 from backend.db.continuation import sample_seed
 from backend.db.tables import Finding, Stage
@@ -13,8 +15,11 @@ from campaigns import Campaign
 from campaigns.results.draws import of_draws
 from campaigns.stages.found import declared, stage_result
 
+Seeds = NDArray[np.int64]
+NONE: Seeds = np.array([], dtype=np.int64)
 
-def drawn(reader: sa.Connection, run_id: int, campaign: Campaign) -> dict[int, list[int]]:
+
+def drawn(reader: sa.Connection, run_id: int, campaign: Campaign) -> dict[int, Seeds]:
     """The seeds of the leading evaluations of a stage that each drew one, {position: seeds}.
 
     A stage reports their number when it ends.
@@ -22,13 +27,15 @@ def drawn(reader: sa.Connection, run_id: int, campaign: Campaign) -> dict[int, l
     drawing = {kind: stage.draws for kind, stage in declared().items() if stage.draws is not None}
     query = sa.select(Stage.position, Stage.kind, Stage.result, Stage.evaluations)
     query = query.where(Stage.run_id == run_id, Stage.kind.in_(drawing))
-    found, drawn_at_launch = {}, sample_seed(reader, run_id)
+    found: dict[int, Seeds] = {}
+    drawn_at_launch = sample_seed(reader, run_id)
     seed = campaign.seed if drawn_at_launch is None else drawn_at_launch.value
     for row in reader.execute(query).all():
         result = None if row.result is None else stage_result(row.result)
         count = drawing[row.kind](campaign, row.evaluations) if result is None else result.drawn
         known = None if result is None else result.seeds
-        found[row.position] = of_draws(seed, 0, min(count, row.evaluations)).tolist() if known is None else known
+        leading = min(count, row.evaluations)
+        found[row.position] = of_draws(seed, 0, leading) if known is None else np.array(known, np.int64)
     return found
 
 

@@ -11,6 +11,7 @@ import sqlalchemy as sa
 from backend.db import labels
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunLabel
+from backend.runs.filters import unindexed
 from backend.runs.schemas import Facet, RunFacets
 
 MOST = 200
@@ -36,6 +37,7 @@ def facets(reader: sa.Connection) -> RunFacets:
 
 
 def _counted(reader: sa.Connection, column: Any) -> Counter[str]:
+    column = unindexed(column)
     rows = reader.execute(sa.select(column, sa.func.count()).where(Run.removed.is_(None)).group_by(column))
     return Counter({value: number for value, number in rows if value})
 

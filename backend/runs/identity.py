@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection
+from functools import lru_cache
 from typing import Any
 
 import sqlalchemy as sa
@@ -19,8 +21,8 @@ from campaigns.versions import Versions, differing
 CHUNK = 500
 """Runs that are read in one statement."""
 COLUMNS = (
-    Run.flown,
-    Run.summary["provenance"].label("provenance"),
+    sa.cast(Run.flown, sa.Text).label("flown"),
+    Run.summary["provenance"].as_string().label("provenance"),
     CampaignRow.document["simulator"]["name"].as_string().label("simulator"),
 )
 """What `of_row` needs, of runs joined with their campaigns."""
@@ -28,8 +30,14 @@ COLUMNS = (
 
 def of_row(row: Any) -> Identity | None:
     """The identity of a run from its `COLUMNS`; None if it has not begun, or if nothing was stored when it began."""
-    stored = row.flown or row.provenance
-    return identity_of(Versions.of(stored), row.simulator or "") if stored else None
+    return _of_text(row.flown, row.simulator) or _of_text(row.provenance, row.simulator)
+
+
+@lru_cache(maxsize=1024)
+def _of_text(text: str | None, simulator: str | None) -> Identity | None:
+    """The identity in a stored document; most runs of a list have the same."""
+    stored = json.loads(text) if text else None
+    return identity_of(Versions.of(stored), simulator or "") if stored else None
 
 
 def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Identity]:

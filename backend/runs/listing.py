@@ -17,7 +17,7 @@ from backend.db.engine import read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from backend.runs import counts, identity, sampled, waiting
-from backend.runs.filters import Filters
+from backend.runs.filters import Filters, unindexed
 from backend.runs.order import Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
 from campaigns.results.verdict import VerdictWord
@@ -25,6 +25,22 @@ from campaigns.runs import HELD, RunState, StageState, run_name
 
 _PLAIN = tuple(name for name in RunSummary.model_fields if name in Run.__table__.columns and name not in counts.NAMES)
 """The fields of a summary that are columns of the run."""
+
+_SUMMARIES = (
+    sa.select(
+        *(getattr(Run, column) for column in _PLAIN),
+        CampaignRow.name.label("campaign_name"),
+        *(CampaignRow.document["criterion"][key].as_string().label(key) for key in ("component", "result")),
+        *(Run.summary[key].as_string().label(key) for key in ("quantity", "unit")),
+        *counts.COLUMNS,
+        *identity.COLUMNS,
+        *sampled.COLUMNS,
+    )
+    .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    .where(Run.purged.is_(None))
+    .order_by(Run.id.desc())
+)
+"""What a summary is made of; built once, because that takes longer than reading a row."""
 
 Units = dict[tuple[str | None, str], tuple[str, str]]
 
@@ -52,21 +68,7 @@ def named(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
 
 def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[RunSummary]:
     """Summaries of the runs that fulfil the conditions, newest first; purged runs are omitted."""
-    document = CampaignRow.document
-    named = [document["criterion"][k].as_string().label(k) for k in ("component", "result")]
-    verdicts = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
-    columns = [getattr(Run, column) for column in _PLAIN]
-    query = sa.select(
-        *columns,
-        CampaignRow.name.label("campaign_name"),
-        *named,
-        *verdicts,
-        *counts.COLUMNS,
-        *identity.COLUMNS,
-        *sampled.COLUMNS,
-    )
-    query = query.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-    rows = reader.execute(query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc())).all()
+    rows = reader.execute(_SUMMARIES.where(*conditions)).all()
     working = _working(reader, [row.id for row in rows if row.state in HELD])
     units = _units(reader) if any(row.unit is None for row in rows) else {}
     excluded = counts.excluded(reader, [row.id for row in rows])
@@ -127,11 +129,11 @@ def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
 def _counts(reader: sa.Connection, filters: Filters) -> dict[str, int]:
     found = filters.found()
     counts = dict.fromkeys(("total", "removed", *RunState, *VerdictWord), 0)
-    groups = sa.select(Run.state, Run.verdict, sa.func.count()).where(*found).group_by(Run.state, Run.verdict)
-    for state, verdict, count in reader.execute(groups):
+    columns = unindexed(Run.state), unindexed(Run.verdict)
+    for state, verdict, count in reader.execute(sa.select(*columns, sa.func.count()).where(*found).group_by(*columns)):
         counts["total"] += count
         counts[state] += count
-        if verdict is not None:
+        if verdict:
             counts[verdict] += count
     away = replace(filters, removed=True).found()
     counts["removed"] = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(*away)) or 0

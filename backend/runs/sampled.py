@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from functools import lru_cache
 from typing import Any
 
 from backend.db.tables import Run
@@ -9,7 +11,7 @@ from campaigns.results.verdict import not_sampled
 from campaigns.runs import RunState
 
 COLUMNS = (
-    Run.summary["checks"].as_json().label("checks"),
+    Run.summary["checks"].as_string().label("checks"),
     Run.summary["statistics", "source"].as_string().label("source"),
     Run.summary["statistics", "samples"].as_integer().label("samples"),
 )
@@ -18,5 +20,10 @@ COLUMNS = (
 
 def of(row: Any) -> bool:
     drawn = row.samples or 0 if row.source in (None, "certify") else 0
-    failing = [check["name"] for check in row.checks or [] if not check["ok"]]
-    return row.state == RunState.DONE and not_sampled(row.verdict, failing, drawn)
+    return row.state == RunState.DONE and not_sampled(row.verdict, _failing(row.checks), drawn)
+
+
+@lru_cache(maxsize=512)
+def _failing(checks: str | None) -> tuple[str, ...]:
+    """The names of the checks that fail; reading the checks of a page of the list takes a quarter of its time."""
+    return tuple(check["name"] for check in json.loads(checks or "[]") or [] if not check["ok"])

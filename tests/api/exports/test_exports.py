@@ -14,11 +14,15 @@ import pytest
 import sqlalchemy as sa
 from scipy.io import loadmat
 
+from backend.db.engine import read
 from backend.db.tables import CatalogueDocument, Run
 from backend.exports.formats.evaluations_csv import evaluations_csv
+from backend.exports.sheet import sheet
 from backend.http.naming import named
+from backend.http.written import lines
+from backend.runs.service import campaign
 from backend.scenes.recordings import recording
-from campaigns.stored.records import Columns
+from campaigns.stored.records import Columns, StagePlan
 from tests.api.conftest import running
 from tests.given.databases import AT_NIGHT, KINDS, Fresh
 from tests.given.finished_runs import Work, finish, flight, search
@@ -116,6 +120,27 @@ def test_without_a_catalogue_parameters_are_fractions(service: Service, client: 
     head, first, *_ = table(client.get(f"/api/v1/runs/{run}/exports/evaluations.csv"))
     assert head[-2:] == ["vehicle.m [share of range]", "vehicle.J [share of range]"]
     assert [float(value) for value in first[-2:]] == search(0, 1).points[0].tolist()
+
+
+def test_the_file_is_that_of_a_writer_of_rows(service: Service, client: httpx.Client) -> None:
+    submit(client)
+    work = Work(service, [StagePlan("nominal", None, 1), StagePlan("search", "@odd", 9)])
+    reasons = {1: "=1+1", 2: 'a "quoted", long\r\ntext', 3: "", 5: "-1"}
+    numbers = np.array([1e-5, 1e-300, 0.0, 1.0, 1 / 3, 1e17, np.inf, np.nan, -0.0])
+    status = np.array([0, 1, 2, 3, 0, 1, 0, 0, 0], np.uint8)
+    for position, first, last in ((0, 0, 1), (1, 0, 4), (1, 4, 9)):
+        some = {i: reason for i, reason in reasons.items() if first <= i < last and position}
+        points = np.column_stack([numbers, numbers[::-1]])[first:last]
+        columns = Columns(points, numbers[first:last, None], status[first:last], 0.001 * np.arange(first, last), some)
+        work.store.append(position, first, columns)
+    with read(service.engine) as reader:
+        found = sheet(reader, 1, campaign(reader, 1))
+    rows: list[list[object]] = [["stage", "kind", "method", *found.columns]]
+    for stage in found.stages:
+        place = [stage.position, stage.kind, stage.method]
+        rows += [place + row for block in found.rows(service.engine, stage) for row in block]
+    assert len(rows) == 11
+    assert b"".join(evaluations_csv(service.engine, 1)) == lines(rows)
 
 
 def test_fifty_thousand_evaluations_are_streamed(service: Service, client: httpx.Client) -> None:

@@ -48,7 +48,7 @@ def test_every_column_is_stored_and_found_again() -> None:
 def test_the_best_is_that_of_the_criterion_that_decides() -> None:
     assert lowest(COLUMNS) == (0.8, 1)
     improvements = Improvements()
-    improvements._add(row())
+    improvements.add(row())
     assert (improvements.index, improvements.cost) == ([0, 1], [0.9, 0.8])
 
 

@@ -102,7 +102,7 @@ def test_without_built_pages_a_plain_page_explains_what_to_do(
 ) -> None:
     answer = client.get(path, headers=HTML)
     assert answer.status_code == 503
-    assert re.findall("<code>([a-zA-Z_ ]+)</code>", answer.text)[:2] == ["make install", "CLEARANCE_PAGES"]
+    assert re.findall("<code>([a-zA-Z_ ]+)</code>", answer.text)[:2] == ["make wheel", "CLEARANCE_PAGES"]
     assert str(service.settings.pages) in answer.text
 
 

@@ -30,13 +30,14 @@ OTHERS: dict[str, set[float]] = {
     "backend/reports/plot.py": {0.05, 1e-6, 10.0},
     # A power of ten.
     "campaigns/checked/extents.py": {10.0},
-    # Gradients of a descent.
     # A time that is shown as less than 0.1 s, a slack of decimals; examples of numbers.
     "campaigns/claims/numbers.py": {0.05, 0.01},
     # Times [s], and the shortest that a rate is computed from.
     "worker/engine/stages/parts/driver.py": {0.2, 1e-6},
     "worker/engine/stages/parts/in_slots.py": {0.2},
     "worker/engine/stages/parts/slot_driver.py": {1e-6},
+    # Distances among candidates, as fractions of every range.
+    "worker/engine/stages/parts/findings.py": {0.03, 0.1},
 }
 """Numbers that are equal to a limit and mean something else, by file."""
 

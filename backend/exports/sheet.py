@@ -48,7 +48,7 @@ class Block(NamedTuple):
     """Consecutive evaluations of a stage as columns: their indices, what is not ok and why, the criteria in their own
     sign and the parameters in their units."""
 
-    index: range
+    indices: range
     status: NDArray[np.uint8]
     reasons: dict[int, str]
     seconds: Floats
@@ -95,8 +95,8 @@ class Sheet:
             costs = map(finite_all, block.costs)
             values = [column.tolist() for column in block.values]
             status = [STATUS[code] for code in block.status.tolist()]
-            reasons = map(block.reasons.get, block.index)
-            columns = (block.index, status, reasons, block.seconds.tolist(), *costs, *values)
+            reasons = map(block.reasons.get, block.indices)
+            columns = (block.indices, status, reasons, block.seconds.tolist(), *costs, *values)
             yield list(map(list, zip(*columns, strict=True)))
 
     def _block(self, chunk: Any) -> Block:

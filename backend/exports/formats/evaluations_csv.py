@@ -37,9 +37,9 @@ def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
 
 def _columns(block: Block) -> Iterator[Iterable[bytes]]:
     """The cells of each column; a column at a time, because a row of Python objects takes four times as long."""
-    yield to_json([*block.index])[1:-1].split(b",")
+    yield to_json([*block.indices])[1:-1].split(b",")
     yield [_STATUS[code] for code in block.status.tolist()]
-    yield [_text(block.reasons.get(i)) for i in block.index] if block.reasons else repeat(b"", len(block.index))
+    yield [_text(block.reasons.get(i)) for i in block.indices] if block.reasons else repeat(b"", len(block.indices))
     yield cells(block.seconds)
     for costs in block.costs:
         written = cells(costs)

@@ -56,6 +56,14 @@ class Block(NamedTuple):
     """NaN where the status is not ok."""
     values: list[Floats]
 
+    def rows(self) -> list[list[Any]]:
+        """The evaluations one by one; missing values are None."""
+        status = [STATUS[code] for code in self.status.tolist()]
+        values = [column.tolist() for column in self.values]
+        reasons = map(self.reasons.get, self.indices)
+        columns = (self.indices, status, reasons, self.seconds.tolist(), *map(finite_all, self.costs), *values)
+        return list(map(list, zip(*columns, strict=True)))
+
 
 @dataclass(frozen=True)
 class Sheet:
@@ -92,18 +100,13 @@ class Sheet:
     def rows(self, engine: sa.Engine, stage: Evaluated) -> Iterator[list[list[Any]]]:
         """The evaluations of one stage as blocks of rows; missing values are None."""
         for block in self.blocks(engine, stage):
-            costs = map(finite_all, block.costs)
-            values = [column.tolist() for column in block.values]
-            status = [STATUS[code] for code in block.status.tolist()]
-            reasons = map(block.reasons.get, block.indices)
-            columns = (block.indices, status, reasons, block.seconds.tolist(), *costs, *values)
-            yield list(map(list, zip(*columns, strict=True)))
+            yield block.rows()
 
     def _block(self, chunk: Any) -> Block:
         columns = as_columns(chunk)
         turned = [0.0 - c if turn else c for c, turn in zip(columns.costs.T, self.turned, strict=False)]
         return Block(
-            index=range(chunk.first, chunk.first + chunk.count),
+            indices=range(chunk.first, chunk.first + chunk.count),
             status=columns.status,
             reasons=columns.reasons,
             seconds=columns.seconds,

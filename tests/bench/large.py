@@ -95,7 +95,7 @@ def export(client: httpx.Client, running: Started, run: str) -> None:
     """The CSV file of the large run, and what others wait for in the meantime."""
     show("others_alone_wall_ms", waited(client, 2.0))
     done, others = threading.Event(), [0.0]
-    watching = threading.Thread(target=lambda: others.append(waited(client, 600.0, done)))
+    watching = threading.Thread(target=lambda: others.append(waited(client, 600.0, done)), daemon=True)
     before, began, size = seconds(running.family()), time.perf_counter(), 0
     watching.start()
     with client.stream("GET", f"/runs/{run}/exports/evaluations.csv") as answer:

@@ -28,6 +28,13 @@ from tests.given.problem_documents import problem
 from tests.given.service import Service
 
 
+@pytest.fixture(scope="module")
+def server() -> Iterator[postgres.Server]:
+    """A server of this file alone: others empty the tables of theirs."""
+    with postgres.server() as running:
+        yield running
+
+
 class Bench(Stored):
     def __init__(self, url: str) -> None:
         self.engine = connect(url)

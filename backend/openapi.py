@@ -96,7 +96,7 @@ def _document(app: FastAPI) -> JsonObject:
     components["schemas"] = dict(sorted(schemas.items()))
     components["securitySchemes"] = SECURITY
     found["security"] = [{name: []} for name in SECURITY]
-    for path in HEALTH:
+    for path in HEALTH & found["paths"].keys():
         found["paths"][path]["get"]["security"] = []
     return found
 

@@ -75,7 +75,7 @@ _READING = (
 METRICS: tuple[Method, str] = ("GET", "/metrics")
 
 RULES: dict[tuple[Method, str], Rule] = {
-    **{("GET", f"{API}/health{rest}"): OPEN for rest in ("", "/live", "/ready")},
+    **{("GET", f"{place}/health{rest}"): OPEN for place in (API, "") for rest in ("", "/live", "/ready")},
     METRICS: READ,  # open with CLEARANCE_METRICS_OPEN=true
     # For editors, which read it without a token; it is the same in every installation of a version.
     ("GET", f"{API}/campaigns/schema"): OPEN,

@@ -15,8 +15,8 @@ from starlette.types import Scope
 
 from backend.http.errors import RefusedError
 
-HEALTH = frozenset(f"/api/v1/health{rest}" for rest in ("", "/live", "/ready"))
-"""Open to every name: health checks call a machine by its address."""
+HEALTH = frozenset(f"{place}/health{rest}" for place in ("/api/v1", "") for rest in ("", "/live", "/ready"))
+"""Open to every name: health checks call a machine by its address, where such checks look first and in the API."""
 
 _HOST = re.compile(r"([A-Za-z0-9._~-]{1,253}|\[[0-9A-Fa-f:.]{2,45}\])(:[0-9]{1,5})?")
 

@@ -30,6 +30,14 @@ from tests.given.submissions import submit
 LIVE, READY = "/api/v1/health/live", "/api/v1/health/ready"
 
 
+@pytest.mark.parametrize("rest", ["", "/live", "/ready"])
+def test_a_health_check_finds_it_where_such_checks_look_first(service: Service, rest: str) -> None:
+    service.compare()
+    with service.visitor() as client:
+        here, there = client.get(f"/health{rest}"), client.get(f"/api/v1/health{rest}")
+    assert (here.status_code, here.json()) == (there.status_code, there.json()) == (200, {"status": "ok"})
+
+
 def reasons(client: httpx.Client) -> list[str]:
     """What is missing; empty if the service is ready."""
     answer = client.get(READY)

@@ -85,8 +85,9 @@ UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-d
 def create(settings: Settings) -> FastAPI:
     """The application on the settings' database, which must be migrated (`backend.db.engine.migrate`)."""
     engine = connect(settings.database_url)
-    hub, live, door, capacities = Hub(engine), Live(), Door(settings.database_url, settings.cookie), Capacities()
-    measured, folders = Requests(), space.places(settings.database_url, settings.data)
+    room = space.Room(tuple(space.places(settings.database_url, settings.data)), settings.min_free)
+    hub, live, door, capacities = Hub(engine, room), Live(), Door(settings.database_url, settings.cookie), Capacities()
+    measured = Requests()
     rates, frames = Rates(settings.max_requests_per_minute), Frames()
     hosts = Hosts(settings.host, settings.public_url, settings.allowed_hosts, settings.allow_any_host)
 
@@ -126,11 +127,12 @@ def create(settings: Settings) -> FastAPI:
         separate_input_output_schemas=False,
     )
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
+    app.state.room = room
     app.state.webhooks = Dispatcher(engine, settings.hooks, settings.public_url)
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.frames, app.state.failures = frames, Failures(door)
-    app.state.lockout, app.state.metrics = Lockout(), Metrics(folders, measured)
+    app.state.lockout, app.state.metrics = Lockout(), Metrics(room, measured)
     app.state.provider = provider.of(settings.provider)
     app.state.provider_noted = Bucket(provider.BURST, provider.PERIOD)
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)

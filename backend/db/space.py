@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import sqlalchemy as sa
@@ -28,6 +29,22 @@ def free(folders: Iterable[Path]) -> int | None:
         except OSError:  # reported by what needs the folder
             continue
     return min(found, default=None)
+
+
+@dataclass(frozen=True)
+class Room:
+    """Where the service writes, and how much must stay free there [bytes]."""
+
+    folders: tuple[Path, ...]
+    limit: int
+
+    def free(self) -> int | None:
+        """As of `free`."""
+        return free(self.folders)
+
+    def short(self) -> str:
+        """As of `short`."""
+        return short(self.folders, self.limit)
 
 
 def short(folders: Iterable[Path], limit: int) -> str:

@@ -13,6 +13,7 @@ import anyio.to_thread
 import sqlalchemy as sa
 
 from backend.db.outages import DatabaseOutage
+from backend.db.space import Room
 from backend.events.roster import Roster
 from backend.events.watch import Event, Watch, identified
 
@@ -74,8 +75,8 @@ class _Listener:
 class Hub:
     """Sends every change to the listeners; polls only while there are any."""
 
-    def __init__(self, engine: sa.Engine) -> None:
-        self._engine = engine
+    def __init__(self, engine: sa.Engine, room: Room) -> None:
+        self._engine, self._room = engine, room
         self._listeners: set[_Listener] = set()
         self._poller: asyncio.Task[None] | None = None
         self._ended = False
@@ -124,7 +125,7 @@ class Hub:
             return COMMENT
 
     async def _poll(self) -> None:
-        watch, roster = Watch(self._engine), Roster(self._engine)
+        watch, roster = Watch(self._engine), Roster(self._engine, self._room)
         try:
             while self._listeners:
                 try:

@@ -10,17 +10,20 @@ import time
 import sqlalchemy as sa
 
 from backend.db.engine import read
+from backend.db.space import Room
 from backend.events.watch import Event
-from backend.workers.schemas import WorkerOut, Workers
+from backend.workers.schemas import Space, WorkerOut, Workers
 from backend.workers.service import workers
 
 PERIOD = 1.0
 """How often the heartbeats are read [s]."""
+STEP = 100_000_000
+"""Free space is reported when it passes a multiple of this [bytes]."""
 
 
 class Roster:
-    def __init__(self, engine: sa.Engine) -> None:
-        self._engine = engine
+    def __init__(self, engine: sa.Engine, room: Room) -> None:
+        self._engine, self._room = engine, room
         self._seen: Workers | None = None
         self._due = 0.0
 
@@ -31,7 +34,7 @@ class Roster:
         self._due = time.monotonic() + PERIOD
         before = self._seen
         with read(self._engine) as reader:
-            self._seen = workers(reader)
+            self._seen = workers(reader, self._room)
         return [] if before is None or _lasting(before) == _lasting(self._seen) else self.everything()
 
     def everything(self) -> list[Event]:
@@ -39,5 +42,7 @@ class Roster:
         return [] if self._seen is None else [Event(None, "workers", self._seen.model_dump_json())]
 
 
-def _lasting(seen: Workers) -> tuple[int, list[WorkerOut]]:
-    return seen.queued, [w if w.state == "silent" else w.model_copy(update={"beat": 0.0}) for w in seen.items]
+def _lasting(seen: Workers) -> tuple[int, Space, list[WorkerOut]]:
+    free = None if seen.space.free is None else seen.space.free // STEP
+    items = [w if w.state == "silent" else w.model_copy(update={"beat": 0.0}) for w in seen.items]
+    return seen.queued, seen.space.model_copy(update={"free": free, "short": bool(seen.space.short)}), items

@@ -38,7 +38,7 @@ async def ready(request: Request) -> Health:
     """Whether runs can be done: the database answers in this version's schema, a worker is alive, there is space."""
     settings = request.app.state.settings
     found = await request.app.state.door.inspected(
-        lambda engine: reasons(engine, settings.data, settings.database_url, settings.min_free)
+        lambda engine: reasons(engine, settings.data, request.app.state.room)
     )
     if found:
         errors = [Problem(reason.what, "", reason.sentence) for reason in found]

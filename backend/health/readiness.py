@@ -23,12 +23,12 @@ class Reason:
     sentence: str
 
 
-def reasons(engine: sa.Engine, data: Path, url: str, min_free: int) -> list[Reason]:
+def reasons(engine: sa.Engine, data: Path, room: space.Room) -> list[Reason]:
     """Why no run can be done now; none if it can."""
     found = []
     if not data.is_dir():
         found.append(Reason("folder", NO_FOLDER))
-    if why := space.short(space.places(url, data), min_free):
+    if why := room.short():
         found.append(Reason("space", why))
     try:
         with read(engine) as connection:

@@ -39,11 +39,16 @@ def capacities(request: Request) -> Capacities:
 Reader = Annotated[sa.Connection, Depends(reader)]
 
 
+def where(request: Request) -> space.Room:
+    """Where the service writes."""
+    found = request.app.state.room
+    assert isinstance(found, space.Room)
+    return found
+
+
 def room(request: Request) -> None:
     """Refuses what begins a run while there is little space (503)."""
-    settings = request.app.state.settings
-    why = space.short(space.places(settings.database_url, settings.data), settings.min_free)
-    if why:
+    if why := where(request).short():
         raise RefusedError(503, "no-space", why, headers={"Retry-After": "60"})
 
 

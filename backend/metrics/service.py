@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from time import monotonic
 
 import sqlalchemy as sa
@@ -38,9 +37,8 @@ class Stored:
 class Metrics:
     """Reads the metrics; remembers since when each run has had no new evaluation, as far as it was asked."""
 
-    def __init__(self, folders: Sequence[Path], requests: Requests) -> None:
-        """folders: where data is written."""
-        self.folders, self.requests = folders, requests
+    def __init__(self, room: space.Room, requests: Requests) -> None:
+        self.room, self.requests = room, requests
         self._since: dict[tuple[int, int], float] = {}
 
     def text(self, engine: sa.Engine, waiting: dict[str, int]) -> str:
@@ -57,9 +55,7 @@ class Metrics:
             yield from self._of_the_database(stored)
         depth = [Sample("clearance_jobs", count, {"queue": name}) for name, count in waiting.items()]
         yield Metric("clearance_jobs", "gauge", "Running and waiting jobs of the service.", depth)
-        yield of_one(
-            "clearance_free_bytes", "gauge", "Least free space where data is written.", space.free(self.folders)
-        )
+        yield of_one("clearance_free_bytes", "gauge", "Least free space where data is written.", self.room.free())
         yield Metric(
             "clearance_request_seconds", "histogram", "Requests by route and status class.", self.requests.samples()
         )

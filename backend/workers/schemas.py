@@ -32,6 +32,17 @@ class WorkerOut(Schema):
     """The names of its simulators."""
 
 
+class Space(Schema):
+    """The free space where the service writes."""
+
+    free: int | None
+    """In bytes; None if it cannot be read."""
+    limit: int
+    """Below it no new run begins, in bytes."""
+    short: str
+    """Why no new run begins, a sentence; empty if there is enough space."""
+
+
 class Workers(Schema):
     """The workers of this database: the live ones, and those that have become silent within ten minutes."""
 
@@ -42,4 +53,5 @@ class Workers(Schema):
     """When any worker was last seen, seconds since 1970; None if none is known."""
     queued: int
     """Number of runs that wait for a worker."""
+    space: Space
     items: list[WorkerOut]

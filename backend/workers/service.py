@@ -7,10 +7,11 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db.engine import now
+from backend.db.space import Room
 from backend.db.tables import Run, Stage, Worker
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs import waiting
-from backend.workers.schemas import WorkerOut, Workers
+from backend.workers.schemas import Space, WorkerOut, Workers
 from campaigns.runs import RunState, StageState, run_name
 from campaigns.stages.found import declared
 
@@ -18,8 +19,8 @@ LISTED = 600.0
 """A worker without a heartbeat is listed for this long [s]; one that stops in an orderly way is not."""
 
 
-def workers(reader: sa.Connection) -> Workers:
-    """The live workers, those that have become silent recently, and when one was last seen."""
+def workers(reader: sa.Connection, room: Room) -> Workers:
+    """The live workers, those that have become silent recently, when one was last seen, and the space left."""
     at = now(reader)
     listed = sa.select(Worker.__table__).where(Worker.beat > at - LISTED).order_by(Worker.started, Worker.name)
     rows = reader.execute(listed).all()
@@ -31,6 +32,7 @@ def workers(reader: sa.Connection) -> Workers:
         alive=sum(item.state != "silent" for item in items),
         last_seen=last_seen(reader),
         queued=queued or 0,
+        space=Space(free=room.free(), limit=room.limit, short=room.short()),
         items=items,
     )
 

@@ -7,8 +7,8 @@ import { clsx } from 'clsx'
 import { useState } from 'react'
 import { useStreamStatus } from '../api/events'
 import { workersQuery } from '../api/queries'
-import type { WorkerOut, Workers as Known } from '../client'
-import { count } from '../format/numbers'
+import type { Space, WorkerOut, Workers as Known } from '../client'
+import { count, fixed, thinned } from '../format/numbers'
 import { age, moment } from '../format/time'
 import { methodLook } from '../ui/methods'
 import { Popup } from '../ui/Popup'
@@ -27,6 +27,8 @@ export function Workers() {
   if (!data) return null
   const busy = data.items.filter((worker) => worker.state === 'busy').length
   const none = data.alive === 0
+  const full = data.space.short !== ''
+  const shown = none ? 'No worker' : full ? 'No space' : workers(data.alive)
   return (
     <Popup
       kind="dialog"
@@ -35,15 +37,17 @@ export function Workers() {
       position="bottom-end"
       width={340}
       button={{
-        className: clsx(styles.target, none && styles.none),
+        className: clsx(styles.target, (none || full) && styles.none),
         // The name contains what is shown, also in narrow windows, where that is the number alone.
-        'aria-label': none ? 'No worker is alive, 0 workers' : `${workers(data.alive)} alive, ${count(busy)} busy`,
+        'aria-label': none
+          ? 'No worker is alive, 0 workers'
+          : `${full ? 'No space for new runs, ' : ''}${workers(data.alive)} alive, ${count(busy)} busy`,
         title: 'Workers',
         'data-testid': 'workers',
         children: (
           <>
-            {none ? <IconAlertTriangle className="i s" aria-hidden /> : <IconCpu className="i s" aria-hidden />}
-            <span className={styles.long}>{none ? 'No worker' : workers(data.alive)}</span>
+            {none || full ? <IconAlertTriangle className="i s" aria-hidden /> : <IconCpu className="i s" aria-hidden />}
+            <span className={styles.long}>{shown}</span>
             <span className={styles.short}>{count(data.alive)}</span>
           </>
         ),
@@ -84,9 +88,24 @@ function Listed({ data, ahead, onLeave }: { data: Known; ahead: number; onLeave:
           ))}
         </ul>
       )}
+      <Room space={data.space} />
     </div>
   )
 }
+
+/** The space where the service writes, and that no run begins if it is short. */
+function Room({ space }: { space: Space }) {
+  if (space.short)
+    return (
+      <p>
+        <span className="b">No new run begins</span>: {thinned(space.short)}.
+      </p>
+    )
+  if (space.free === null) return null
+  return <p className="small mut">{`${gigabytes(space.free)} free for results; below ${gigabytes(space.limit)} no new run begins.`}</p>
+}
+
+const gigabytes = (bytes: number): string => `${fixed(bytes / 1e9, 1)} GB`
 
 /** How many are alive; if none is, when one was last seen and what to do. */
 function Spans({ data, now }: { data: Known; now: number }) {

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import time
+from types import SimpleNamespace
 from typing import Any
 
 import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db import workers
+from backend.db import space, workers
 from backend.db.queue import Queue
 from backend.db.tables import Run, Worker
 from backend.db.workers import Doing
@@ -159,7 +160,7 @@ def test_falling_silent_is_noticed_though_nothing_is_written(
 ) -> None:
     submit(client)
     arrive(service, "w1")
-    watch, seen = Watch(service.engine), Roster(service.engine)
+    watch, seen = Watch(service.engine), Roster(service.engine, service.app.state.room)
     assert seen.look() == []
     watch.look([])
     (before,) = watch.everything(None)
@@ -176,9 +177,25 @@ def test_falling_silent_is_noticed_though_nothing_is_written(
 
 def test_a_heartbeat_alone_is_no_news(service: Service) -> None:
     arrive(service, "w1")
-    seen = Roster(service.engine)
+    seen = Roster(service.engine, service.app.state.room)
     seen.look()
     with service.engine.begin() as connection:
         workers.beat(connection, "w1", None)
     seen._due = 0.0
     assert seen.look() == []
+
+
+def test_the_space_left_and_that_no_run_begins_are_news(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = asked(client)["space"]
+    assert (found["limit"], found["short"]) == (service.settings.min_free, "")
+    assert found["free"] > found["limit"]
+    seen = Roster(service.engine, service.app.state.room)
+    seen.look()
+    for left, sentences in ((found["limit"] - 1, 1), (found["limit"] - 2, 0), (found["limit"] + 1, 1)):
+        usage = SimpleNamespace(free=left)
+        monkeypatch.setattr(space.shutil, "disk_usage", lambda _, usage=usage: usage)
+        seen._due = 0.0
+        assert len(seen.look()) == sentences
+        assert bool(asked(client)["space"]["short"]) == (left < found["limit"])

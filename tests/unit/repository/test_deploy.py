@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from backend.db.space import Room
 from backend.metrics.requests import Requests
 from backend.metrics.service import Metrics, Stored
 from backend.settings import Settings
@@ -44,7 +45,7 @@ def test_the_dashboard_shows_metrics_that_exist() -> None:
     stored = Stored({}, 0, {}, 0, 0, 0)
     requests = Requests()
     requests.note(("GET", "/", "2xx"), 0.1)
-    metrics = Metrics([DEPLOY], requests)
+    metrics = Metrics(Room((DEPLOY,), 0), requests)
     text = "".join(metric.text() for metric in metrics._metrics(stored, {"pdf": 0}))
     known = set(re.findall(r"^(\w+)[{ ]", text, re.MULTILINE))
     asked = [target["expr"] for panel in json.loads((DEPLOY / "grafana.json").read_text())["panels"]

@@ -21,7 +21,8 @@ from backend.db.tables import Worker as WorkerRow
 from backend.settings import Settings
 from tests.faults import postgres
 from tests.faults.cases import campaign
-from tests.faults.processes import REPOSITORY, until, worker
+from tests.faults.long import case
+from tests.faults.processes import REPOSITORY, kill, until, worker
 from tests.faults.stored import Stored
 from tests.given.outages import every_route_is_away, torn
 from tests.given.problem_documents import problem
@@ -129,6 +130,33 @@ def test_a_worker_takes_no_run_without_space_and_says_so_once_a_minute(tmp_path:
     [line] = [line for line in lines if line["message"].startswith("no further run")]
     assert (line["level"], line["logger"], line["worker"]) == ("WARNING", "clearance.worker", "narrow")
     assert "CLEARANCE_MIN_FREE" in line["message"]
+
+
+def test_every_line_of_a_worker_states_run_and_stage(tmp_path: Path) -> None:
+    """Also those of its child, whose errors have many lines."""
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    with benched(url) as bench, worker(url, tmp_path, "own", CLEARANCE_LOG="json") as started:
+        with bench.engine.begin() as connection:
+            run_id = submit(connection, case(), name="long", tags=[], owner="", planned=0)
+        until(lambda: bench.run(run_id).evaluations > 2000, started.text())
+        kill(started.child())
+        until(lambda: "killed" in started.text(), "its loss is said")
+        lines = [json.loads(line) for line in started.text().splitlines()]
+        assert all(line["worker"] == "own" and line["time"] for line in lines)
+        [begun] = [line for line in lines if "attempt 1" in line["message"]]
+        assert (begun["run"], "stage" in begun) == ("R-0001", False)
+        [lost] = [line for line in lines if "killed" in line["message"]]
+        assert (lost["run"], lost["stage"].split()[0]) == ("R-0001", "search")
+
+
+def test_an_error_of_a_child_is_one_line(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    with benched(url) as bench, worker(url, tmp_path, "own", *OPTIONS, CLEARANCE_LOG="json") as started:
+        bench.submit("fail")
+        until(lambda: "BrokenPipeError" in started.text(), started.text())
+        errors = [line for line in map(json.loads, started.text().splitlines()) if "error" in line]
+    assert [(line["run"], line["worker"], line["level"]) for line in errors[:1]] == [("R-0001", "own", "ERROR")]
+    assert errors[0]["error"].endswith("no pipe")
 
 
 def without_override(*command: str) -> list[str]:

@@ -10,4 +10,4 @@ down_revision = "0027"
 
 
 def upgrade() -> None:
-    op.add_column("runs", sa.Column("advanced", sa.Float(), nullable=True))
+    op.add_column("runs", sa.Column("advanced", sa.Double(), nullable=True))

@@ -19,11 +19,12 @@ import sys
 import sqlalchemy as sa
 import uvicorn
 from fastapi import FastAPI
+from starlette.applications import Starlette
 
 from backend.app import create
 from backend.db.access import create_login_code
 from backend.db.alone import alone
-from backend.db.engine import migrate
+from backend.db.arriving import awaited
 from backend.db.outages import worded
 from backend.db.private import keep_private, write_private
 from backend.db.registered import registered
@@ -34,6 +35,7 @@ from backend.middleware.frame import headers
 from backend.middleware.sockets import bounded_socket
 from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
+from backend.waiting import until_it_answers
 
 heap.loaded()
 
@@ -57,13 +59,17 @@ holds until then.
 """
 
 
-class Server(uvicorn.Server):
-    """Ends event streams, 3D views and previews first when it stops; otherwise they would delay the shutdown."""
+class Listening(uvicorn.Server):
+    """Holds more connections than it accepts at a time."""
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         for listening in sockets or ():
             listening.listen(WAITING)
+
+
+class Server(Listening):
+    """Ends event streams, 3D views and previews first when it stops; otherwise they would delay the shutdown."""
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         app = self.config.app
@@ -91,8 +97,10 @@ def main() -> int:
             logging.getLogger("clearance").warning(sentence)
         keep_private(settings.data, settings.database_url)
         with alone(settings.data, "backend.lock"):
-            migrate(settings.database_url)
-            _serve(settings, _listen(settings))
+            away = awaited(settings.database_url)
+            listening = _listen(settings)
+            if away is None or until_it_answers(settings, away, listening, _waiting):
+                _serve(settings, listening)
     except (ValueError, OSError, sa.exc.SQLAlchemyError) as error:
         print(f"clearance: {worded(error)}", file=sys.stderr)
         return 2
@@ -103,16 +111,23 @@ def _serve(settings: Settings, listening: socket.socket) -> None:
     app = create(settings)
     _announce(app, settings, listening.getsockname()[1])
     server = Server(server_config(app))
-    for number in (
-        signal.SIGTERM,
-        signal.SIGINT,
-    ):  # uvicorn raises them again after its shutdown; ignore them
-        signal.signal(number, lambda *_: setattr(server, "should_exit", True))
+    _ended_by_signals(server)
     with registered(settings.data, settings.database_url, settings.url(listening.getsockname()[1])):
         asyncio.run(server.serve([listening]))
 
 
-def server_config(app: FastAPI) -> uvicorn.Config:
+def _waiting(app: Starlette) -> uvicorn.Server:
+    server = Listening(server_config(app))
+    _ended_by_signals(server)
+    return server
+
+
+def _ended_by_signals(server: uvicorn.Server) -> None:
+    for number in (signal.SIGTERM, signal.SIGINT):  # uvicorn raises them again after its shutdown; ignore them
+        signal.signal(number, lambda *_: setattr(server, "should_exit", True))
+
+
+def server_config(app: Starlette) -> uvicorn.Config:
     """Sockets without per-message deflate, which makes the 3D view thirteen times slower; our logging is retained."""
     settings: Settings = app.state.settings
     doors = Doors(settings.max_connections, settings.max_connections_each, settings.trusted, settings.root)

@@ -24,7 +24,8 @@ _OTHERS = frozenset(
     PREFIX + name
     for name in (
         "CAPSULE_CODE", "CHILD_MEMORY", "COMMAND", "COMPONENTS", "DESCRIBING", "EVALUATOR", "EXAMINATION_TIMEOUT",
-        "FMU", "FUNCTION", "KERNEL_CACHE", "SERVICE", "SIMULATORS", "SLOT", "THREADS", "TOKEN",
+        "FMU", "FUNCTION", "KERNEL_CACHE", "RETENTION_AGE", "RETENTION_SIZE", "SERVICE",
+        "SIMULATORS", "SLOT", "THREADS", "TOKEN",
     )
 )  # fmt: skip
 """Variables of workers, simulators and the command line."""

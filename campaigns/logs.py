@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from time import monotonic
 
@@ -16,8 +16,8 @@ FIELDS = ("run", "stage", "worker", "address", "status")
 """What a line of JSON states besides, where it is known."""
 VARIABLE = "CLEARANCE_LOG"
 
-present: dict[str, str | None] = {}
-"""The fields that this process is occupied with now, such as its run."""
+present: dict[str, str | Callable[[], str] | None] = {}
+"""The fields that this process is occupied with now, such as its run; a function is asked when a line is written."""
 
 
 class Repeats(logging.Filter):
@@ -53,8 +53,9 @@ class Json(logging.Formatter):
             "logger": record.name,
             "message": record.getMessage(),
         }
-        known = {**present, **record.__dict__}
-        line |= {name: known[name] for name in FIELDS if known.get(name) is not None}
+        now = {name: value() if callable(value) else value for name, value in present.items()}
+        known = {**now, **record.__dict__}
+        line |= {name: known[name] for name in FIELDS if known.get(name) not in (None, "")}
         if record.exc_info:
             line["error"] = self.formatException(record.exc_info)
         return json.dumps(line, default=str)

@@ -106,6 +106,18 @@ class Versions(Documented):
         return Versions.model_validate({**known, "cpu": cpu if isinstance(cpu, dict) else None})
 
 
+UNDIGESTED = (
+    "it was begun by a version of Clearance that stored no digests of its code: nothing shows which code computed its "
+    "first results, nor that later ones are of the same"
+)
+"""What the provenance of such a run states."""
+
+
+def undigested(flown: Any, begun: bool) -> str | None:
+    """The sentence if no digest was stored when a run began; flown: its document of versions, begun: whether it has."""
+    return UNDIGESTED if begun and Versions.of(flown).code is None else None
+
+
 def other_code(run: str, clauses: list[str]) -> str:
     """The message that refuses to resume a run."""
     return (

@@ -1,4 +1,6 @@
-"""Permanently deletes runs that were removed long ago, and reclaims SQLite's disk space.
+"""Permanently deletes runs that were removed long ago, or the oldest above a size, and reclaims SQLite's disk space.
+
+One rule says what may go, see `_may_go`; by size, runs that were not removed go as well unless somebody keeps them.
 
 The row of a purged run stays as a tombstone: its number is never reused, links to it explain what happened, and runs
 that extend it still cite it. The audit trail, withdrawn sign-offs and the campaign also stay.
@@ -7,11 +9,13 @@ Source on disk space: SQLite, "VACUUM" and "PRAGMA wal_checkpoint".
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
 import sqlalchemy as sa
+from sqlalchemy import orm
 
 from backend.db import audit
 from backend.db.digest import results_digest
@@ -24,13 +28,14 @@ from backend.db.tables import (
     RunBaseline,
     RunLabel,
     RunRefusal,
+    RunRequirement,
     RunSources,
     RunText,
     Signoff,
     Stage,
     Trace,
 )
-from campaigns.runs import run_name
+from campaigns.runs import ACTIVE, ENDED, run_name
 
 _EMPTY: dict[str, object] = {
     "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
@@ -40,15 +45,28 @@ _EMPTY: dict[str, object] = {
 
 @dataclass(frozen=True)
 class Removed:
-    """A removed run that is due for purging; `size` is that of its evaluations and traces [bytes]."""
+    """A run that is due for purging; `size` is that of its evaluations and traces [bytes]."""
 
     id: int
     name: str
     removed: float | None
+    """None if it is due by size only."""
     removed_by: str | None
     removed_reason: str | None
+    finished: float | None
     evaluations: int
     size: int
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """What must go so that no more than a limit is stored."""
+
+    occupied: int
+    """What is stored [bytes]."""
+    runs: list[Removed]
+    left: int
+    """What will still be above the limit without them, because the rest may not go [bytes]."""
 
 
 class Space(NamedTuple):
@@ -56,19 +74,53 @@ class Space(NamedTuple):
     after: int
 
 
+_COLUMNS = (Run.id, Run.name, Run.removed, Run.removed_by, Run.removed_reason, Run.finished, Run.evaluations)
+
+
 def due(engine: sa.Engine, age: float) -> list[Removed]:
     """The runs removed at least `age` [s] ago and not yet purged, the oldest removal first."""
-    columns = (Run.id, Run.name, Run.removed, Run.removed_by, Run.removed_reason, Run.evaluations)
     with read(engine) as reader:
-        of = sa.select(*columns).where(*_due(now(reader) - age)).order_by(Run.removed, Run.id)
+        of = sa.select(*_COLUMNS).where(*_may_go(now(reader), age)).order_by(Run.removed, Run.id)
         return [Removed(*row, size=_size(reader, row.id)) for row in reader.execute(of).all()]
 
 
-def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
-    """Delete a run's results in one transaction; false if it was restored or purged in the meantime."""
+def beyond(engine: sa.Engine, limit: int, already: Collection[Removed] = ()) -> Beyond:
+    """The runs that must go so that at most `limit` is stored [bytes]: removed ones, then those that ended first.
+
+    already: runs that go in any case.
+    """
+    with read(engine) as reader:
+        stored = occupied(reader)
+        left, runs, gone = stored - limit - sum(run.size for run in already), [], {run.id for run in already}
+        order = (Run.removed.is_(None), Run.removed, Run.finished, Run.id)
+        of = sa.select(*_COLUMNS).where(*_may_go(now(reader), None)).order_by(*order)
+        for row in reader.execute(of).all() if left > 0 else ():
+            if row.id not in gone and (size := _size(reader, row.id)):
+                runs.append(Removed(*row, size=size))
+                left -= size
+                if left <= 0:
+                    break
+        return Beyond(stored, runs, max(0, left))
+
+
+def occupied(reader: sa.Connection) -> int:
+    """What is stored [bytes]: the used part of an SQLite file; on PostgreSQL, which keeps the space of deleted rows for
+    new ones, what quotas count of runs."""
+    if is_sqlite(reader):
+        pages, free, page = (_pragma(reader, name) for name in ("page_count", "freelist_count", "page_size"))
+        return (pages - free) * page
+    return int(reader.scalar(sa.select(sa.func.sum(Run.size)).where(Run.purged.is_(None))) or 0)
+
+
+def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: str = "") -> bool:
+    """Delete a run's results in one transaction; false if it may not go any more, as when it was restored or signed.
+
+    age: None if it is due by size, for the reason given, which a run that was not removed then has.
+    """
     with engine.begin() as writer:
-        of = sa.select(Run.id, Run.evaluations).where(Run.id == run_id, *_due(now(writer) - age)).with_for_update()
-        row = writer.execute(of).one_or_none()
+        at = now(writer)
+        of = sa.select(Run.id, Run.evaluations, Run.removed).where(Run.id == run_id, *_may_go(at, age))
+        row = writer.execute(of.with_for_update()).one_or_none()
         if row is None:
             return False
         digest = results_digest(writer, run_id)
@@ -82,12 +134,15 @@ def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
             RunSources,
             RunLabel,
             RunRefusal,
-            RunRefusal,
             RunBaseline,
         ):
             writer.execute(sa.delete(table).where(table.run_id == run_id))
-        left = {**_EMPTY, "purged": now(writer), "purged_by": user[:64], "purged_digest": digest}
+        left = {**_EMPTY, "purged": at, "purged_by": user[:64], "purged_digest": digest}
+        if row.removed is None:
+            left |= {"removed": at, "removed_by": user[:64], "removed_reason": reason}
         writer.execute(sa.update(Run).where(Run.id == run_id).values(**left))
+        if row.removed is None:
+            audit.note_command(writer, user, "run.removed", run_name(run_id), {"reason": reason})
         detail = {"results_digest": digest, "evaluations": row.evaluations}
         audit.note_command(writer, user, "run.purged", run_name(run_id), detail)
         return True
@@ -98,8 +153,7 @@ def wasted(engine: sa.Engine) -> int:
     if not is_sqlite(engine):
         return 0
     with read(engine) as reader:
-        free, page = (reader.exec_driver_sql(f"PRAGMA {name}").scalar_one() for name in ("freelist_count", "page_size"))
-    return int(free) * int(page)
+        return _pragma(reader, "freelist_count") * _pragma(reader, "page_size")
 
 
 def reclaim(engine: sa.Engine) -> Space:
@@ -118,10 +172,29 @@ def reclaim(engine: sa.Engine) -> Space:
     return Space(before, file.stat().st_size)
 
 
-def _due(until: float) -> tuple[sa.ColumnElement[bool], ...]:
-    """Removed before `until`; a valid sign-off protects a run from purging in any case."""
+def _may_go(at: float, age: float | None) -> tuple[sa.ColumnElement[bool], ...]:
+    """Ended, not yet purged, without a valid sign-off, and no run that continues it still waits for its evaluations.
+
+    By age [s]: removed so long before `at`. Without one: removed, or kept by nobody.
+    """
     signed = sa.select(Signoff.id).where(Signoff.run_id == Run.id, Signoff.withdrawn.is_(None)).exists()
-    return Run.removed.is_not(None), Run.removed <= until, Run.purged.is_(None), ~signed
+    other = orm.aliased(Run)
+    carried = sa.select(other.id).where(other.continues == Run.id, other.carries, other.state.in_(ACTIVE)).exists()
+    chosen = sa.or_(Run.removed.is_not(None), ~_kept()) if age is None else Run.removed <= at - age
+    return Run.state.in_(ENDED), Run.purged.is_(None), ~signed, ~carried, chosen
+
+
+def _kept() -> sa.ColumnElement[bool]:
+    """Pinned, the baseline of a run that is listed, or of a campaign that states a requirement."""
+    other = orm.aliased(Run)
+    compared = sa.select(RunBaseline.run_id).join(other, other.id == RunBaseline.run_id)
+    baseline = compared.where(RunBaseline.baseline == Run.id, other.removed.is_(None)).exists()
+    required = sa.select(RunRequirement.run_id).where(RunRequirement.run_id == Run.id).exists()
+    return sa.or_(Run.pinned, baseline, required)
+
+
+def _pragma(reader: sa.Connection, name: str) -> int:
+    return int(reader.exec_driver_sql(f"PRAGMA {name}").scalar_one())
 
 
 def _size(reader: sa.Connection, run_id: int) -> int:

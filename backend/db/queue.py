@@ -303,6 +303,8 @@ class Queue:
             values |= {"losses": row.losses + 1, "error": _lost(row.losses + 1, SILENT)}
         values |= {"attempts": attempt, "lease_until": at + self.lease}
         values |= {"started": at if row.started is None else row.started}
+        if attempt == 1 and row.losses == 0 and row.state == RunState.QUEUED:  # it waited, and nothing went wrong
+            values["advanced"] = at
         connection.execute(sa.update(Run).where(Run.id == row.id).values(**values))
         of = sa.select(CampaignRow.document).where(CampaignRow.digest == row.campaign_digest)
         document = connection.execute(of).scalar_one()

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from backend.db import codes, continuation, evaluations_ahead, sizes, snapshots, sources, workers
 from backend.db.convergence import extended
 from backend.db.digest import current_digest
-from backend.db.engine import Result, now, read, write
+from backend.db.engine import Result, clock, now, read, write
 from backend.db.queue import Claim, fenced
 from backend.db.rows import blobs, failed, finding_row, lowest, plain, stored_columns, trace_row
 from backend.db.tables import EvaluationChunk, Run, Stage
@@ -134,7 +134,7 @@ class RunStore:
         """Store a stage's result and findings and mark it done, in one transaction."""
 
         def work(connection: sa.Connection) -> None:
-            values: dict[str, object] = {**_PROGRESS, "error": None}
+            values: dict[str, object] = {**_PROGRESS, "error": None, "advanced": clock(connection)}
             if result.at_nominal is not None:
                 values["nominal_cost"] = plain(result.at_nominal.cost)
             fenced(connection, self.claim, **values)
@@ -229,7 +229,7 @@ class RunStore:
         written = blobs(columns)
         totals = {"evaluations": Run.evaluations + count, "failed_evaluations": Run.failed_evaluations + lost}
         totals["size"] = Run.size + (sizes.of_chunk(written) if count else 0)
-        fenced(connection, self.claim, **totals, **_PROGRESS)
+        fenced(connection, self.claim, **totals, **_PROGRESS, advanced=clock(connection))
         of = (Stage.run_id == self._run, Stage.position == position)
         stage = connection.execute(sa.select(Stage.evaluations, Stage.best, Stage.kind, Stage.method).where(*of)).one()
         if stage.evaluations != first:

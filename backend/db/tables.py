@@ -102,6 +102,9 @@ class Run(Base):
     max_attempts: orm.Mapped[int] = orm.mapped_column(default=3)
     losses: orm.Mapped[int] = orm.mapped_column(default=0, server_default="0")
     """Workers since the last stored evaluation that were killed or fell silent; see `backend.db.queue`."""
+    advanced: orm.Mapped[float | None]
+    """When it last stored an evaluation or ended a stage, or was claimed without a failure since; None: not stored by
+    earlier versions."""
     not_before: orm.Mapped[float] = orm.mapped_column(default=0.0)
     lease_until: orm.Mapped[float] = orm.mapped_column(default=0.0)
     worker: orm.Mapped[str | None] = orm.mapped_column(sa.String(80))

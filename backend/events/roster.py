@@ -12,7 +12,7 @@ import sqlalchemy as sa
 from backend.db.engine import read
 from backend.db.space import Room
 from backend.events.watch import Event
-from backend.workers.schemas import Space, WorkerOut, Workers
+from backend.workers.schemas import Space, Still, WorkerOut, Workers
 from backend.workers.service import workers
 
 PERIOD = 1.0
@@ -42,7 +42,7 @@ class Roster:
         return [] if self._seen is None else [Event(None, "workers", self._seen.model_dump_json())]
 
 
-def _lasting(seen: Workers) -> tuple[int, Space, list[WorkerOut]]:
+def _lasting(seen: Workers) -> tuple[int, list[Still], Space, list[WorkerOut]]:
     free = None if seen.space.free is None else seen.space.free // STEP
     items = [w if w.state == "silent" else w.model_copy(update={"beat": 0.0}) for w in seen.items]
-    return seen.queued, seen.space.model_copy(update={"free": free, "short": bool(seen.space.short)}), items
+    return seen.queued, seen.still, seen.space.model_copy(update={"free": free, "short": bool(seen.space.short)}), items

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from time import monotonic
 
 import sqlalchemy as sa
 
 from backend.db import space
 from backend.db.engine import now, read
 from backend.db.outages import DatabaseOutage
+from backend.db.still import STILL, standing_still
 from backend.db.tables import Run, Worker
 from backend.db.workers import SEEN
 from backend.metrics.requests import Requests
 from backend.metrics.text import Metric, Sample, of_one
-from campaigns.runs import HELD, RunState
-
-STILL = 600.0
-"""A run whose stored evaluations did not change for this long stands still [s]."""
+from campaigns.runs import ACTIVE, RunState
 
 
 @dataclass(frozen=True)
@@ -27,19 +24,18 @@ class Stored:
 
     states: dict[str, int]
     evaluations: int
-    running: dict[int, int]
-    """The evaluations of the runs that a worker has."""
+    still: int
+    """The runs that a worker has and that stand still."""
     alive: int
     lost: int
     losses: int
 
 
 class Metrics:
-    """Reads the metrics; remembers since when each run has had no new evaluation, as far as it was asked."""
+    """Reads the metrics."""
 
     def __init__(self, room: space.Room, requests: Requests) -> None:
         self.room, self.requests = room, requests
-        self._since: dict[tuple[int, int], float] = {}
 
     def text(self, engine: sa.Engine, waiting: dict[str, int]) -> str:
         """waiting: the length of each queue of this process. A database that cannot be used is a metric, too."""
@@ -66,8 +62,8 @@ class Metrics:
         yield of_one(
             "clearance_runs_standing_still",
             "gauge",
-            f"Runs without a new stored evaluation for {STILL:g} s, as seen by this endpoint.",
-            self._still(stored.running),
+            f"Runs that a worker has, without a new stored evaluation for {STILL:g} s.",
+            stored.still,
         )
         yield of_one(
             "clearance_evaluations",
@@ -87,25 +83,20 @@ class Metrics:
             stored.losses,
         )
 
-    def _still(self, running: dict[int, int]) -> int:
-        at = monotonic()
-        self._since = {key: self._since.get(key, at) for key in running.items()}
-        return sum(at - since > STILL for since in self._since.values())
-
 
 def _stored(engine: sa.Engine) -> Stored:
     with read(engine) as reader:
         at, count = now(reader), sa.func.count
         states = reader.execute(sa.select(Run.state, count(), sa.func.sum(Run.evaluations)).group_by(Run.state)).all()
-        running = sa.select(Run.id, Run.evaluations, Run.losses).where(Run.state.in_((*HELD, RunState.QUEUED)))
-        active = reader.execute(running.add_columns(Run.state)).all()
+        losses = reader.scalar(sa.select(sa.func.sum(Run.losses)).where(Run.state.in_(ACTIVE)))
+        still = len(standing_still(reader))
         beats = reader.scalars(sa.select(Worker.beat)).all()
     alive = sum(beat > at - SEEN for beat in beats)
     return Stored(
         {state: number for state, number, _ in states},
         sum(evaluations or 0 for _, _, evaluations in states),
-        {row.id: row.evaluations for row in active if row.state in HELD},
+        still,
         alive,
         len(beats) - alive,
-        sum(row.losses for row in active),
+        losses or 0,
     )

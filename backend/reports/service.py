@@ -169,6 +169,7 @@ def _origin(record: Record) -> list[tuple[str, str]]:
         ("Components", _components(record)),
         ("Code (engine, own files, packages)", _code(record.run.identity)),
         *([] if record.run.identity is None else _files(record.run.identity)),
+        *([("Begun", record.run.undigested)] if record.run.undigested else []),
         ("Seed", str(record.campaign.seed if seed is None else seed)),
         ("Sample seed", _sample_seed(record)),
         ("Clearance", known.clearance or unknown),

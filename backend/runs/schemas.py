@@ -224,6 +224,8 @@ class RunDetail(RunSummary):
     """Digest of the component descriptions at submission (`/runs/{run}/components`); None if not stored."""
     flown: Versions | None
     """The versions when the first stage started: code, packages, machine; None before that, or if not stored."""
+    undigested: str | None
+    """That the run was begun by a version that stored no digests of its code, a clause; None for any other run."""
     identity: Identity | None
     """What could have changed a number: engine, own files, packages, machine; None as of `flown`."""
     plan: list[StageSummary]

@@ -28,9 +28,9 @@ from campaigns.claims import earlier
 from campaigns.results import SearchResult, Verdict, verdicts
 from campaigns.results.remedies import Ran
 from campaigns.results.verdict import VerdictWord
-from campaigns.runs import RunState, run_name, run_number
+from campaigns.runs import RunState, StageState, run_name, run_number
 from campaigns.stages.found import declared
-from campaigns.versions import Versions
+from campaigns.versions import Versions, undigested
 
 
 def number(run: str) -> int:
@@ -73,6 +73,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         criteria=stated,
         components_digest=snapshot,
         flown=None if versions is None else Versions.of(versions),
+        undigested=undigested(versions, any(s.evaluations or s.state != StageState.WAITING for s in stages)),
         identity=identity.of_run(reader, run_id),
         plan=[
             StageSummary(

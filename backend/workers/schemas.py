@@ -43,6 +43,15 @@ class Space(Schema):
     """Why no new run begins, a sentence; empty if there is enough space."""
 
 
+class Still(Schema):
+    """A run that a worker has and that has stored no evaluation for ten minutes."""
+
+    run: str
+    """R-0001."""
+    since: Instant
+    """Its last stored evaluation, seconds since 1970."""
+
+
 class Workers(Schema):
     """The workers of this database: the live ones, and those that have become silent within ten minutes."""
 
@@ -53,5 +62,6 @@ class Workers(Schema):
     """When any worker was last seen, seconds since 1970; None if none is known."""
     queued: int
     """Number of runs that wait for a worker."""
+    still: list[Still]
     space: Space
     items: list[WorkerOut]

@@ -8,10 +8,11 @@ import sqlalchemy as sa
 
 from backend.db.engine import now
 from backend.db.space import Room
+from backend.db.still import standing_still
 from backend.db.tables import Run, Stage, Worker
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs import waiting
-from backend.workers.schemas import Space, WorkerOut, Workers
+from backend.workers.schemas import Space, Still, WorkerOut, Workers
 from campaigns.runs import RunState, StageState, run_name
 from campaigns.stages.found import declared
 
@@ -32,6 +33,7 @@ def workers(reader: sa.Connection, room: Room) -> Workers:
         alive=sum(item.state != "silent" for item in items),
         last_seen=last_seen(reader),
         queued=queued or 0,
+        still=[Still(run=run_name(run_id), since=since) for run_id, since in standing_still(reader).items()],
         space=Space(free=room.free(), limit=room.limit, short=room.short()),
         items=items,
     )

@@ -1,4 +1,4 @@
-"""`clearance purge`: permanently deletes the results of runs removed long ago, and frees the space."""
+"""`clearance purge`: permanently deletes the results of runs, by age of their removal and by size; frees the space."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from campaigns.runs import run_name
-from clearance.cli import WrongInputError
+from clearance.cli import VIOLATED, WrongInputError
 from clearance.cli._where import DATA, Data, Database, counted, existing_url_of, operator
 
 if TYPE_CHECKING:
@@ -27,15 +27,31 @@ WORTH = 1 << 20
 
 def purge(
     older_than: Annotated[
-        str, typer.Option(help="Minimum time since removal: 90d, 12h, 2w; 0d means every removed run.")
+        str,
+        typer.Option(
+            help="Minimum time since removal: 90d, 12h, 2w; 0d means every removed run.",
+            envvar="CLEARANCE_RETENTION_AGE",
+        ),
     ] = "90d",
+    size: Annotated[
+        str,
+        typer.Option(
+            help="What may be stored at most, such as 50GB: above it the oldest ended runs go as well, even if they "
+            "were not removed, except those that are signed off, pinned, a baseline, or of a requirement.",
+            envvar="CLEARANCE_RETENTION_SIZE",
+            show_default=False,
+        ),
+    ] = "",
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only print what would be deleted.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask for confirmation.")] = False,
     data: Data = DATA,
     database: Database = "",
 ) -> None:
-    """Permanently delete the results of runs removed long ago; their history is retained."""
-    age = _age(older_than)
+    """Permanently delete the results of runs removed long ago, and of the oldest above a size; their history stays.
+
+    Exit code 1: more is stored than the size permits, because the rest may not go.
+    """
+    age, limit = _age(older_than), _limit(size)
     url = existing_url_of(data, database)
     from backend.db import purge as stored
     from backend.db.engine import connect, migrate
@@ -43,19 +59,42 @@ def purge(
     migrate(url)
     engine = connect(url)
     try:
-        runs = stored.due(engine, age)
-        _tell(runs, older_than)
-        if dry_run:
-            typer.echo("Nothing was deleted: this was a dry run.")
-        elif not runs or yes or _agreed(runs):
-            gone = [run for run in runs if stored.purge(engine, run.id, age, operator())]
+        old = stored.due(engine, age)
+        above = None if limit is None else stored.beyond(engine, limit, old)
+        _tell(old, f"There is no run to purge that was removed more than {older_than} ago.")
+        if above is not None:
+            _tell(above.runs, f"{_size(above.occupied)} are stored, of {size}: no further run is purged.")
+        runs = [*old, *(above.runs if above else ())]
+        if dry_run or not (yes or not runs or _agreed(runs)):
+            typer.echo("Nothing was deleted: this was a dry run." if dry_run else "Nothing was deleted.")
+            rest = above.left if above else 0
+        else:
+            why = f"retention by size: more than {size} were stored"
+            gone = [run for run in old if stored.purge(engine, run.id, age, operator())]
+            gone += [run for run in runs[len(old) :] if stored.purge(engine, run.id, None, operator(), why)]
             if runs:
                 typer.echo(f"{counted(len(gone), 'run')} purged.")
             _reclaim(engine)
-        else:
-            typer.echo("Nothing was deleted.")
+            rest = 0 if limit is None else stored.beyond(engine, limit).occupied - limit
     finally:
         engine.dispose()
+    if rest > 0:
+        typer.echo(
+            f"The size of {size} is exceeded by {_size(rest)}: the other runs are in progress, signed off, pinned, a "
+            "baseline, or of a requirement. Remove or release what is not needed, or permit more.",
+            err=True,
+        )
+        raise typer.Exit(VIOLATED)
+
+
+def _limit(text: str) -> int | None:
+    """The bytes of a size such as 50GB; None for none."""
+    if not text:
+        return None
+    found = re.fullmatch(r"(\d{1,18}) ?([kMGT]?B)?", text)
+    if found is None:
+        raise WrongInputError(f"--size {text!r} is not a size; give 50GB, 500MB, 2TB, or a number of bytes")
+    return int(found[1]) * 1000 ** " kMGT".index((found[2] or "B")[:-1] or " ")
 
 
 def _age(text: str) -> float:
@@ -68,16 +107,17 @@ def _age(text: str) -> float:
     return int(found[1]) * UNITS[found[2]]
 
 
-def _tell(runs: list[Removed], older_than: str) -> None:
+def _tell(runs: list[Removed], none: str) -> None:
     if not runs:
-        typer.echo(f"There is no run to purge that was removed more than {older_than} ago.")
+        typer.echo(none)
         return
     for run in runs[:LISTED]:
-        day = time.strftime("%Y-%m-%d", time.localtime(run.removed))
+        removed = run.removed is not None
+        day = time.strftime("%Y-%m-%d", time.localtime(run.removed if removed else run.finished))
         typer.echo(
-            f"{run_name(run.id)}  removed {day} by {run.removed_by}  "
+            f"{run_name(run.id)}  {f'removed {day} by {run.removed_by}' if removed else f'ended {day}'}  "
             f"{run.evaluations:,} evaluations, {_size(run.size)}  "
-            f"{run.name}: {run.removed_reason}"
+            f"{run.name}{f': {run.removed_reason}' if removed else ''}"
         )
     if len(runs) > LISTED:
         typer.echo(f"and {len(runs) - LISTED} more")

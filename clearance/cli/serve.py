@@ -15,7 +15,8 @@ from typing import Annotated
 import typer
 
 from backend.db import access, workers
-from backend.db.engine import connect, migrate
+from backend.db.arriving import awaited, sentence
+from backend.db.engine import connect
 from backend.db.private import SharedFolderError, keep_private
 from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
 from clearance.cli._where import DATA, Data, Database, alone, counted, reading, url_of
@@ -52,7 +53,8 @@ def serve(
     url = url_of(data, database)
     with alone(data):
         port = _free_port(host, port)
-        migrate(url)
+        if away := awaited(url):
+            _say(f"The service and its workers start, {sentence(away)}")
         with Wakeup() as wakeup:
             code = _Serving(host, port, data.absolute(), url, number, wakeup).run()
     raise typer.Exit(code)
@@ -115,7 +117,9 @@ class _Serving:
                 _say(f"The {late.name} did not start within {PATIENCE:g} s. From {late.log}:\n{late.tail()}")
                 return INTERNAL
             healthy = healthy or _answers(f"{self.address}/api/v1/health")
-            offered = offered or not self.workers or self._published() >= begun
+            if not healthy and _answers(f"{self.address}/api/v1/health/live"):  # it waits for the database
+                deadline = time.monotonic() + PATIENCE
+            offered = healthy and (offered or not self.workers or self._published() >= begun)
         return None
 
     def _published(self) -> float:

@@ -46,6 +46,8 @@ def _head(found: RunDetail) -> list[str]:
     lines += [counts(found), f"Campaign: {plain(found.campaign_name)}, sha256 {found.campaign_digest[:16]}"]
     if (code := found.document.get("identity")) is not None:  # an earlier version of the service sends none
         lines.append(f"Code: {plain(Identity.model_validate(code).text)}")
+    if begun := found.document.get("undigested"):
+        lines.append(f"Code: {plain(str(begun))}")
     times = {"Submitted": found.created, "started": found.started, "ended": found.finished}
     lines.append(", ".join(f"{word} {at.strftime('%Y-%m-%dT%H:%M:%SZ')}" for word, at in times.items() if at))
     lines.append(f"By {plain(found.owner)}" + (f" (token {found.token})" if found.token else ""))

@@ -100,18 +100,11 @@ def drain(
 
 def _once_it_answers(url: str) -> None:
     """Migrate the database, however long its server is away; a file that cannot be used ends the worker at once."""
-    from backend.db.engine import migrate
-    from backend.db.outages import DatabaseOutage
+    from backend.db.arriving import PAUSE, awaited, sentence
 
-    while True:
-        try:
-            return migrate(url)
-        except DatabaseOutage as error:
-            if url.startswith("sqlite") or error.kind != "database-away":
-                raise
-            # One line a minute; the driver's words tell a server that is down from a wrong password.
-            logging.warning("waiting for the database: %s (%s)", error, " ".join(str(error.orig).split()))
-        time.sleep(1.0)
+    while (away := awaited(url)) is not None:
+        logging.warning("%s", sentence(away))  # one line a minute
+        time.sleep(PAUSE)
 
 
 def _alive(data: Path, database: str) -> bool:

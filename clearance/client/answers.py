@@ -245,6 +245,8 @@ class RunDetail(Run):
     campaign: JsonObject
     components_digest: str | None = None
     """Digest of the component descriptions at submission (`/runs/{run}/components`); None if not stored."""
+    undigested: str | None = None
+    """That the run was begun by a version that stored no digests of its code, a clause; None for any other run."""
     stages: list[StageProgress]
     """Empty until a worker has started the run."""
     summary: VerdictParts | None

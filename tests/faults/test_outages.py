@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -21,7 +25,8 @@ from backend.db.tables import Worker as WorkerRow
 from backend.settings import Settings
 from tests.faults import postgres
 from tests.faults.cases import campaign
-from tests.faults.processes import REPOSITORY, until, worker
+from tests.faults.long import case
+from tests.faults.processes import CLEARANCE, REPOSITORY, kill, started, until, worker
 from tests.faults.stored import Stored
 from tests.given.outages import every_route_is_away, torn
 from tests.given.problem_documents import problem
@@ -59,6 +64,7 @@ def benched(url: str) -> Iterator[Bench]:
         bench.engine.dispose()
 
 
+LIVE, READY = "/api/v1/health/live", "/api/v1/health/ready"
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 
 
@@ -82,18 +88,83 @@ def test_the_service_without_its_server_and_with_it_again(server: postgres.Serve
         service.stop()
 
 
+def answered(port: int, path: str) -> tuple[int, Any]:
+    """The status and the document of an answer; 0 if there is none."""
+    try:
+        answer = httpx.get(f"http://127.0.0.1:{port}{path}", timeout=10, trust_env=False)
+    except httpx.TransportError:
+        return 0, None
+    return answer.status_code, answer.json() if "json" in answer.headers["content-type"] else answer.text
+
+
+def free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        return int(listening.getsockname()[1])
+
+
+def test_a_service_that_starts_before_its_server_is_alive_and_waits(server: postgres.Server, tmp_path: Path) -> None:
+    """And stops at a signal meanwhile; one line a minute, no traceback, no address of the database in an answer."""
+    port = free_port()
+    settings = {"CLEARANCE_DATABASE": server.url, "CLEARANCE_DATA": str(tmp_path / "data"), "CLEARANCE_PORT": str(port)}
+    backend = [sys.executable, "-P", "-m", "backend"]
+    server.stop()
+    try:
+        with started(backend, tmp_path, "stopped", **settings) as stopped:
+            until(lambda: answered(port, LIVE)[0] == 200, stopped.text())
+            kill(stopped.pid, number=signal.SIGTERM)
+            assert stopped.process.wait(30) == 0, stopped.text()
+        with started(backend, tmp_path, "waiting", **settings) as waiting:
+            until(lambda: answered(port, LIVE)[0] == 200, waiting.text())
+            status, document = answered(port, READY)
+            assert (status, [error["field"] for error in document["errors"]]) == (503, ["database-away"])
+            for path in ("/api/v1/health", "/api/v1/runs", "/metrics", "/api/v1/nowhere"):
+                status, document = answered(port, path)
+                assert (status, document["type"].rpartition(":")[2]) == (503, "database-away"), path
+                assert "host" not in str(document)
+            assert answered(port, "/api/v1/view/x")[0] == 503
+            server.start()
+            until(lambda: answered(port, "/api/v1/health")[0] == 200, waiting.text())
+            assert [error["field"] for error in answered(port, READY)[1]["errors"]] == ["workers"]
+            assert waiting.text().count("waiting for the database") == 1
+            assert "Traceback" not in waiting.text()
+            link = re.search(r"http://\S+/login\?code=\S+", waiting.text())
+            assert link
+            assert httpx.get(link[0], trust_env=False).status_code == 303
+            kill(waiting.pid, number=signal.SIGTERM)
+            assert waiting.process.wait(30) == 0, waiting.text()
+    finally:
+        server.start()
+
+
+def test_serve_waits_for_its_server(server: postgres.Server, tmp_path: Path) -> None:
+    server.stop()
+    words = [*CLEARANCE, "serve", "--data", str(tmp_path / "data"), "--port", "0"]
+    try:
+        with started(words, tmp_path, "serve", CLEARANCE_DATABASE=server.url, CLEARANCE_THREADS="1") as running:
+            until(lambda: "waiting for the database" in running.text(), "it says that it waits")
+            log = tmp_path / "data" / "logs" / "worker-1.log"
+            until(lambda: log.exists() and "waiting for the database" in log.read_text(), "its worker waits as well")
+            assert running.process.poll() is None
+            server.start()
+            until(lambda: "Clearance is ready" in running.text(), running.text(), 120)
+            assert "could not start" not in running.text()
+            assert "restarting" not in running.text()
+    finally:
+        server.start()
+
+
 def test_a_worker_waits_for_its_server_and_a_run_survives_its_loss(server: postgres.Server, tmp_path: Path) -> None:
     with benched(server.url) as bench:
         server.stop()
         try:
-            with worker(server.url, tmp_path, "waiting", *OPTIONS) as started:
-                until(lambda: "waiting for the database" in started.text(), "it says that it waits")
-                assert started.process.poll() is None
+            with worker(server.url, tmp_path, "waiting", *OPTIONS) as running:
+                until(lambda: "waiting for the database" in running.text(), "it says that it waits")
+                assert running.process.poll() is None
                 server.start()
                 run_id = bench.submit("linger")
                 until(lambda: bench.run(run_id).evaluations > 0, "under way")
                 server.stop()
-                until(lambda: "cannot be reached" in started.text(), "the loss is noticed")
+                until(lambda: "cannot be reached" in running.text(), "the loss is noticed")
                 server.start()
                 ended = bench.ended(run_id)
                 assert (ended.state, ended.attempts, ended.losses) == ("done", 1, 0)
@@ -103,32 +174,59 @@ def test_a_worker_waits_for_its_server_and_a_run_survives_its_loss(server: postg
 
 def test_a_damaged_file_uses_up_no_attempt(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    with benched(url) as bench, worker(url, tmp_path, "own", *OPTIONS) as started:
+    with benched(url) as bench, worker(url, tmp_path, "own", *OPTIONS) as running:
         until(lambda: bench.ended(bench.submit("none")), "the worker is ready")
         with torn(bench.engine, "evaluation_chunks"):
             run_id = bench.submit("none")
-            until(lambda: bench.run(run_id).error is not None, started.text())
+            until(lambda: bench.run(run_id).error is not None, running.text())
             put_off = bench.run(run_id)
         assert "damaged" in put_off.error
         assert "SQL" not in put_off.error
         assert (put_off.state, put_off.attempts, put_off.losses) == ("queued", 0, 0)
         ended = bench.ended(run_id)
-        assert (ended.state, ended.attempts, ended.error) == ("done", 1, None), started.text()
+        assert (ended.state, ended.attempts, ended.error) == ("done", 1, None), running.text()
 
 
 def test_a_worker_takes_no_run_without_space_and_says_so_once_a_minute(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path}/clearance.sqlite3"
     settings = {"CLEARANCE_MIN_FREE": str(10**17), "CLEARANCE_LOG": "json"}
-    with benched(url) as bench, worker(url, tmp_path, "narrow", *OPTIONS, **settings) as started:
+    with benched(url) as bench, worker(url, tmp_path, "narrow", *OPTIONS, **settings) as running:
         run_id = bench.submit("none")
-        until(lambda: "no further run is begun" in started.text(), "it says why")
+        until(lambda: "no further run is begun" in running.text(), "it says why")
         looked = bench.beat()
         until(lambda: bench.beat() > looked, "it goes on")
         assert (bench.run(run_id).state, bench.run(run_id).fence) == ("queued", 0)
-        lines = [json.loads(line) for line in started.text().splitlines()]
+        lines = [json.loads(line) for line in running.text().splitlines()]
     [line] = [line for line in lines if line["message"].startswith("no further run")]
     assert (line["level"], line["logger"], line["worker"]) == ("WARNING", "clearance.worker", "narrow")
     assert "CLEARANCE_MIN_FREE" in line["message"]
+
+
+def test_every_line_of_a_worker_states_run_and_stage(tmp_path: Path) -> None:
+    """Also those of its child, whose errors have many lines."""
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    with benched(url) as bench, worker(url, tmp_path, "own", CLEARANCE_LOG="json") as running:
+        with bench.engine.begin() as connection:
+            run_id = submit(connection, case(), name="long", tags=[], owner="", planned=0)
+        until(lambda: bench.run(run_id).evaluations > 2000, running.text())
+        kill(running.child())
+        until(lambda: "killed" in running.text(), "its loss is said")
+        lines = [json.loads(line) for line in running.text().splitlines()]
+        assert all(line["worker"] == "own" and line["time"] for line in lines)
+        [begun] = [line for line in lines if "attempt 1" in line["message"]]
+        assert (begun["run"], "stage" in begun) == ("R-0001", False)
+        [lost] = [line for line in lines if "killed" in line["message"]]
+        assert (lost["run"], lost["stage"].split()[0]) == ("R-0001", "search")
+
+
+def test_an_error_of_a_child_is_one_line(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    with benched(url) as bench, worker(url, tmp_path, "own", *OPTIONS, CLEARANCE_LOG="json") as running:
+        bench.submit("fail")
+        until(lambda: "BrokenPipeError" in running.text(), running.text())
+        errors = [line for line in map(json.loads, running.text().splitlines()) if "error" in line]
+    assert [(line["run"], line["worker"], line["level"]) for line in errors[:1]] == [("R-0001", "own", "ERROR")]
+    assert errors[0]["error"].endswith("no pipe")
 
 
 def without_override(*command: str) -> list[str]:

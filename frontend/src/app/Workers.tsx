@@ -28,6 +28,7 @@ export function Workers() {
   const busy = data.items.filter((worker) => worker.state === 'busy').length
   const none = data.alive === 0
   const full = data.space.short !== ''
+  const still = data.still.length > 0
   const shown = none ? 'No worker' : full ? 'No space' : workers(data.alive)
   return (
     <Popup
@@ -37,16 +38,16 @@ export function Workers() {
       position="bottom-end"
       width={340}
       button={{
-        className: clsx(styles.target, (none || full) && styles.none),
+        className: clsx(styles.target, (none || full || still) && styles.none),
         // The name contains what is shown, also in narrow windows, where that is the number alone.
         'aria-label': none
           ? 'No worker is alive, 0 workers'
-          : `${full ? 'No space for new runs, ' : ''}${workers(data.alive)} alive, ${count(busy)} busy`,
+          : `${full ? 'No space for new runs, ' : ''}${still ? 'a run stands still, ' : ''}${workers(data.alive)} alive, ${count(busy)} busy`,
         title: 'Workers',
         'data-testid': 'workers',
         children: (
           <>
-            {none || full ? <IconAlertTriangle className="i s" aria-hidden /> : <IconCpu className="i s" aria-hidden />}
+            {none || full || still ? <IconAlertTriangle className="i s" aria-hidden /> : <IconCpu className="i s" aria-hidden />}
             <span className={styles.long}>{shown}</span>
             <span className={styles.short}>{count(data.alive)}</span>
           </>
@@ -88,6 +89,14 @@ function Listed({ data, ahead, onLeave }: { data: Known; ahead: number; onLeave:
           ))}
         </ul>
       )}
+      {data.still.map(({ run, since }) => (
+        <p key={run}>
+          <Link to="/runs/$id" params={{ id: run }} onClick={onLeave}>
+            {run}
+          </Link>{' '}
+          stands still: no new evaluation for {age(now - since)}.
+        </p>
+      ))}
       <Room space={data.space} />
     </div>
   )

@@ -1,8 +1,10 @@
 // An active run: figures, stages, convergence, best so far, methods, improvements.
-import { IconLoader } from '@tabler/icons-react'
+import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { clsx } from 'clsx'
+import { useStill } from '../api/still'
 import type { RunDetail, StageProgress } from '../client'
 import { unknownOf, withoutValue } from '../format/counts'
+import { age } from '../format/time'
 import { count, decimalsApart, decimalsFor, duration, fixed, NONE, plain, signed } from '../format/numbers'
 import { Card, Stat } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
@@ -25,6 +27,22 @@ import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './run.module.css'
 
+/** That it stored nothing for long, and what ends that. */
+function StandsStill({ run }: { run: string }) {
+  const since = useStill(run)
+  const now = useNow(10_000)
+  if (since === null) return null
+  return (
+    <p className={cards.note} style={{ marginBottom: 'var(--gap)' }} role="status">
+      <IconAlertTriangle className="i bad-t" aria-hidden />
+      <span>
+        No new evaluation for {age(Math.max(0, now - since))}. The worker replaces a process that has none for much longer than
+        before; cancel the run to end it now.
+      </span>
+    </p>
+  )
+}
+
 export function Live({ data }: { data: RunData }) {
   const { run } = data
   const best = bestOf(data)
@@ -37,6 +55,7 @@ export function Live({ data }: { data: RunData }) {
           <span>{run.doing.sentence}</span>
         </p>
       )}
+      <StandsStill run={run.id} />
       <Figures data={data} />
       <div style={{ marginTop: 'var(--gap)' }}>
         <StageStrip run={run} />

@@ -2,6 +2,7 @@
 import { clsx } from 'clsx'
 import { useNavigate } from '@tanstack/react-router'
 import { memo, type MouseEvent } from 'react'
+import { useStill } from '../api/still'
 import type { RunSummary } from '../client'
 import { count, decimalsFor, duration, fixed } from '../format/numbers'
 import { age } from '../format/time'
@@ -106,6 +107,7 @@ function Working({ run, now }: { run: RunSummary; now: number }) {
   const share = stage && stage.planned > 0 ? Math.min(1, stage.evaluations / stage.planned) : 0
   const name = run.doing ? 'Compiling' : stage ? stage.title : 'Starting'
   const best = run.worst_cost
+  const since = useStill(run.id)
   return (
     <span className={styles.standing}>
       <span style={{ width: 120 }}>
@@ -116,6 +118,7 @@ function Working({ run, now }: { run: RunSummary; now: number }) {
         {!run.doing && stage && stage.planned > 1 ? `, ${Math.round(100 * share)} %` : ''}
       </span>
       <span className={clsx(layout.cut, 'mut')}>
+        {since !== null && <span className="bad-t">{`no new evaluation for ${age(Math.max(0, now - since))} · `}</span>}
         {run.doing?.seconds != null && `about ${age(Math.ceil(run.doing.seconds))}, once · `}
         {run.started !== null && `${duration(Math.max(0, now - run.started))} so far`}
         {best !== null && ` · best so far ${fixed(best, decimalsFor([best]))} ${run.unit}`}

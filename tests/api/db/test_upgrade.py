@@ -24,10 +24,13 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.settings import Settings
 from campaigns.asked.spec import seedless
 from campaigns.results import ValidateResult, Verdict
+from campaigns.versions import UNDIGESTED
 from tests.audited import audited
 from tests.given.service import Service
 from tests.given.stored_sizes import stored_size
-from worker.evidence.audit.record import SEAL
+from worker.evidence.audit.judge import Item
+from worker.evidence.audit.record import SEAL, of_database
+from worker.running.runs import audited as audits
 
 STORED = Path(__file__).parents[1] / "stored" / "revision-0009.sqlite3.gz"
 
@@ -126,12 +129,17 @@ def test_campaigns_are_found_apart_from_their_seed(engine: sa.Engine) -> None:
 
 
 def test_the_audit_follows_before_and_after(engine: sa.Engine, tmp_path: Path) -> None:
-    audited(engine, run_id=1, lacks={"checks.sample", SEAL, "words"})
-    audited(engine, run_id=2, lacks={"checks.sample", SEAL, "words"})
+    audited(engine, run_id=1, lacks={"begun", "checks.sample", SEAL, "words"})
+    audited(engine, run_id=2, lacks={"begun", "checks.sample", SEAL, "words"})
     (tmp_path / "clearance.sqlite3").write_bytes(gzip.decompress(STORED.read_bytes()))
     earlier = sa.create_engine(default_url(tmp_path))
-    audited(earlier, run_id=1, lacks={"checks.sample", SEAL, "words"})
+    audited(earlier, run_id=1, lacks={"begun", "checks.sample", SEAL, "words"})
     earlier.dispose()
+
+
+def known(engine: sa.Engine, run_id: int) -> list[Item]:
+    with read(engine) as reader:
+        return audits.audited(of_database(reader, run_id))
 
 
 def test_every_page_reads_it(engine: sa.Engine, folder: Path) -> None:
@@ -144,6 +152,12 @@ def test_every_page_reads_it(engine: sa.Engine, folder: Path) -> None:
                 assert answer.status_code == 200, (path, answer.text)
         report = client.get("/api/v1/runs/R-0001/report.html").text
         assert "violation confirmed" in report
+        for run in ("R-0001", "R-0002"):
+            assert client.get(f"/api/v1/runs/{run}").json()["undigested"] == UNDIGESTED
+            assert client.get(f"/api/v1/runs/{run}/exports/run.json").json()["run"]["undigested"] == UNDIGESTED
+            assert UNDIGESTED in client.get(f"/api/v1/runs/{run}/report.html").text
+            of = next(item for item in known(engine, int(run[2:])) if item.name == "begun")
+            assert (of.agrees, of.recomputed) == (None, UNDIGESTED)
     service.stop()
 
 

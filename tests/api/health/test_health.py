@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,9 +15,15 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db import engine, space
+from backend.db.engine import now
+from backend.db.queue import Queue
+from backend.db.still import STILL
+from backend.db.store import RunStore
 from backend.db.tables import Run
-from backend.metrics import service as metrics
 from backend.settings import Settings
+from campaigns.stored.records import StagePlan
+from tests import results
+from tests.faults.cases import columns
 from tests.given.databases import Fresh
 from tests.given.openapi_document import DOCUMENT, held
 from tests.given.outages import moved
@@ -110,7 +115,7 @@ def scraped(client: httpx.Client) -> dict[str, float]:
     return found
 
 
-def test_metrics_count_what_there_is(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_metrics_count_what_there_is(service: Service, client: httpx.Client) -> None:
     submit(client)
     submit(client, seed=2)
     with service.engine.begin() as connection:
@@ -132,12 +137,44 @@ def test_metrics_count_what_there_is(service: Service, client: httpx.Client, mon
     assert found[f"clearance_request_seconds_count{{{route}}}"] == 1
     assert found[f'clearance_request_seconds_bucket{{{route},le="+Inf"}}'] == 1
     assert found["clearance_runs_standing_still"] == 0
-    at = time.monotonic() + metrics.STILL + 1
-    monkeypatch.setattr(metrics, "monotonic", lambda: at)
-    assert scraped(client)["clearance_runs_standing_still"] == 1
+
+
+def test_a_service_knows_at_its_first_scrape_that_a_run_stands_still(service: Service, client: httpx.Client) -> None:
+    """By what the run itself stores, while it is claimed, put back, and claimed again."""
+    submit(client)
+    queue = Queue(service.engine)
+
+    def still(ago: float) -> float:
+        with service.engine.begin() as connection:
+            connection.execute(sa.update(Run).values(advanced=now(connection) - ago))
+        number = scraped(client)["clearance_runs_standing_still"]
+        assert len(client.get("/api/v1/workers").json()["still"]) == number
+        return number
+
+    assert still(STILL + 1) == 0, "it is queued"
+    claim = queue.claim("w")
+    assert claim is not None
+    assert scraped(client)["clearance_runs_standing_still"] == 0, "it has begun just now"
+    assert still(STILL + 1) == 1
+    assert still(STILL - 60) == 0
+    store = RunStore(service.engine, claim)
+    store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", 100)])
+    assert still(STILL + 1) == 1
+    store.append(0, 0, columns(0, 1))
+    assert scraped(client)["clearance_runs_standing_still"] == 0, "it has a new evaluation"
+    assert still(STILL + 1) == 1
+    store.finish(0, results.nominal(), 0.01)
+    assert scraped(client)["clearance_runs_standing_still"] == 0, "it has ended a stage"
+    assert still(STILL + 1) == 1
+    queue.lost(claim, "its worker was killed", delay=0.0)
+    again = queue.claim("w")
+    assert again is not None
+    assert scraped(client)["clearance_runs_standing_still"] == 1, "another attempt is no evaluation"
+    queue.give_back(again)
     with service.engine.begin() as connection:
-        connection.execute(sa.update(Run).where(Run.id == 1).values(evaluations=8))
-    assert scraped(client)["clearance_runs_standing_still"] == 0
+        connection.execute(sa.update(Run).values(losses=0))
+    assert queue.claim("w") is not None
+    assert scraped(client)["clearance_runs_standing_still"] == 0, "it has only waited"
 
 
 def test_metrics_need_a_token_unless_they_are_open(service: Service, fresh: Fresh, tmp_path: Path) -> None:

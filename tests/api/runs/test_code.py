@@ -18,7 +18,7 @@ from backend.db.tables import CatalogueDocument, Run
 from backend.reports.service import UNRECORDED
 from campaigns import Catalogue
 from campaigns.identity.identity import differences, identity_of
-from campaigns.versions import Code, OtherCode, Versions
+from campaigns.versions import UNDIGESTED, Code, OtherCode, Versions
 from tests.given.code_versions import CODE, IDENTITY, OTHER, OTHER_IDENTITY, VERSIONS, edited
 from tests.given.finished_runs import search
 from tests.given.reported_runs import PLAN, finish_fully
@@ -99,7 +99,10 @@ def test_a_run_from_before_code_digests_resumes_and_stores_none(service: Service
     first.begin(2)
     first.append(2, 0, search(0, 10))
     taken_over(service, first).record_versions(VERSIONS, CODE)
-    assert client.get(f"/api/v1/runs/{run}").json()["flown"] is None
+    found = client.get(f"/api/v1/runs/{run}").json()
+    assert (found["flown"], found["undigested"]) == (None, UNDIGESTED)
+    report = client.get(f"/api/v1/runs/{run}/report.html").text
+    assert UNDIGESTED in report
     assert client.get(f"/api/v1/runs/{run}/components").json()["code"] is None
     assert UNRECORDED in client.get(f"/api/v1/runs/{run}/report.html").text
 

@@ -42,7 +42,7 @@ def test_units_are_read_and_have_settings_that_exist(unit: Path, tmp_path: Path)
 
 
 def test_the_dashboard_shows_metrics_that_exist() -> None:
-    stored = Stored({}, 0, {}, 0, 0, 0)
+    stored = Stored({}, 0, 0, 0, 0, 0)
     requests = Requests()
     requests.note(("GET", "/", "2xx"), 0.1)
     metrics = Metrics(Room((DEPLOY,), 0), requests)

@@ -25,6 +25,7 @@ from campaigns.results.base import EXCLUDED, FLAKY, OK
 from campaigns.runs import run_name
 from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.unreadable import UNREADABLE
+from campaigns.versions import undigested
 from worker.evidence.audit import files
 
 
@@ -149,6 +150,8 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     twice = {f"digests.{k}": (v, campaign.digest) for k, v in (("run", run["campaign_digest"]), ("summary", summary))}
     twice[SEAL] = (MISSING, MISSING) if sealed is None else (sealed, current_digest(connection, run_id))
     flown = run.get("flown") or {}
+    if unknown := undigested(flown, begun=True):
+        twice["begun"] = (MISSING, Missing(unknown))
     twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in FIXED & provenance.keys()}
     if asked.get("question") is not None:
         twice["question"] = (asked["question"], question(asked["document"]))

@@ -17,10 +17,10 @@ from campaigns import heap  # next: loading is not interrupted
 # isort: split
 import importlib
 import json
+import logging
 import math
 import os
 import sys
-import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -33,13 +33,16 @@ from backend.db.engine import connect, write
 from backend.db.outages import DatabaseOutage, worded
 from backend.db.queue import Claim, LostLease
 from backend.db.store import RunStore
-from campaigns import Campaign, CampaignError, Catalogue
+from campaigns import Campaign, CampaignError, Catalogue, logs
+from campaigns.runs import run_name
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
 from worker.running.processes.answering import private_output, send
 from worker.running.runs import pulse
 
 Execute = Callable[[Campaign, Store], Any]
+
+log = logging.getLogger("clearance.worker")
 
 
 def main() -> None:
@@ -50,6 +53,8 @@ def main() -> None:
     requests, answers = _private_streams()
     pulse.opened(int(sys.argv[1]))
     setup = json.loads(requests.readline())
+    logs.set_up(os.environ, "%(asctime)s %(levelname)s %(message)s")
+    logs.present |= {"worker": setup["worker"], "stage": lambda: pulse.own.stage}
     engine = connect(setup["database"], create=False)
     execute = resolve(setup["runner"])
     from worker.running.catalogue.digests import with_digests
@@ -84,7 +89,9 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
         elif sources.stale():
             send(answers, {"outcome": "stale", "text": ""})
         else:
-            send(answers, perform(execute, engine, components, Claim(**request)))
+            claim = Claim(**request)
+            logs.present["run"] = run_name(claim.run_id)
+            send(answers, perform(execute, engine, components, claim))
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
@@ -118,10 +125,10 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
     except (CampaignUnusable, CampaignError, ReplayMismatch) as error:
         return {"outcome": "unusable", "text": str(error)}
     except MemoryError:  # the next attempt would need as much memory
-        traceback.print_exc()
+        log.exception("run %d: out of memory", claim.run_id)
         return {"outcome": "spent", "text": memory.sentence()}
     except (Exception, SystemExit) as error:
-        traceback.print_exc()
+        log.exception("run %d: the runner failed", claim.run_id)
         sentence = blamed(error)
         if sentence:  # the next attempt would execute the same component
             return {"outcome": "spent", "text": f"a component failed: {sentence}"}

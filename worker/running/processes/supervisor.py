@@ -140,10 +140,12 @@ class Supervisor:
             return
         logs.present["run"] = run_name(claim.run_id)
         log.info("run %d: attempt %d of %d", claim.run_id, claim.attempt, claim.max_attempts)
+        child.pulse.enter("")  # that of the run before
+        logs.present["stage"] = lambda: child.pulse.stage
         ending = self._watch(child, claim)
         log.info("run %d: %s%s", claim.run_id, ending.outcome, ending.text and f" ({ending.text})")
         self._settle(claim, ending)
-        logs.present["run"] = None
+        logs.present |= {"run": None, "stage": None}
 
     def _watch(self, child: Child, claim: Claim) -> Ending:
         """Send heartbeats while the child works; returns how the attempt ended."""

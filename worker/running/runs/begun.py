@@ -27,7 +27,7 @@ def readable(document: Mapping[str, object], source: str, run: OfRun) -> Campaig
     try:
         campaign = load_document(document, source)
     except CampaignError as error:
-        if begun is None or begun.versions.code is None:
+        if begun is None:
             raise
         raise OtherCode(f"this version cannot read its campaign ({error})") from None
     others = [] if begun is None else _others(begun, campaign)

@@ -1,6 +1,6 @@
-"""What a process that executes runs tells its supervisor: that it moves, and how long it may stand still.
+"""What a process that executes runs tells its supervisor: that it moves, how long it may stand still, and its stage.
 
-Two numbers in memory that both share, so that the supervisor need not ask a process that is stopped or hangs.
+In memory that both share, so that the supervisor need not ask a process that is stopped or hangs.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from worker.engine.systems.base import Slotted, System
 from worker.engine.systems.simulators.called import Called
 
 _LAYOUT = struct.Struct("<Qd")
-SIZE = _LAYOUT.size
+_STAGE = struct.Struct("<80s")
+SIZE = _LAYOUT.size + _STAGE.size
 
 
 class Pulse:
@@ -39,6 +40,16 @@ class Pulse:
     def longest(self) -> float:
         """Time that one evaluation may take [s]: infinite where nothing limits it."""
         return self._read()[1]
+
+    @property
+    def stage(self) -> str:
+        """The stage of the run that is executed, such as "search direct"; empty before the first."""
+        (name,) = _STAGE.unpack_from(self._memory, _LAYOUT.size)
+        return str(name.rstrip(b"\0").decode(errors="replace"))
+
+    def enter(self, stage: str) -> None:
+        """Say which stage is executed from now on."""
+        _STAGE.pack_into(self._memory, _LAYOUT.size, stage.encode())
 
     def beat(self) -> None:
         """Something was stored or compiled."""

@@ -73,6 +73,7 @@ def execute(
 
 
 def _carry_out(context: Context, position: int, record: StageRecord) -> None:
+    pulse.own.enter(" ".join(filter(None, (record.plan.kind, record.plan.method))))
     context.store.begin(position)
     began = time.perf_counter()
     outcome = stages()[record.plan.kind].run(context, position)

@@ -30,6 +30,7 @@ export function Provenance({ data, className }: { data: RunData; className: stri
     campaign_digest: run.campaign_digest,
     ...origin,
     identity: run.identity,
+    undigested: run.undigested,
     worker: run.worker,
     started: run.started,
     finished: run.finished,
@@ -107,6 +108,7 @@ function flightRows(data: RunData, origin: Origin): Rows {
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
     ...codeRows(run.identity),
+    ...(run.undigested ? ([['Begun', run.undigested]] as Rows) : []),
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
     ['Sample seed', sampleSeed(data)],
     ...(campaign.simulator ? [partRow(data, 'simulator', campaign.simulator.name)] : loopRows(data, origin)),

@@ -22,9 +22,11 @@ class Machine:
 
     def __init__(self, network: Network, name: str, number: int) -> None:
         self.space, self.port = f"{network.name}{name}", f"port{number}"
-        self.address = NETWORK.replace("0/24", str(number))
+        self.address = _address(number)
         self.within = ["ip", "netns", "exec", self.space]
         self._switch = network.name
+        self.url = f"postgresql://clearance@{network.database}/postgres"
+        """Of the database server on the network."""
 
     def unplugged(self) -> None:
         """Its cable is pulled: it has no carrier; open connections are not told."""
@@ -52,10 +54,10 @@ class Machine:
 
 
 class Network:
-    """A switch and its machines."""
+    """A switch and its machines; the first one has the database server."""
 
     def __init__(self, name: str) -> None:
-        self.name = name
+        self.name, self.database = name, _address(1)
         self.machines: dict[str, Machine] = {}
 
     def machine(self, name: str) -> Machine:
@@ -89,6 +91,10 @@ def network() -> Iterator[Network]:
         for machine in made.machines.values():
             subprocess.run(["ip", "netns", "delete", machine.space], check=False)
         _ip("netns", "delete", made.name)
+
+
+def _address(number: int) -> str:
+    return NETWORK.replace("0/24", str(number))
 
 
 def _ip(*words: str) -> None:

@@ -19,11 +19,14 @@ from tests.faults.machines import Machine, Network
 from tests.faults.processes import REPOSITORY, Started, alive, until, worker
 from tests.faults.test_outages import OPTIONS, Bench
 
+SOONER = "?tcp_user_timeout=3000"
+"""Silence counts as away after this time [ms]."""
+
 HOLDER = """
 import sys
 import sqlalchemy as sa
 from backend.db import engine
-engine.CLIENT_LIMITS.update(tcp_keepalives_idle=1, tcp_keepalives_interval=1, tcp_keepalives_count=2, tcp_user_timeout=3000)
+engine.CLIENT_LIMITS.update(tcp_keepalives_idle=1, tcp_keepalives_interval=1, tcp_user_timeout=3000)
 with engine.connect(sys.argv[1]).begin() as connection:
     connection.execute(sa.text("select id from runs for update"))
     print("held", flush=True)
@@ -52,18 +55,13 @@ def bench(server: postgres.Server) -> Iterator[Bench]:
     made.engine.dispose()
 
 
-def reached(switch: Network) -> str:
-    """The address of the database on the network, with a shorter time until silence counts as away."""
-    return f"postgresql://clearance@{switch.machine('db').address}/postgres?tcp_user_timeout=3000"
-
-
 @contextmanager
 def working(switch: Network, name: str, folder: Path) -> Iterator[Started]:
     """A worker on the machine of its name, with a data folder of its own."""
     data = folder / name
     data.mkdir()
     at = switch.machine(name)
-    with worker(reached(switch), data, name, *OPTIONS, "--data", str(data), within=at.within) as running:
+    with worker(at.url + SOONER, data, name, *OPTIONS, "--data", str(data), within=at.within) as running:
         yield running
 
 
@@ -104,7 +102,7 @@ def test_a_machine_that_is_cut_off(
 def test_a_machine_that_is_cut_off_within_a_transaction(switch: Network, bench: Bench) -> None:
     """The server ends its session, or nobody could take the run. The times are shortened."""
     at, run_id = switch.machine("one"), bench.submit("none")
-    command = [*at.within, sys.executable, "-c", HOLDER, reached(switch)]
+    command = [*at.within, sys.executable, "-c", HOLDER, at.url]
     with subprocess.Popen(command, cwd=REPOSITORY, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as holder:
         assert holder.stdout is not None
         assert holder.stdout.readline() == b"held\n"

@@ -40,6 +40,15 @@ SERVER_LIMITS = {
 }
 """After which a PostgreSQL server that is silent counts as away [s, the last one ms]; those of the address win."""
 
+CLIENT_LIMITS = {
+    "tcp_keepalives_idle": 10,
+    "tcp_keepalives_interval": 5,
+    "tcp_keepalives_count": 3,
+    "tcp_user_timeout": 20_000,
+}
+"""After which the server gives up a client that is silent [s, the last one ms]. By the system's own, two hours, a
+machine that is cut off within a transaction keeps its locks, and nobody can take its run."""
+
 
 class NewerSchemaError(ValueError):
     """A newer version of Clearance has migrated the database."""
@@ -76,9 +85,9 @@ def connect(url: str, busy_timeout: float | None = None, create: bool = True) ->
         if busy_timeout is not None:
             limits["options"] = f"-c lock_timeout={busy_timeout * 1000:.0f}"
         address = parsed.set(drivername="postgresql+psycopg")
-        return outages.watched(
-            sa.create_engine(address, pool_pre_ping=True, json_serializer=_json, connect_args=limits)
-        )
+        engine = sa.create_engine(address, pool_pre_ping=True, json_serializer=_json, connect_args=limits)
+        sa.event.listen(engine, "connect", _limited)
+        return outages.watched(engine)
     raise ValueError(
         f"the database {parsed.render_as_string()!r} is not supported: give sqlite:///FILE or postgresql://..."
     )
@@ -183,6 +192,13 @@ def refuse_read_only(engine: sa.Engine) -> None:
     ):
         error = PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(file))
         raise outages.DatabaseOutage("database-away", outages.READ_ONLY, error, False)
+
+
+def _limited(connection: Any, _record: Any) -> None:
+    """Not by `options` of the address, which poolers of connections refuse."""
+    connection.autocommit = True
+    connection.execute("; ".join(f"set {name} = {n}" for name, n in CLIENT_LIMITS.items()))
+    connection.autocommit = False
 
 
 def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:

@@ -9,7 +9,7 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -37,8 +37,12 @@ class Server:
 
 
 @contextmanager
-def server() -> Iterator[Server]:
-    """A running, empty server; skips the test if PostgreSQL is not installed."""
+def server(within: Sequence[str] = (), address: str = "", network: str = "") -> Iterator[Server]:
+    """A running, empty server; skips the test if PostgreSQL is not installed.
+
+    within: what its commands begin with, as for another network namespace; address: where it listens besides its
+    socket, for this network.
+    """
     binaries = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
     found = shutil.which("initdb") or (str(binaries[-1]) if binaries else None)
     if found is None:
@@ -46,11 +50,14 @@ def server() -> Iterator[Server]:
     bin_folder = Path(found).parent
     # The server refuses to run as root, and a socket's path is at most 107 bytes: hence a separate short folder.
     folder = Path(tempfile.mkdtemp(prefix="pg", dir="/tmp"))
-    as_user = _as_user(folder)
+    as_user = [*within, *_as_user(folder)]
     try:
         data = folder / "data"
         _run([*as_user, str(bin_folder / "initdb"), "-D", str(data), "-U", "clearance", "-A", "trust", "-N"])
-        options = f"-c listen_addresses='' -c unix_socket_directories='{folder}' -c fsync=off"
+        if network:
+            with (data / "pg_hba.conf").open("a") as rules:
+                rules.write(f"host all all {network} trust\n")
+        options = f"-c listen_addresses='{address}' -c unix_socket_directories='{folder}' -c fsync=off"
         control = [*as_user, str(bin_folder / "pg_ctl"), "-D", str(data), "-l", str(folder / "log"), "-w"]
         running = Server(f"postgresql://clearance@/postgres?host={folder}", control, options)
         running.start()

@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
@@ -64,9 +64,14 @@ def started(command: list[str], folder: Path, name: str = "output", **environmen
 
 
 @contextmanager
-def worker(url: str, folder: Path, name: str, *options: str, **environment: str) -> Iterator[Started]:
-    """A worker on the database; on one core, so that its speed does not depend on their number."""
-    command = [*CLEARANCE, "worker", "--name", name, *options]
+def worker(
+    url: str, folder: Path, name: str, *options: str, within: Sequence[str] = (), **environment: str
+) -> Iterator[Started]:
+    """A worker on the database; on one core, so that its speed does not depend on their number.
+
+    within: what its command begins with, as for another network namespace.
+    """
+    command = [*within, *CLEARANCE, "worker", "--name", name, *options]
     environment = {"CLEARANCE_DATABASE": url, "CLEARANCE_THREADS": "1", **environment}
     with started(command, folder, name, **environment) as running:
         yield running

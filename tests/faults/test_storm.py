@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
 from backend.db.engine import default_url
-from tests.storm.faults import FAULTS, hurt, kernels
+from tests.storm.faults import FAULTS
+from tests.storm.faults.base import hurt, kernels
+from tests.storm.faults.disks import small
 from tests.storm.kills import storm
 from tests.storm.site import site
 
@@ -17,8 +20,10 @@ pytestmark = pytest.mark.nightly
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault(tmp_path: Path, name: str) -> None:
-    with kernels(tmp_path / "kernels"), site(default_url(tmp_path), tmp_path) as made:
-        row = hurt(made, "sqlite", name)
+    fault = FAULTS[name]
+    disk = small(tmp_path) if fault.disk else nullcontext()
+    with disk, kernels(tmp_path / "kernels"), site(default_url(tmp_path), tmp_path) as made:
+        row = hurt(made, "sqlite", name, fault)
     assert (row.lost, row.repeated, row.left_behind, row.given_up) == (0, 0, 0, 0), row
 
 

@@ -7,18 +7,21 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import asdict
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 
 import sqlalchemy as sa
 
 from backend.db.engine import default_url
-from tests.faults import postgres
-from tests.storm.faults import FAULTS, SERVER_ONLY, Row, hurt, kernels
+from tests.faults import machines, postgres
+from tests.storm.faults import FAULTS, databases, disks, networks
+from tests.storm.faults.base import Row, hurt, kernels
 from tests.storm.kills import storm
 from tests.storm.site import Site, site
 
@@ -28,7 +31,7 @@ BUILD = Path("build")
 def main() -> int:
     """Exit code 1 if anything was lost, repeated, left behind or given up."""
     given = argparse.ArgumentParser(prog="python -m tests.storm", description=__doc__)
-    given.add_argument("--only", default="", help="faults whose name contains this")
+    given.add_argument("--only", default="", help="faults whose name matches this")
     given.add_argument("--database", choices=("sqlite", "postgresql"))
     given.add_argument("--seeds", default="1,2,3", help="of the storms")
     given.add_argument("--no-storms", action="store_true")
@@ -59,27 +62,50 @@ def measured(only: str, database: str | None, seeds: list[int]) -> Iterator[Row]
         if database != "sqlite":
             with postgres.server() as server:
                 yield from _on("postgresql", Path(home), lambda folder: _emptied(server), server, only, seeds)
+            yield from _networked(Path(home), only)
 
 
 def _on(
     database: str, home: Path, fresh: Callable[[Path], str], server: postgres.Server | None, only: str, seeds: list[int]
 ) -> Iterator[Row]:
-    def each(name: str, work: Callable[[Site], Row]) -> Row:
-        folder = home / f"{database}-{name.replace(' ', '-')}"
-        folder.mkdir()
-        (folder / "kernels").symlink_to(home / "kernels")
-        try:
-            with site(fresh(folder), folder) as made:
-                return work(made)
-        except AssertionError as error:
-            print(error, file=sys.stderr)
-            return Row(database, name, f"did not recover: {error}", 0, 0, 0, 1, 0.0)
-
-    for name in [*FAULTS, *(SERVER_ONLY if server else ())]:
-        if only in name:
-            yield each(name, partial(hurt, database=database, name=name, server=server))
+    each = Each(database, home, fresh)
+    for name, fault in (FAULTS | (databases.of_server(server) if server else {})).items():
+        if re.search(only, name):
+            yield each(name, partial(hurt, database=database, name=name, fault=fault), fault.disk)
     for seed in seeds:
         yield each(f"storm {seed}", partial(storm, database=database, seed=seed))
+
+
+def _networked(home: Path, only: str) -> Iterator[Row]:
+    """Those on machines of their own, whose server is one of them."""
+    with machines.network() as network:
+        at = network.machine("db")
+        with postgres.server(at.within, at.address, machines.NETWORK) as server:
+            each = Each("postgresql", home, lambda folder: _emptied(server))
+            for name, part in networks.parts(server).items():
+                if re.search(only, name):
+                    yield each(name, partial(part, network, name))
+
+
+@dataclass(frozen=True)
+class Each:
+    """Does something on a site of its own; what does not recover is a row that says so."""
+
+    database: str
+    home: Path
+    fresh: Callable[[Path], str]
+
+    def __call__(self, name: str, work: Callable[[Site], Row], disk: bool = False) -> Row:
+        folder = self.home / f"{self.database}-{re.sub('[^a-z0-9]+', '-', name)}"
+        folder.mkdir()
+        try:
+            with disks.small(folder) if disk else nullcontext():
+                (folder / "kernels").symlink_to(self.home / "kernels")
+                with site(self.fresh(folder), folder) as made:
+                    return work(made)
+        except AssertionError as error:
+            print(error, file=sys.stderr)
+            return Row(self.database, name, f"did not recover: {error}", 0, 0, 0, 1, 0.0)
 
 
 def _emptied(server: postgres.Server) -> str:

@@ -231,7 +231,7 @@ class Settings(BaseModel):
 
     @classmethod
     def secret(cls) -> list[str]:
-        """The variables that are secrets, each of which may come from a file; the database's URL may have a password."""
+        """The variables that may come from a file: all secrets, and the database, whose URL may have a password."""
         fields = cls.model_fields.items()
         return [PREFIX + name.upper() for name, f in fields if f.annotation is SecretStr or name == "database"]
 

@@ -7,6 +7,7 @@ ARG PYTHON_IMAGE=python:3.11-slim@sha256:9c900dea9e8fb7e16277c179b555cc72d29a352
 FROM ${PYTHON_IMAGE} AS app
 WORKDIR /app
 COPY tools tools
+RUN tools/image.sh system
 COPY requirements.lock ./
 RUN tools/image.sh packages
 COPY pyproject.toml README.md ./
@@ -14,6 +15,7 @@ COPY campaigns campaigns
 COPY clearance clearance
 COPY backend backend
 COPY worker worker
+COPY docs docs
 RUN tools/image.sh app
 
 FROM ${NODE_IMAGE} AS pages
@@ -32,9 +34,11 @@ COPY --from=pages /app/frontend/dist frontend/dist
 RUN useradd --uid 10001 --user-group --no-create-home --home-dir /data clearance \
     && mkdir /data && chown clearance:clearance /data && chmod 700 /data
 USER 10001:10001
+# Engines forbid the name spaces of which Chromium makes its sandbox; the container without rights takes its place.
 ENV PATH=/app/.venv/bin:$PATH \
     PYTHONUNBUFFERED=1 \
     CLEARANCE_DATA=/data \
+    CLEARANCE_BROWSER_SANDBOX=false \
     CLEARANCE_KERNEL_CACHE=/data/kernels
 VOLUME /data
 EXPOSE 8000

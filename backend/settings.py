@@ -14,9 +14,10 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, model_validator
 
+from backend import secrets_given
 from backend.db import space
 from backend.db.engine import default_url
-from backend.provider.configured import Configured, default_of, is_loopback, roles_of, safe_address, secret_of
+from backend.provider.configured import Configured, default_of, is_loopback, roles_of, safe_address
 from backend.webhooks import configured as hooked
 
 PREFIX = "CLEARANCE_"
@@ -59,6 +60,8 @@ class Settings(BaseModel):
     """Folder for the database, the logs and the service's address; only its owner may read it."""
     database: str = ""
     """`sqlite:///FILE` or `postgresql://...`; empty: clearance.sqlite3 in the data folder."""
+    database_password: SecretStr = SecretStr("")
+    """The password of a PostgreSQL URL without one."""
     host: str = "127.0.0.1"
     port: Annotated[int, Field(ge=0, le=65535)] = 8000
     """0 selects a free port."""
@@ -74,7 +77,6 @@ class Settings(BaseModel):
     """The issuer of an OpenID Connect provider; empty: none."""
     oidc_client_id: str = ""
     oidc_client_secret: SecretStr = SecretStr("")
-    oidc_client_secret_file: Path | None = None
     oidc_name: Annotated[str, Field(max_length=40)] = "single sign-on"
     """What the sign-in page calls the provider."""
     oidc_scopes: str = "openid profile email"
@@ -87,6 +89,8 @@ class Settings(BaseModel):
     """Whether a login link is printed on standard output at start."""
     pages: Path = Field(default_factory=built_pages)
     """The built front end."""
+    browser_sandbox: bool = True
+    """Whether Chromium makes its own sandbox to print a report; containers forbid it."""
     max_viewers: Annotated[int, Field(ge=0, le=1000)] = 32
     """Maximum number of open 3D views."""
     max_viewers_each: Annotated[int, Field(ge=1, le=1000)] = 6
@@ -178,7 +182,7 @@ class Settings(BaseModel):
             client_id=self.oidc_client_id,
             name=self.oidc_name,
             redirect=f"{self.public_url.rstrip('/')}/login/provider/return",
-            secret=secret_of(self.oidc_client_secret.get_secret_value(), self.oidc_client_secret_file),
+            secret=self.oidc_client_secret.get_secret_value(),
             scopes=" ".join(self.oidc_scopes.split()),
             groups_claim=self.oidc_groups_claim,
             roles=roles_of(self.oidc_roles),
@@ -202,7 +206,7 @@ class Settings(BaseModel):
 
     @model_validator(mode="after")
     def _hooked(self) -> Settings:
-        _ = self.hooks
+        _ = self.hooks, self.database_url
         return self
 
     @model_validator(mode="after")
@@ -218,8 +222,8 @@ class Settings(BaseModel):
     @classmethod
     def load(cls, environment: Mapping[str, str] | None = None) -> Settings:
         """Settings from the environment. Raises `ValueError` with one line for each error."""
-        variables = os.environ if environment is None else environment
         names = {PREFIX + name.upper(): name for name in cls.model_fields}
+        variables = secrets_given.read(cls.secret(), os.environ if environment is None else environment)
         try:
             return cls.model_validate({names[key]: value for key, value in variables.items() if key in names and value})
         except ValidationError as error:
@@ -227,17 +231,25 @@ class Settings(BaseModel):
             raise ValueError("\n".join(lines)) from None
 
     @classmethod
+    def secret(cls) -> list[str]:
+        """The variables that may come from a file: all secrets, and the database, whose URL may have a password."""
+        fields = cls.model_fields.items()
+        return [PREFIX + name.upper() for name, f in fields if f.annotation is SecretStr or name == "database"]
+
+    @classmethod
     def unknown(cls, environment: Mapping[str, str]) -> list[str]:
         """A sentence for each variable that looks like a setting and is none; a misspelled one has no effect."""
         names = [PREFIX + name.upper() for name in cls.model_fields]
+        names += [name + secrets_given.FILE for name in cls.secret()]
         found = sorted(key for key in environment if key.startswith(PREFIX) and key not in {*names, *_OTHERS})
         near = [(key, difflib.get_close_matches(key, names, 1, 0.85)) for key in found]
         return [f"{key} is not a setting and has no effect{f': is {n[0]} meant?' if n else ''}" for key, n in near]
 
     @property
     def database_url(self) -> str:
-        """The database, with the default filled in."""
-        return self.database or default_url(self.data)
+        """The database, with the password and the default filled in."""
+        given = secrets_given.with_password(self.database, self.database_password.get_secret_value())
+        return given or default_url(self.data)
 
     @property
     def encrypted(self) -> bool:

@@ -1,12 +1,18 @@
 #!/usr/bin/env bash
 # The steps of the container image, one by one, so that they can be run without a container engine too:
+#   image.sh system     installs Debian's packages: Chromium, which prints reports as PDF, and a font for what has none
 #   image.sh packages   makes .venv from the lock file, with what the project and its extras need, without the tests' tools
 #   image.sh app        installs this project into it, and writes what the pages are built with
 #   image.sh pages      builds the pages in frontend/ (needs Node)
-# `tools/image.sh check FOLDER` runs all of them in FOLDER, on those files of the last commit that the Dockerfile copies,
-# and starts what came out.
+# `tools/image.sh check FOLDER` runs all but the first in FOLDER, on those files of the last commit that the Dockerfile copies,
+# and starts what came out. tests/faults/test_image.py runs the Dockerfile itself on a Debian without an engine.
 
 source "$(dirname "$0")/common.sh"
+
+system() {
+    debian_install $(cat tools/image-system.txt) || fail "the packages of tools/image-system.txt could not be installed"
+    rm -rf /var/lib/apt/lists/*
+}
 
 packages() {
     python3 -m venv .venv

@@ -7,11 +7,8 @@ import json
 import urllib.parse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from backend.db.roles import ROLES, Role
-
-LONGEST_SECRET = 4096
 
 PENDING_LIFETIME = 600.0
 """How long a user may take at the provider [s]."""
@@ -38,21 +35,6 @@ class Configured:
         """The highest role of the groups, else the default; None: no access."""
         found = [self.roles[group] for group in groups if group in self.roles]
         return max(found, key=ROLES.index) if found else self.default_role
-
-
-def secret_of(secret: str, file: Path | None) -> str:
-    """The client's secret from the environment or a file. Raises `ValueError`."""
-    if file is None:
-        return secret
-    if secret:
-        raise ValueError("give the client secret in CLEARANCE_OIDC_CLIENT_SECRET or in a file, not both")
-    try:
-        text = file.read_text(encoding="utf-8").strip()
-    except (OSError, UnicodeError) as error:
-        raise ValueError(f"CLEARANCE_OIDC_CLIENT_SECRET_FILE cannot be read: {error}") from None
-    if not text or len(text) > LONGEST_SECRET:
-        raise ValueError(f"CLEARANCE_OIDC_CLIENT_SECRET_FILE must contain 1 to {LONGEST_SECRET} characters")
-    return text
 
 
 def roles_of(text: str) -> dict[str, Role]:

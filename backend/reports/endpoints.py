@@ -49,7 +49,7 @@ async def get_report_pdf(run: RunName, request: Request, engine: Engine) -> Resp
 
     def printed() -> tuple[str, bytes]:
         page = _made(request, engine, run_id)
-        return page.file, pdf.printed(page.html)
+        return page.file, pdf.printed(page.html, request.app.state.settings.browser_sandbox)
 
     file, content = await capacities(request).pdf.run(printed, request.is_disconnected)
     headers = {"Content-Disposition": f'attachment; filename="{file}.pdf"'}

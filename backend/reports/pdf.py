@@ -34,19 +34,19 @@ def browser() -> str | None:
     return next((found for name in NAMES if (found := shutil.which(name))), None)
 
 
-def printed(html: str) -> bytes:
-    """The page as PDF. Raises 503 if there is no browser or it fails."""
+def printed(html: str, sandbox: bool = True) -> bytes:
+    """The page as PDF; sandbox: whether the browser makes its own. Raises 503 if there is no browser or it fails."""
     path = browser()
     if path is None:
         raise RefusedError(503, "no-browser", MISSING)
     with tempfile.TemporaryDirectory(prefix="clearance-pdf-", ignore_cleanup_errors=True) as folder:
-        return _print(path, html, Path(folder))
+        return _print(path, html, Path(folder), sandbox)
 
 
-def _print(path: str, html: str, folder: Path) -> bytes:
+def _print(path: str, html: str, folder: Path, sandbox: bool) -> bytes:
     source, target = folder / "report.html", folder / "report.pdf"
     source.write_text(html, encoding="utf-8")
-    output = _run([path, *_arguments(folder, target), source.as_uri()], folder)
+    output = _run([path, *_arguments(folder, target, sandbox), source.as_uri()], folder)
     if output is not None or not target.is_file():
         _log.error("printing a report failed: %s", output)
         why = "it took too long" if output == "" else "it ended without writing a file; see the service's log"
@@ -54,12 +54,12 @@ def _print(path: str, html: str, folder: Path) -> bytes:
     return target.read_bytes()
 
 
-def _arguments(folder: Path, target: Path) -> list[str]:
+def _arguments(folder: Path, target: Path, sandbox: bool) -> list[str]:
     # Chromium has no sandbox when run by root; the page is generated here and its policy blocks scripts.
-    root = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
+    root = hasattr(os, "geteuid") and os.geteuid() == 0
     return [
         "--headless",
-        *root,
+        *(["--no-sandbox"] if root or not sandbox else []),
         "--disable-gpu",
         "--disable-extensions",
         "--disable-background-networking",

@@ -6,6 +6,7 @@ A stored run is read where it is: in a folder, in a database, or in a service, w
 from __future__ import annotations
 
 import getpass
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from typing import Annotated, TypeVar
 import sqlalchemy as sa
 import typer
 
+from backend import secrets_given
 from backend.db import alone as locks
 from backend.db.engine import connect, default_url, migrate, read
 from campaigns.refusals import Refusal, RefusalCode
@@ -27,12 +29,22 @@ from clearance.cli._service import opened as opened_service
 
 Loaded = TypeVar("Loaded")
 
+
+def _with_secrets(given: str) -> str:
+    """The database's URL, with what is in files; raises `WrongInputError`."""
+    try:
+        return secrets_given.database(given, os.environ)
+    except ValueError as error:
+        raise WrongInputError(f"{error}") from None
+
+
 Data = Annotated[Path, typer.Option(help="Folder of the database.", envvar="CLEARANCE_DATA", file_okay=False)]
 Database = Annotated[
     str,
     typer.Option(
         help="sqlite:///FILE or postgresql://...; the default is clearance.sqlite3 in the data folder.",
         envvar="CLEARANCE_DATABASE",
+        callback=_with_secrets,
         show_default=False,
     ),
 ]

@@ -14,6 +14,7 @@ from typing import Annotated
 
 import typer
 
+from backend import secrets_given
 from backend.db import access, workers
 from backend.db.arriving import awaited, sentence
 from backend.db.engine import connect
@@ -66,7 +67,7 @@ class _Serving:
     def __init__(self, host: str, port: int, data: Path, url: str, number: int, wakeup: Wakeup) -> None:
         self.address = f"http://{f'[{host}]' if ':' in host else host}:{port}"
         self.data, self.url, self.wakeup = data, url, wakeup
-        here = {"CLEARANCE_DATA": str(data), "CLEARANCE_DATABASE": url, "PYTHONUNBUFFERED": "1"}
+        here = {"CLEARANCE_DATA": str(data), "CLEARANCE_DATABASE": url, "PYTHONUNBUFFERED": "1", **secrets_given.WHOLE}
         if number > 1:  # each would otherwise take every core
             here["CLEARANCE_THREADS"] = os.environ.get("CLEARANCE_THREADS") or str(max(1, _cores() // number))
         # Its output is a log: the link is printed here, by `_welcome`.

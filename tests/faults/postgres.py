@@ -37,36 +37,41 @@ class Server:
 
 
 @contextmanager
+def binaries() -> Iterator[tuple[Path, Path, list[str]]]:
+    """Folder of the programs, a folder for a server, and what begins commands; skips without PostgreSQL."""
+    binaries = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
+    found = shutil.which("initdb") or (str(binaries[-1]) if binaries else None)
+    if found is None:
+        pytest.skip("no PostgreSQL server is installed (Debian: apt-get install postgresql)")
+    # The server refuses to run as root, and a socket's path is at most 107 bytes: hence a separate short folder.
+    folder = Path(tempfile.mkdtemp(prefix="pg", dir="/tmp"))
+    try:
+        yield Path(found).parent, folder, _as_user(folder)
+    finally:
+        shutil.rmtree(folder)
+
+
+@contextmanager
 def server(within: Sequence[str] = (), address: str = "", network: str = "") -> Iterator[Server]:
     """A running, empty server; skips the test if PostgreSQL is not installed.
 
     within: what its commands begin with, as for another network namespace; address: where it listens besides its
     socket, for this network.
     """
-    binaries = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
-    found = shutil.which("initdb") or (str(binaries[-1]) if binaries else None)
-    if found is None:
-        pytest.skip("no PostgreSQL server is installed (Debian: apt-get install postgresql)")
-    bin_folder = Path(found).parent
-    # The server refuses to run as root, and a socket's path is at most 107 bytes: hence a separate short folder.
-    folder = Path(tempfile.mkdtemp(prefix="pg", dir="/tmp"))
-    as_user = [*within, *_as_user(folder)]
-    try:
+    with binaries() as (programs, folder, as_user):
         data = folder / "data"
-        _run([*as_user, str(bin_folder / "initdb"), "-D", str(data), "-U", "clearance", "-A", "trust", "-N"])
+        _run([*within, *as_user, str(programs / "initdb"), "-D", str(data), "-U", "clearance", "-A", "trust", "-N"])
         if network:
             with (data / "pg_hba.conf").open("a") as rules:
                 rules.write(f"host all all {network} trust\n")
         options = f"-c listen_addresses='{address}' -c unix_socket_directories='{folder}' -c fsync=off"
-        control = [*as_user, str(bin_folder / "pg_ctl"), "-D", str(data), "-l", str(folder / "log"), "-w"]
+        control = [*within, *as_user, str(programs / "pg_ctl"), "-D", str(data), "-l", str(folder / "log"), "-w"]
         running = Server(f"postgresql://clearance@/postgres?host={folder}", control, options)
         running.start()
         try:
             yield running
         finally:
             running.stop()
-    finally:
-        shutil.rmtree(folder)
 
 
 def _as_user(folder: Path) -> list[str]:

@@ -99,7 +99,7 @@ def _copy_sqlite(source: Path, part: Path) -> None:
 
 def _refuse_unusable(file: Path) -> None:
     if wrong := damage(file):
-        raise BackupError(f"{file} is no backup that can be restored: {wrong}")
+        raise BackupError(f"{file} is damaged and cannot be restored: {wrong}")
     with closing(sqlite3.connect(file_uri(file, "ro"), uri=True)) as connection:
         try:
             (found,) = connection.execute("select version_num from alembic_version").fetchone()

@@ -27,7 +27,7 @@ def damage(file: Path) -> str:
             found = [str(row[0]) for row in connection.execute("PRAGMA quick_check(3)")]
     except sqlite3.DatabaseError as error:
         return str(error)
-    return "" if found == ["ok"] else "; ".join(found)
+    return "" if found == ["ok"] else "; ".join(" ".join(one.split()) for one in found)
 
 
 def refuse(engine: sa.Engine) -> None:

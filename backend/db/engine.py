@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import sqlalchemy as sa
 from sqlalchemy.dialects import sqlite
 
-from backend.db import outages, revision
+from backend.db import beside, outages, revision
 from backend.db.private import create_private
 
 if TYPE_CHECKING:
@@ -213,21 +213,24 @@ def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:
 
     @sa.event.listens_for(engine, "do_connect")
     def _opening(_dialect: Any, _record: Any, arguments: list[Any], options: Any) -> None:
+        beside.refuse_deleted(file)
         arguments[:] = [file_uri(file, "rw")]  # a file that was deleted is not made again
         options["uri"] = True
 
     @sa.event.listens_for(engine, "connect")
     def _connected(connection: sqlite3.Connection, record: Any) -> None:
-        record.info["file"] = _inode(file)
         connection.isolation_level = None  # otherwise the driver begins its own, deferred, transactions
         for pragma in (f"busy_timeout={busy_timeout * 1000:.0f}", "synchronous=NORMAL", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
         _set_wal(connection)
+        connection.execute("PRAGMA schema_version").fetchone()  # reads, which opens the files beside it
+        beside.opened(record, file)
 
     @sa.event.listens_for(engine, "checkout")
     def _checked(_connection: Any, record: Any, _proxy: Any) -> None:
-        if record.info["file"] != _inode(file):
+        if record.info["file"] != beside.inode(file):
             raise sa.exc.DisconnectionError(f"{file} was deleted or replaced")  # the pool opens what is there now
+        beside.refuse_deleted(file)
 
     @sa.event.listens_for(engine, "begin")
     def _begun(connection: sa.Connection) -> None:
@@ -241,14 +244,6 @@ def file_uri(file: Path, mode: str) -> str:
     """The URI of an SQLite file; mode: ro or rw, which do not create it."""
     path = str(file.absolute()).replace("%", "%25").replace("?", "%3f").replace("#", "%23")
     return f"file:{path}?mode={mode}"
-
-
-def _inode(file: Path) -> tuple[int, int] | None:
-    try:
-        found = os.stat(file)
-    except OSError:
-        return None
-    return found.st_dev, found.st_ino
 
 
 def _set_wal(connection: sqlite3.Connection) -> None:

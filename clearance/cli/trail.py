@@ -12,6 +12,7 @@ import typer
 
 from backend.db import audit
 from backend.db.chain import COVERED, FIRST, Head, Verified, head, verify
+from backend.db.outages import DatabaseOutage
 from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WrongInputError
 from clearance.cli._where import DATA, Data, Database, existing_url_of, reading
@@ -68,6 +69,8 @@ def _of_database(data: Path, database: str, noted: Head | None) -> Verified:
         with reading(existing_url_of(data, database)) as reader:
             _migrated(reader)
             return audit.verified(reader, noted)
+    except DatabaseOutage:  # nothing is known of the trail
+        raise
     except sa.exc.DBAPIError as error:  # such as text that is not UTF-8
         return Verified([f"the trail cannot be read to its end: {error.orig}"], Head(0, FIRST))
 

@@ -12,6 +12,7 @@ import sqlalchemy as sa
 
 from backend.db import damage
 from backend.db.alone import alone
+from backend.db.beside import SENTENCE
 from backend.db.engine import connect, migrate
 from backend.db.outages import DatabaseOutage, worded
 from backend.db.revision import newest
@@ -45,6 +46,33 @@ def test_a_deleted_folder_takes_nothing_more(service: Service, client: httpx.Cli
     answer = client.post("/api/v1/runs", json={"campaign": {}})
     problem(answer, 503, "database-gone")
     problem(client.get("/api/v1/health"), 503, "database-gone")
+
+
+@pytest.mark.parametrize("endings", [("-wal",), ("-shm",), ("-wal", "-shm")], ids=" ".join)
+def test_deleted_files_beside_the_database_are_noticed_at_once_and_lose_nothing(
+    endings: tuple[str, ...], service: Service, client: httpx.Client
+) -> None:
+    """What was stored before is there after a restart, as nothing is written in between."""
+    file = file_of(service)
+    runs = [submit(client, seed=seed) for seed in (1, 2)]
+    for ending in endings:
+        beside = file.with_name(file.name + ending)
+        assert beside.exists()
+        beside.unlink()
+    every_route_is_away(client, "database-gone")
+    answer = client.get("/api/v1/runs")
+    assert str(problem(answer, 503, "database-gone")["detail"]) == SENTENCE
+    assert not any(file.with_name(file.name + ending).exists() for ending in endings), "none is made beside the others"
+    service.stop()
+    assert damage.damage(file) == ""
+    again = Service(service.settings)
+    again.start()
+    try:
+        with again.signed_in() as later:
+            assert [item["id"] for item in later.get("/api/v1/runs").json()["items"]] == runs[::-1]
+            assert submit(later, seed=3) == "R-0003"
+    finally:
+        again.stop()
 
 
 def test_a_file_that_was_replaced_is_opened_again(service: Service, client: httpx.Client) -> None:

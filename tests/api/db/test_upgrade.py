@@ -25,6 +25,7 @@ from backend.settings import Settings
 from campaigns.asked.spec import seedless
 from campaigns.results import ValidateResult, Verdict
 from campaigns.versions import UNDIGESTED
+from clearance.cli import invoke
 from tests.audited import audited
 from tests.given.service import Service
 from tests.given.stored_sizes import stored_size
@@ -129,11 +130,11 @@ def test_campaigns_are_found_apart_from_their_seed(engine: sa.Engine) -> None:
 
 
 def test_the_audit_follows_before_and_after(engine: sa.Engine, tmp_path: Path) -> None:
-    audited(engine, run_id=1, lacks={"begun", "checks.sample", SEAL, "words"})
-    audited(engine, run_id=2, lacks={"begun", "checks.sample", SEAL, "words"})
+    audited(engine, run_id=1, lacks={"checks.sample", SEAL, "words"})
+    audited(engine, run_id=2, lacks={"checks.sample", SEAL, "words"})
     (tmp_path / "clearance.sqlite3").write_bytes(gzip.decompress(STORED.read_bytes()))
     earlier = sa.create_engine(default_url(tmp_path))
-    audited(earlier, run_id=1, lacks={"begun", "checks.sample", SEAL, "words"})
+    audited(earlier, run_id=1, lacks={"checks.sample", SEAL, "words"})
     earlier.dispose()
 
 
@@ -152,13 +153,32 @@ def test_every_page_reads_it(engine: sa.Engine, folder: Path) -> None:
                 assert answer.status_code == 200, (path, answer.text)
         report = client.get("/api/v1/runs/R-0001/report.html").text
         assert "violation confirmed" in report
-        for run in ("R-0001", "R-0002"):
-            assert client.get(f"/api/v1/runs/{run}").json()["undigested"] == UNDIGESTED
-            assert client.get(f"/api/v1/runs/{run}/exports/run.json").json()["run"]["undigested"] == UNDIGESTED
-            assert UNDIGESTED in client.get(f"/api/v1/runs/{run}/report.html").text
-            of = next(item for item in known(engine, int(run[2:])) if item.name == "begun")
-            assert (of.agrees, of.recomputed) == (None, UNDIGESTED)
     service.stop()
+
+
+def test_a_run_begun_without_digests_says_so_everywhere(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "clearance.sqlite3").write_bytes(gzip.decompress(STORED.read_bytes()))
+    migrate(default_url(tmp_path))
+    service = Service(Settings(data=tmp_path, pages=tmp_path / "dist"))
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 2).values(flown=None))
+    service.start()
+    try:
+        with service.signed_in() as client:
+            for run, said in (("R-0001", None), ("R-0002", UNDIGESTED)):
+                of = f"/api/v1/runs/{run}"
+                assert client.get(of).json()["undigested"] == said
+                assert client.get(f"{of}/exports/run.json").json()["run"]["undigested"] == said
+                assert (UNDIGESTED in client.get(f"{of}/report.html").text) == (said is not None)
+                items = known(service.engine, int(run[2:]))
+                assert [item.recomputed for item in items if item.name == "begun"] == ([said] if said else [])
+                monkeypatch.setenv("CLEARANCE_TOKEN", service.token(run))
+                assert invoke(["show", run, "--service", service.url]) == 0
+                assert (UNDIGESTED in capsys.readouterr().out) == (said is not None)
+    finally:
+        service.stop()
 
 
 def test_a_sign_off_of_the_same_results_stays_valid(engine: sa.Engine, signed: str) -> None:

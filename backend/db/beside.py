@@ -1,0 +1,57 @@
+"""The files beside an SQLite file, -wal and -shm: whether somebody deleted them while this process uses them.
+
+SQLite goes on writing into deleted files, and what others open meanwhile has other ones: what both write destroys the
+database. As long as a connection is open, SQLite itself neither deletes nor replaces them. Source: sqlite.org,
+howtocorrupt.html, 2.3. Closing the last connection brings into the database what the deleted file has.
+"""
+
+from __future__ import annotations
+
+import os
+import weakref
+from pathlib import Path
+from typing import Any
+
+from backend.db.outages import DatabaseOutage
+
+ENDINGS = ("-wal", "-shm")
+SENTENCE = (
+    "files of the database were deleted under the service (those that end with -wal and -shm): nothing more is "
+    "written; an administrator must stop the service and all workers before starting them again, and run "
+    "`clearance doctor`"
+)
+
+Inode = tuple[int, int] | None
+
+_open: weakref.WeakSet[Any] = weakref.WeakSet()
+"""The pool entries of this process."""
+
+
+def inode(file: Path | str) -> Inode:
+    """Which file has that name now; None if there is none."""
+    try:
+        found = os.stat(file)
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def opened(entry: Any, file: Path) -> None:
+    """Note which files a new connection uses; it must have read from the database."""
+    entry.info["file"], entry.info["beside"] = inode(file), _beside(file)
+    _open.add(entry)
+
+
+def refuse_deleted(file: Path) -> None:
+    """Raise `DatabaseOutage` if a connection of this process to this file uses deleted files beside it."""
+    now, beside = inode(file), _beside(file)
+    for entry in list(_open):
+        if entry.dbapi_connection is None or now is None or entry.info.get("file") != now:
+            continue
+        if entry.info["beside"] != beside:
+            error = FileNotFoundError(f"{file} has other files {' and '.join(ENDINGS)} than this process uses")
+            raise DatabaseOutage("database-gone", SENTENCE, error, False)
+
+
+def _beside(file: Path) -> tuple[Inode, ...]:
+    return tuple(inode(f"{file}{ending}") for ending in ENDINGS)

@@ -13,6 +13,7 @@ from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import answers, problems
 from backend.http.schema import RunName
 from backend.reports import listing, pdf, service
+from backend.reports.kept import Page
 from backend.reports.schemas import ReportPage
 from backend.runs.service import number
 
@@ -67,6 +68,6 @@ def list_reports(
     return listing.page(reader, q, cursor, limit)
 
 
-def _made(request: Request, engine: sa.Engine, run_id: int) -> service.Page:
+def _made(request: Request, engine: sa.Engine, run_id: int) -> Page:
     with read(engine) as reader:
         return service.report_html(reader, run_id, now(reader), request.app.state.settings.pages)

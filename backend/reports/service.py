@@ -5,8 +5,9 @@ from __future__ import annotations
 import base64
 import functools
 import hashlib
+import secrets
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 
 import jinja2
@@ -15,6 +16,7 @@ from markupsafe import Markup
 
 from backend.http.naming import named
 from backend.reports import charts, limits, sections, since, validated, words
+from backend.reports.kept import Kept, Page, key
 from backend.reports.record import Record, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
@@ -50,18 +52,23 @@ _STATES = {
 }
 
 
-@dataclass(frozen=True)
-class Page:
-    """A report and the content security policy for its style element."""
-
-    html: str
-    policy: str
-    file: str
+KEPT = Kept()
+_DAY, _MOMENT = (f"{secrets.token_hex(16)}-{name}" for name in ("day", "moment"))
+"""Stand for the time of creation in a kept report; drawn, so that no text of a user contains them."""
 
 
 def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> Page:
     """The current report; `at` is its time of creation [s since 1970]; fonts from the built pages, if present."""
-    record = load(reader, run_id)
+    known = key(reader, run_id, pages)
+    page = KEPT.get(known)
+    if page is None:
+        page = _written(load(reader, run_id), pages)
+        KEPT.put(known, page)
+    return replace(page, html=page.html.replace(_DAY, words.day(at)).replace(_MOMENT, words.moment(at)))
+
+
+def _written(record: Record, pages: Path) -> Page:
+    """The report without its time of creation."""
     style = _fonts(pages) + (HERE / "report.css").read_text(encoding="utf-8") + _margins(record)
     digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
     policy = (
@@ -69,12 +76,12 @@ def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> P
         "form-action 'none'"
     )
     html = (
-        _environment().get_template("report.html.j2").render(**_context(record, at), style=Markup(style), policy=policy)
+        _environment().get_template("report.html.j2").render(**_context(record), style=Markup(style), policy=policy)
     )  # the style contains no text written by users
     return Page(html, policy, named(record.run.id, record.run.name, "safety-case-report"))
 
 
-def _context(record: Record, at: float) -> dict[str, object]:
+def _context(record: Record) -> dict[str, object]:
     run, verdict = record.run, record.verdict
     tone, word, icon = _VERDICTS.get(
         run.verdict or "", ("err", f"{run.state.capitalize()}: no verdict", "M12 8v5M12 16v.01")
@@ -85,8 +92,8 @@ def _context(record: Record, at: float) -> dict[str, object]:
         "run": run,
         "record": record,
         "report": f"CLR-{run.id}-{record.digest[:8]}",
-        "day": words.day(at),
-        "made": words.moment(at),
+        "day": _DAY,
+        "made": _MOMENT,
         "version": VERSION,
         "verdict": {
             "tone": tone,

@@ -1,0 +1,149 @@
+"""A report that is kept states what is stored now: every change of what it states makes another one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunLabel, Stage
+from backend.reports import kept
+from backend.reports import service as reports
+from backend.reports.kept import Kept, Page
+from tests.given.databases import BOTH
+from tests.given.finished_runs import Work
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service
+from tests.given.submissions import submit
+
+
+def _stored(statement: sa.Executable) -> Callable[[httpx.Client, sa.Engine], object]:
+    """A change behind the service's back."""
+
+    def change(_: httpx.Client, engine: sa.Engine) -> None:
+        with engine.begin() as writer:
+            writer.execute(statement)
+
+    return change
+
+
+def _signed(client: httpx.Client, _: sa.Engine) -> None:
+    digest = client.get("/api/v1/runs/R-0001/signoffs").json()["digest"]
+    body = {"name": "Grace", "role": "Reviewer", "comment": "", "digest": digest}
+    answer = client.post("/api/v1/runs/R-0001/signoffs", json=body)
+    assert answer.status_code == 201, answer.text
+
+
+def _turned(_: httpx.Client, engine: sa.Engine) -> None:
+    """The last byte of the costs of a chunk."""
+    with engine.begin() as writer:
+        first = writer.execute(
+            sa.select(EvaluationChunk.position, EvaluationChunk.first, EvaluationChunk.costs)
+        ).first()
+        assert first is not None
+        mine = (EvaluationChunk.position == first.position, EvaluationChunk.first == first.first)
+        turned = first.costs[:-1] + bytes([first.costs[-1] ^ 1])
+        writer.execute(sa.update(EvaluationChunk).where(*mine).values(costs=turned))
+
+
+LATER = CatalogueDocument.published + 1.0
+CHANGES: dict[str, Callable[[httpx.Client, sa.Engine], object]] = {
+    "name": lambda client, _: client.patch("/api/v1/runs/R-0001", json={"name": "Another name"}),
+    "signoff": _signed,
+    "again": lambda client, _: submit(client),
+    "verdict": _stored(sa.update(Run).values(verdict="violated")),
+    "stage": _stored(sa.update(Stage).values(seconds=77.0)),
+    "evaluation": _turned,
+    "label": _stored(sa.insert(RunLabel).values(run_id=1, key="@superseded", value="R-0009")),
+    "catalogue": _stored(sa.update(CatalogueDocument).values(published=LATER)),
+    "purged": _stored(sa.update(Run).values(purged=1.0)),
+}
+
+
+@pytest.fixture
+def run(service: Service, client: httpx.Client) -> str:
+    """A finished run with a result of every kind."""
+    run = submit(client)
+    finish_fully(service)
+    return run
+
+
+@BOTH
+@pytest.mark.parametrize("change", CHANGES)
+def test_what_changes_a_report_changes_its_key(service: Service, client: httpx.Client, run: str, change: str) -> None:
+    before = _key(service)
+    assert before is not None
+    assert _key(service) == before
+    CHANGES[change](client, service.engine)
+    assert _key(service) != before
+
+
+def test_a_report_is_written_once_and_shows_a_change(
+    service: Service, client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = _counted(monkeypatch)
+    first, again = (client.get(f"/api/v1/runs/{run}/report.html") for _ in range(2))
+    assert len(written) == 1
+    assert first.headers["content-security-policy"] == again.headers["content-security-policy"]
+    client.patch(f"/api/v1/runs/{run}", json={"name": "Another name"})
+    renamed = client.get(f"/api/v1/runs/{run}/report.html")
+    assert len(written) == 2
+    assert "Another name" in renamed.text
+    assert "another-name" in renamed.headers["content-disposition"]
+
+
+def test_a_kept_report_has_its_own_time(service: Service, client: httpx.Client, run: str) -> None:
+    with service.engine.connect() as reader:
+        texts = [_html(reader, service, at) for at in (1_000_000_000.0, 1_100_000_000.0)]
+    for text, day, other in zip(texts, ("2001", "2004"), ("2004", "2001"), strict=True):
+        assert f" {day}" in text
+        assert f" {other}" not in text
+
+
+def test_a_run_that_has_not_ended_is_written_anew(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run, written = submit(client), _counted(monkeypatch)
+    for evaluations in (300, 400):
+        assert _key(service) is None
+        client.get(f"/api/v1/runs/{run}/report.html")
+        if evaluations == 300:
+            Work(service).nominal()
+    assert len(written) == 2
+
+
+def test_the_reports_asked_for_last_are_kept() -> None:
+    found = Kept()
+    for number in range(kept.MOST):
+        found.put(str(number), Page(str(number), "", ""))
+    assert found.get("0") is not None
+    found.put("new", Page("new", "", ""))
+    assert found.get("0") is not None
+    assert found.get("1") is None
+    found.put(None, Page("none", "", ""))
+    assert found.get(None) is None
+
+
+def _key(service: Service) -> str | None:
+    with service.engine.connect() as reader:
+        return kept.key(reader, 1, service.settings.pages)
+
+
+def _html(reader: sa.Connection, given: Service, at: float) -> str:
+    return reports.report_html(reader, 1, at, given.settings.pages).html
+
+
+def _counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The runs whose reports are written from now on; the real writer."""
+    written: list[int] = []
+    real = reports.load
+
+    def counted(reader: sa.Connection, run_id: int) -> object:
+        written.append(run_id)
+        return real(reader, run_id)
+
+    monkeypatch.setattr(reports, "load", counted)
+    monkeypatch.setattr(reports, "KEPT", Kept())
+    return written

@@ -160,9 +160,9 @@ class Browser:
         trusting.check_hostname, trusting.verify_mode = False, ssl.CERT_NONE
         with connect(
             f"wss://{HOST}{path}",
-            host="127.0.0.1",
-            port=self.port,
+            sock=socket.create_connection(("127.0.0.1", self.port)),
             ssl=trusting,
+            server_hostname=HOST,
             additional_headers={"Cookie": self.cookie, "Origin": f"https://{HOST}"},
             subprotocols=[websockets.Subprotocol(PROTOCOL)],
             compression=None,

@@ -25,6 +25,8 @@ Inode = tuple[int, int] | None
 
 _open: weakref.WeakSet[Any] = weakref.WeakSet()
 """The pool entries of this process."""
+_lost: dict[Path, Inode] = {}
+"""The databases that this process opens no more: others may still use the deleted files."""
 
 
 def inode(file: Path | str) -> Inode:
@@ -43,14 +45,19 @@ def opened(entry: Any, file: Path) -> None:
 
 
 def refuse_deleted(file: Path) -> None:
-    """Raise `DatabaseOutage` if a connection of this process to this file uses deleted files beside it."""
-    now, beside = inode(file), _beside(file)
-    for entry in list(_open):
-        if entry.dbapi_connection is None or now is None or entry.info.get("file") != now:
-            continue
-        if entry.info["beside"] != beside:
-            error = FileNotFoundError(f"{file} has other files {' and '.join(ENDINGS)} than this process uses")
-            raise DatabaseOutage("database-gone", SENTENCE, error, False)
+    """Raise `DatabaseOutage` if a connection of this process to this file used deleted files beside it."""
+    now = inode(file)
+    if now is None or (_lost.get(file) != now and not _uses_deleted(file, now)):
+        return
+    _lost[file] = now
+    error = FileNotFoundError(f"{file} has other files {' and '.join(ENDINGS)} than this process has used")
+    raise DatabaseOutage("database-gone", SENTENCE, error, False)
+
+
+def _uses_deleted(file: Path, now: Inode) -> bool:
+    beside = _beside(file)
+    used = (entry.info for entry in list(_open) if entry.dbapi_connection is not None)
+    return any(info.get("file") == now and info["beside"] != beside for info in used)
 
 
 def _beside(file: Path) -> tuple[Inode, ...]:

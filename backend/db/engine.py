@@ -230,10 +230,10 @@ def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:
     def _checked(_connection: Any, record: Any, _proxy: Any) -> None:
         if record.info["file"] != beside.inode(file):
             raise sa.exc.DisconnectionError(f"{file} was deleted or replaced")  # the pool opens what is there now
-        beside.refuse_deleted(file)
 
     @sa.event.listens_for(engine, "begin")
     def _begun(connection: sa.Connection) -> None:
+        beside.refuse_deleted(file)  # not at the checkout, which would close the connection that may be the last one
         reads = connection.get_execution_options().get(_READ, False)
         connection.exec_driver_sql("BEGIN" if reads else "BEGIN IMMEDIATE")
 

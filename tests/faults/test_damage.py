@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import shutil
+import signal
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
@@ -13,7 +14,8 @@ from typing import Any
 import pytest
 import typer
 
-from backend.db.engine import connect, default_url, read
+from backend.db.damage import damage
+from backend.db.engine import connect, default_url, migrate, read
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Run
@@ -21,6 +23,8 @@ from campaigns.stored.records import StagePlan
 from clearance.cli import INTERNAL, WRONG_INPUT, build, invoke
 from tests import results
 from tests.faults.cases import campaign, columns
+from tests.faults.long import case
+from tests.faults.processes import kill, until, worker
 from tests.given.outages import checkpoint
 from tests.migrated import migrated
 
@@ -158,3 +162,36 @@ def test_the_whole_database_is_read_by_them(folder: Path, capsys: pytest.Capture
     with read(engine) as reader:
         assert reader.scalar(Run.__table__.select().with_only_columns(Run.attempts)) is not None
     engine.dispose()
+
+
+def test_a_worker_under_which_files_are_deleted_stops_writing_and_another_goes_on(tmp_path: Path) -> None:
+    """Those beside the SQLite file: what was stored is there, and no attempt is used up."""
+    url = default_url(tmp_path)
+    migrate(url)
+
+    def run() -> Any:
+        engine = connect(url)  # one that stays open would keep the deleted files
+        try:
+            with read(engine) as reader:
+                return reader.execute(Run.__table__.select()).one()
+        finally:
+            engine.dispose()
+
+    engine = connect(url)
+    with engine.begin() as writer:
+        submit(writer, case(), name="long", tags=[], owner="", planned=0)
+    engine.dispose()
+    file = tmp_path / "clearance.sqlite3"
+    with worker(url, tmp_path, "first", "--lease", "2") as first:
+        until(lambda: run().evaluations > 2000, first.text())
+        for ending in ("-wal", "-shm"):
+            file.with_name(file.name + ending).unlink()
+        until(lambda: "files of the database were deleted" in first.text(), first.text(), 15.0)
+        kill(first.pid, number=signal.SIGTERM)
+        first.process.wait(30)
+    assert damage(file) == ""
+    stored = run().evaluations
+    assert stored > 2000
+    with worker(url, tmp_path, "second", "--lease", "2") as second:
+        until(lambda: run().evaluations > stored, second.text())
+        assert run().attempts == 1

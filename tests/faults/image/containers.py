@@ -18,8 +18,10 @@ from pathlib import Path
 from tests.faults.image.compose import NAMED, Service
 from tests.faults.image.dockerfile import Stage
 from tests.faults.image.rooted import mounts
-from tests.faults.processes import Started, descendants, started, until
+from tests.faults.processes import Started, command_of, descendants, started, until
 
+FIRST = "/usr/bin/tini"
+"""What engines start first in a container with `init: true`."""
 NAMES = "127.0.0.1 localhost backend worker postgres scheduler node\n"
 TMPFS = "nosuid,nodev,noexec"
 """What engines add to the options of a `tmpfs`, unless they say the contrary."""
@@ -34,12 +36,17 @@ class Container:
     def text(self) -> str:
         return self.process.text()
 
+    @property
+    def first(self) -> int:
+        """The process that has the number 1 inside; 0 until everything is mounted."""
+        found = [pid for pid in descendants(self.process.pid) if command_of(pid).startswith(FIRST)]
+        return found[0] if found else 0
+
     def run(self, *command: str) -> subprocess.CompletedProcess[str]:
         """A command inside, as `docker compose exec` and health checks run it."""
-        first = descendants(self.process.pid)[0]
         spaces = ["--mount", "--pid", "--uts", "--ipc", "--net"]
         inside = _as_user(self.image, _variables(self.service, self.image), list(command))
-        whole = ["nsenter", f"--target={first}", *spaces, "chroot", str(self.image.root), *inside]
+        whole = ["nsenter", f"--target={self.first}", *spaces, "chroot", str(self.image.root), *inside]
         return subprocess.run(whole, capture_output=True, text=True, check=False, timeout=280)
 
     def healthy(self) -> bool:
@@ -83,19 +90,18 @@ def running(
     name = named or service.name
     hosts = folder / f"{name}.hosts"
     hosts.write_text(NAMES.strip() + f" {name}\n", encoding="utf-8")
-    lines = ["set -e", *_read_only(image.root), *mounts(image.root), *_mounted(service, image.root, volumes)]
-    lines += [f"mount --bind {shlex.quote(str(hosts))} {image.root}/etc/hosts", f"hostname {name}"]
+    named_hosts = f"touch {image.root}/etc/hosts && mount --bind {shlex.quote(str(hosts))} {image.root}/etc/hosts"
+    lines = ["set -e", f"mount --bind {image.root} {image.root}", f"hostname {name}", *mounts(image.root), named_hosts]
+    lines += _mounted(service, image.root, volumes)
     given = _as_user(image, _variables(service, image), service.command or image.command)
-    lines.append(shlex.join(["exec", "chroot", str(image.root), "/usr/bin/tini", "--", *given]))
+    lines.append(shlex.join(["exec", "chroot", str(image.root), FIRST, "--", *given]))
     spaces = ["--mount", "--pid", "--uts", "--ipc", "--fork", "--kill-child"]
     command = ["nsenter", f"--net={network.path}", "unshare", *spaces, "bash", "-c", "\n".join(lines)]
     with started(command, folder, name) as process:
-        yield Container(service, image, process)
-
-
-def _read_only(root: Path) -> list[str]:
-    at = shlex.quote(str(root))
-    return [f"mount --bind {at} {at}", f"cd {at}"]
+        container = Container(service, image, process)
+        until(lambda: container.first or process.process.poll() is not None, "started")
+        assert container.first, process.text()
+        yield container
 
 
 def _mounted(service: Service, root: Path, volumes: Path) -> list[str]:

@@ -9,6 +9,7 @@ from tests.faults import postgres
 from tests.faults.machines import Machine, Network
 from tests.faults.processes import Started, alive, until
 from tests.storm.faults.base import PATIENCE, Row, row
+from tests.storm.faults.slots import programs
 from tests.storm.site import Site
 
 Change = Callable[[Machine], None]
@@ -26,7 +27,8 @@ def machine_cut_off(cut: Change, healed: Change, during: Callable[[Site, int], N
         one, two = network.machine("one"), network.machine("two")
         run_id, first = site.begin(), site.start(one)
         until(lambda: site.run(run_id).evaluations > 100, f"{name}: under way", 120)
-        simulators = first.family()[1:]
+        simulators = programs(first)
+        assert simulators
         cut(one)
         stored, began = site.run(run_id).evaluations, time.monotonic()
         second = site.start(two)

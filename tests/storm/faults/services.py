@@ -100,6 +100,7 @@ def served(then: Callable[[Site, Started, Service], None]) -> Hurt:
             names = list(connection.scalars(sa.select(Run.name).where(Run.name.startswith("posted"))))
         assert sorted(accepted) == sorted(name for name in names if name in accepted)
         assert len(names) == len(set(names))
+        site.seen = f"{len(accepted)} posted runs were accepted and are there once"
         kill(service.running.pid, number=signal.SIGTERM)
         until(lambda: service.running.process.poll() is not None, "the service ends", 20)
 

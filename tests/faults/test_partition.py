@@ -68,7 +68,7 @@ def working(switch: Network, name: str, folder: Path) -> Iterator[Started]:
 @pytest.mark.parametrize(
     ("cut", "healed"),
     [
-        (Machine.silenced, Machine.plugged),
+        pytest.param(Machine.silenced, Machine.plugged, marks=pytest.mark.nightly),
         pytest.param(Machine.unplugged, Machine.plugged, marks=pytest.mark.nightly),
         pytest.param(Machine.deafened, Machine.heard, marks=pytest.mark.nightly),
     ],

@@ -94,6 +94,8 @@ class Site:
         self.workers: list[Started] = []
         self.runs: dict[int, int] = {}
         """The seed of each that was queued here."""
+        self.seen = ""
+        """What a fault states of itself."""
         self.failed: list[str] = []
         """Why evaluations failed that have a value in an undisturbed run."""
 

@@ -17,6 +17,8 @@ from tests.faults.processes import Started, until
 from tests.storm.site import SAMPLE, SIMULATORS, Kind, Site
 
 PATIENCE = 180.0
+UNDER_WAY = 300.0
+"""Until the moment of a fault, with the compilation of the loop [s]."""
 BEGUN, MIDDLE = -1, -2
 """Moments: as soon as a worker has the run; after a third of the search."""
 ATTEMPTS = 6
@@ -68,7 +70,7 @@ def hurt(site: Site, database: str, name: str, fault: Fault) -> Row:
     stored, began = site.run(run_id).evaluations, time.monotonic()
     until(lambda: _restaffed(site, run_id) > stored or site.run(run_id).state == "done", f"{name}: goes on", PATIENCE)
     recovery = time.monotonic() - began
-    seen = site.run(run_id).error or last(worker)
+    seen = site.seen or site.run(run_id).error or last(worker)
     until(lambda: _restaffed(site, run_id) and site.ended(), f"{name}: ends", PATIENCE)
     return row(site, database, name, seen, recovery, fault.costs)
 
@@ -96,7 +98,7 @@ def _struck(site: Site, name: str, fault: Fault) -> tuple[int, Started]:
     worker = site.start()
     if isinstance(fault.at, int):
         run_id, at = site.begin(), fault.evaluations
-        until(lambda: _running(site, run_id) > at, f"{name}: under way", 120)
+        until(lambda: _running(site, run_id) > at, f"{name}: under way", UNDER_WAY)
         fault.what(site, worker)
         return run_id, worker
     for _ in range(ATTEMPTS):
@@ -112,7 +114,7 @@ def _struck(site: Site, name: str, fault: Fault) -> tuple[int, Started]:
 
 def _within(site: Site, kind: str) -> int:
     """A new run in a stage of this kind, or after it."""
-    run_id, until_then = site.begin(), time.monotonic() + 120
+    run_id, until_then = site.begin(), time.monotonic() + UNDER_WAY
     while not _at(site, run_id, kind) and site.run(run_id).state != "done" and time.monotonic() < until_then:
         time.sleep(0.003)
     return run_id

@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 
 from tests.faults import postgres
 from tests.faults.machines import Machine, Network
-from tests.faults.processes import Started, alive, until
+from tests.faults.processes import Started, alive, started, until
 from tests.storm.faults.base import PATIENCE, Row, row
+from tests.storm.faults.slots import programs
 from tests.storm.site import Site
 
 Change = Callable[[Machine], None]
 Part = Callable[[Network, str, Site], Row]
+PORT = "8000"
+ASK = """
+import sys, urllib.error, urllib.request
+try:
+    print(urllib.request.urlopen(sys.argv[1], timeout=60).status)
+except urllib.error.HTTPError as error:
+    print(error.code)
+except OSError:
+    print(0)
+"""
 LONG = 40.0
 """Longer than it takes until both sides give up a silent connection [s]."""
 
@@ -26,7 +39,8 @@ def machine_cut_off(cut: Change, healed: Change, during: Callable[[Site, int], N
         one, two = network.machine("one"), network.machine("two")
         run_id, first = site.begin(), site.start(one)
         until(lambda: site.run(run_id).evaluations > 100, f"{name}: under way", 120)
-        simulators = first.family()[1:]
+        simulators = programs(first)
+        assert simulators
         cut(one)
         stored, began = site.run(run_id).evaluations, time.monotonic()
         second = site.start(two)
@@ -81,6 +95,37 @@ def all_cut_off(network: Network, name: str, site: Site) -> Row:
     return row(site, "postgresql", name, site.run(runs[0]).error or "both went on", recovery)
 
 
+def service_cut_off(network: Network, name: str, site: Site) -> Row:
+    """The machine of the service is cut off from the database, while a worker on another goes on."""
+    site.kind = "slots"
+    own, run_id = network.machine("service"), site.begin()
+    folder = site.folder / own.space
+    folder.mkdir()
+    environment = {"CLEARANCE_DATA": str(folder), "CLEARANCE_DATABASE": own.url, "CLEARANCE_PORT": PORT}
+    command = [*own.within, sys.executable, "-m", "backend"]
+    with started(command, site.folder, "service", **site.environment, **environment):
+        until(lambda: health(own) == 200, f"{name}: the service is there", 60)
+        site.start(network.machine("one"))
+        until(lambda: site.run(run_id).evaluations > 100, f"{name}: under way", 120)
+        own.silenced()
+        began = time.monotonic()
+        until(lambda: health(own) == 503, f"{name}: the service says so", PATIENCE)
+        noticed = time.monotonic() - began
+        own.plugged()
+        began = time.monotonic()
+        until(lambda: health(own) == 200, f"{name}: it works again", PATIENCE)
+        recovery = time.monotonic() - began
+    until(site.ended, f"{name}: ends", PATIENCE)
+    assert site.run(run_id).losses == 0
+    return row(site, "postgresql", name, f"the service answered 503 after {noticed:.0f} s", recovery)
+
+
+def health(machine: Machine) -> int:
+    """The status of the service on this machine, asked there; 0 if nothing answers."""
+    ask = [*machine.within, sys.executable, "-c", ASK, f"http://127.0.0.1:{PORT}/api/v1/health"]
+    return int(subprocess.run(ask, stdout=subprocess.PIPE, check=True).stdout)
+
+
 def failover(server: postgres.Server) -> Part:
     """The server ends as by a crash while two machines have a run each, and is restarted."""
 
@@ -111,5 +156,6 @@ def parts(server: postgres.Server) -> dict[str, Part]:
         "two machines: cable of one pulled": machine_cut_off(Machine.unplugged, Machine.plugged, at_once),
         "two machines: one hears nothing": machine_cut_off(Machine.deafened, Machine.heard, at_once),
         "two machines: database silenced": all_cut_off,
+        "machine of the service silenced": service_cut_off,
         "two machines: server stopped at once": failover(server),
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import signal
+import socket
 import sys
 import threading
 import time
@@ -29,13 +30,12 @@ class Service:
     """`python -m backend` on the site's database, started again on the same port by whoever hurts it."""
 
     def __init__(self, site: Site) -> None:
-        self.site, self.port, self.number = site, "0", 0
+        self.site, self.port, self.number = site, _free_port(), 0
         self.running = self.start()
         link = re.search(r"http://\S+/login\?code=\S+", self.running.text())
         assert link is not None
         self.client = httpx.Client(base_url=link[0].partition("/login")[0], trust_env=False, timeout=20)
         assert self.client.get(link[0]).status_code == 303
-        self.port = str(self.client.base_url.port)
 
     def start(self) -> Started:
         """Once it answers."""
@@ -53,11 +53,19 @@ class Service:
 
     def post(self, name: str) -> str | None:
         """Submit a run of the slow program; None if it is not known whether there is one."""
+        document = {key: value for key, value in campaign(1, "slots").document().items() if key != "baseline"}
         try:
-            answer = self.client.post("/api/v1/runs", json={"campaign": campaign(1, "slots").document(), "name": name})
+            answer = self.client.post("/api/v1/runs", json={"campaign": document, "name": name})
         except httpx.TransportError:
             return None
+        assert answer.status_code in (201, 503), answer.text
         return str(answer.json()["id"]) if answer.status_code == 201 else None
+
+
+def _free_port() -> str:
+    """Stated from the beginning, as the name of the session's cookie has it."""
+    with socket.create_server(("127.0.0.1", 0)) as bound:
+        return str(bound.getsockname()[1])
 
 
 @contextmanager
@@ -92,6 +100,7 @@ def served(then: Callable[[Site, Started, Service], None]) -> Hurt:
             names = list(connection.scalars(sa.select(Run.name).where(Run.name.startswith("posted"))))
         assert sorted(accepted) == sorted(name for name in names if name in accepted)
         assert len(names) == len(set(names))
+        site.seen = f"{len(accepted)} posted runs were accepted and are there once"
         kill(service.running.pid, number=signal.SIGTERM)
         until(lambda: service.running.process.poll() is not None, "the service ends", 20)
 

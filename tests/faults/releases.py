@@ -25,23 +25,27 @@ from worker.running.runs import provenance
 
 
 class Release:
-    """Another version of the product: a copy of it with edits."""
+    """Another version of the product: a copy of it with edits; without any it is this one, where it is.
+
+    Copies into one folder after another find what was compiled there, which is known by file and time.
+    """
 
     def __init__(self, folder: Path, *edits: tuple[str, str, str]) -> None:
-        self.folder = folder
-        for room in ("backend", "campaigns", "clearance", "worker"):
-            shutil.copytree(REPOSITORY / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
+        self.folder = folder if edits else REPOSITORY
+        for room in ("backend", "campaigns", "clearance", "worker") if edits else ():
+            shutil.rmtree(folder / room, ignore_errors=True)
+            shutil.copytree(REPOSITORY / room, folder / room)
         for file, old, new in edits:
             text = (folder / file).read_text(encoding="utf-8")
             assert old in text, f"{file} has no {old!r}"
             (folder / file).write_text(text.replace(old, new, 1), encoding="utf-8")
 
     @contextmanager
-    def worker(self, url: str, name: str, *options: str) -> Iterator[Started]:
-        """A worker of this version; the folder of this process is not on its path."""
+    def worker(self, url: str, output: Path, name: str, *options: str) -> Iterator[Started]:
+        """A worker of this version; the folder of this process is not on its path. output: the folder of its log."""
         command = [sys.executable, "-P", "-m", "clearance", "worker", "--name", name, *options]
         paths = {"PYTHONPATH": f"{self.folder}:{REPOSITORY}", "CLEARANCE_DATABASE": url, "CLEARANCE_THREADS": "1"}
-        with started(command, self.folder, name, **paths) as running:
+        with started(command, output, name, **paths) as running:
             yield running
 
 

@@ -71,6 +71,12 @@ def service(tmp_path: Path) -> Iterator[Service]:
     made.engine.dispose()
 
 
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where every edited version is, one after another: each elsewhere would compile all loops again."""
+    return tmp_path_factory.mktemp("release")
+
+
 class Edit(NamedTuple):
     file: str
     old: str
@@ -90,10 +96,12 @@ EDITS = {
 
 
 @pytest.mark.parametrize("edit", EDITS.values(), ids=EDITS)
-def test_a_run_begun_by_one_version_and_continued_by_another(service: Service, tmp_path: Path, edit: Edit) -> None:
+def test_a_run_begun_by_one_version_and_continued_by_another(
+    service: Service, place: Path, tmp_path: Path, edit: Edit
+) -> None:
     [run_id] = begin(service.engine, QUICK)
     begun = service.run(run_id)
-    with Release(tmp_path / "release", edit[:3]).worker(service.url, "new") as worker:
+    with Release(place, edit[:3]).worker(service.url, tmp_path, "new") as worker:
         if not edit.differs:
             ended = service.ended(run_id)
             assert (ended.state, ended.error, ended.flown) == (RunState.DONE, None, begun.flown), worker.text()
@@ -113,10 +121,10 @@ def test_a_run_begun_by_one_version_and_continued_by_another(service: Service, t
         assert still.fence == begun.fence + 1, "it is claimed once"
 
 
-def test_three_ways_on(service: Service, tmp_path: Path) -> None:
+def test_three_ways_on(service: Service, place: Path, tmp_path: Path) -> None:
     """A worker of the old version; a new beginning; a new run with what is valid, here all but what DIRECT chose."""
     old, anew, carried = begin(service.engine, QUICK, 3)
-    with Release(tmp_path / "release", OTHER_METHOD).worker(service.url, "new"):
+    with Release(place, OTHER_METHOD).worker(service.url, tmp_path, "new"):
         until(lambda: all(service.refused(run) for run in (old, anew, carried)), "all are refused")
         with service.engine.begin() as writer:
             assert waiting.restart(writer, anew)
@@ -132,28 +140,30 @@ def test_three_ways_on(service: Service, tmp_path: Path) -> None:
     with service.engine.begin() as writer:
         assert not waiting.restart(writer, anew), "it does not wait"
         assert waiting.carry(writer, further, QUICK, catalogue()) is None
-    with Release(tmp_path / "same").worker(service.url, "old"):
+    with Release(place).worker(service.url, tmp_path, "old"):
         ended = service.ended(old)
     assert (ended.state, Versions.of(ended.flown).code) == (RunState.DONE, before.code)
 
 
-def test_a_rolling_upgrade_with_runs_in_flight(service: Service, tmp_path: Path) -> None:
+def test_a_rolling_upgrade_with_runs_in_flight(service: Service, place: Path, tmp_path: Path) -> None:
     """Under load all workers are replaced, one by kill -9; later one of the old version returns. No run fails, and none
     mixes versions."""
     scenario = {**SCENARIO, "horizon": 30.0, "step": 0.002}
     asked = campaign(scenario=scenario, stages={"search": [{"method": "direct", "evaluations": 20_000}]})
     runs = [service.submitted(asked) for _ in range(4)]
-    old, new = Release(tmp_path / "old"), Release(tmp_path / "new", SHIFTED)
+    old, new = Release(place), Release(place, SHIFTED)
     with ExitStack() as replaced:
-        first, second = (replaced.enter_context(old.worker(service.url, f"old-{i}", "--lease", "5")) for i in (1, 2))
+        first, second = (
+            replaced.enter_context(old.worker(service.url, tmp_path, f"old-{i}", "--lease", "5")) for i in (1, 2)
+        )
         until(in_flight(service, runs), "both search")
         kill(*first.family())  # as a machine that is turned off
         kill(second.pid, number=signal.SIGTERM)
         second.process.wait()
-        with new.worker(service.url, "new-1", "--lease", "5") as third:
+        with new.worker(service.url, tmp_path, "new-1", "--lease", "5") as third:
             until(lambda: sum(bool(service.refused(run)) for run in runs) == 2, "two runs wait for the old version")
             until(lambda: sum(service.run(run).state == RunState.DONE for run in runs) == 2, "the others end", 120.0)
-            with old.worker(service.url, "old-3", "--lease", "5"):
+            with old.worker(service.url, tmp_path, "old-3", "--lease", "5"):
                 until(lambda: all(service.run(run).state == RunState.DONE for run in runs), "all end", 120.0)
             assert third.process.poll() is None
     bits: dict[str | None, list[bytes]] = {}

@@ -120,6 +120,17 @@ def test_no_password_is_in_the_environment_or_a_log(running: Started) -> None:
         assert PASSWORD not in container.run("env").stdout + container.text()
 
 
+def test_a_secret_that_the_user_of_the_container_cannot_read_is_named(running: Started) -> None:
+    file = running.folder / "secrets" / "of_root"
+    file.write_text("x", encoding="utf-8")
+    file.chmod(0o400)
+    given = ["CLEARANCE_WEBHOOK_SECRET_FILE=/run/secrets/of_root", "CLEARANCE_DATA=/tmp/other"]
+    ended = running.backend.run("env", *given, "python", "-P", "-m", "backend")
+    assert ended.returncode == 2
+    assert "CLEARANCE_WEBHOOK_SECRET_FILE" in ended.stderr
+    assert "/run/secrets/of_root" in ended.stderr
+
+
 def test_what_is_wrong_with_an_installation_is_nothing(running: Started) -> None:
     found = running.backend.run("clearance", "doctor")
     assert "FAILED" not in found.stdout, found.stdout

@@ -47,7 +47,7 @@ class Container:
         spaces = ["--mount", "--pid", "--uts", "--ipc", "--net"]
         inside = _as_user(self.image, _variables(self.service, self.image), list(command))
         whole = ["nsenter", f"--target={self.first}", *spaces, "chroot", str(self.image.root), *inside]
-        return subprocess.run(whole, capture_output=True, text=True, check=False, timeout=280)
+        return subprocess.run(whole, capture_output=True, text=True, check=False, timeout=1200)
 
     def healthy(self) -> bool:
         """Whether the health check of the compose file succeeds."""

@@ -28,6 +28,8 @@ from worker.running.runs.store import MemoryStore
 
 SEARCH = 3
 """The position of the random search."""
+SEED = SampleSeed.drawn()
+"""Of the sample of all runs here, so that the undisturbed run that they are compared with is the same."""
 
 
 @pytest.mark.parametrize("further", [0, pytest.param(1, marks=pytest.mark.nightly)])
@@ -37,7 +39,7 @@ def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
     """In a file it is killed; on a database server the server is down for a while. Killed once more by night."""
     campaign = case()
     with database.begin() as connection:
-        run_id = submit(connection, campaign, name="killed", tags=[], owner="", planned=most(campaign))
+        run_id = submit(connection, campaign, name="killed", tags=[], owner="", planned=most(campaign), seed=SEED)
     url = database.url.render_as_string(hide_password=False)
 
     def run() -> Any:
@@ -88,14 +90,15 @@ def down(server: postgres.Server) -> Iterator[None]:
 
 
 @cache
-def _undisturbed(seed: SampleSeed | None) -> tuple[MemoryStore, Verdict]:
-    store = MemoryStore(sample_seed=seed)
+def _undisturbed() -> tuple[MemoryStore, Verdict]:
+    store = MemoryStore(sample_seed=SEED)
     return store, execute(case(), store)
 
 
 def _same_as_undisturbed(engine: sa.Engine, run_id: int, run: Any, stages: Any) -> None:
     store = RunStore(engine, Claim(run_id, 0, 0, 0, "", {}))
-    undisturbed, verdict = _undisturbed(store.sample_seed)
+    assert store.sample_seed == SEED
+    undisturbed, verdict = _undisturbed()
     assert (run.verdict, run.reason) == (verdict.verdict, verdict.reason)
     if engine.dialect.name == "sqlite":  # what is held below is the same on a server
         audited(engine, run_id=run_id)

@@ -14,7 +14,7 @@ import sqlalchemy as sa
 from backend.db import labels, sizes
 from backend.db.engine import now
 from backend.db.queue import Claim, submit
-from backend.db.rows import as_columns, as_finding, as_result, blobs, failed, lowest
+from backend.db.rows import as_columns, as_finding, as_result, chunk_rows, failed, lowest
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import EvaluationChunk, Run, RunBaseline, Stage
 from backend.db.tables import Finding as FindingRow
@@ -110,10 +110,9 @@ def begin(
         row = {"run_id": run_id, "position": position, **vars(stage)}
         connection.execute(sa.insert(Stage).values(**row, **({} if columns is None else _counts(columns))))
         if columns is not None:
-            written = blobs(columns)
-            chunk = {"run_id": run_id, "position": position, "first": 0, "count": len(columns.status)}
-            connection.execute(sa.insert(EvaluationChunk).values(**chunk, **written))
-            sizes.grow(connection, run_id, sizes.of_chunk(written))
+            for chunk in chunk_rows(run_id, position, 0, columns):
+                connection.execute(sa.insert(EvaluationChunk).values(**chunk))
+                sizes.grow(connection, run_id, sizes.of_chunk(chunk))
     at = now(connection)
     claimed = {"worker": worker, "fence": 1, "attempts": 1, "started": at, "lease_until": at + lease}
     carried_over = {

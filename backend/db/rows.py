@@ -65,6 +65,27 @@ def blobs(columns: Columns) -> ChunkRow:
     }
 
 
+MOST_ROWS = 4096
+"""Of a chunk: whoever reads one has all of it in memory."""
+
+
+def pieces(columns: Columns, first: int) -> Iterator[tuple[int, ChunkRow]]:
+    """Evaluations of a stage that begin at `first` as rows of the chunk table, with the index of each one's first."""
+    for begin in range(0, len(columns.status), MOST_ROWS):
+        rows = slice(begin, begin + MOST_ROWS)
+        indices = range(first + begin, first + begin + MOST_ROWS)
+        reasons = {index: columns.reasons[index] for index in columns.reasons.keys() & set(indices)}
+        yield indices[0], blobs(Columns(*(column[rows] for column in columns[:4]), dict(sorted(reasons.items()))))
+
+
+def chunk_rows(run_id: int, position: int, first: int, columns: Columns) -> list[dict[str, Any]]:
+    """The whole rows of these evaluations."""
+    return [
+        {"run_id": run_id, "position": position, "first": at, "count": len(written["status"]), **written}
+        for at, written in pieces(columns, first)
+    ]
+
+
 def _bytes(array: Any) -> bytes:
     return np.ascontiguousarray(array, dtype="<f8").tobytes()
 

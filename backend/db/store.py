@@ -17,7 +17,7 @@ from backend.db.convergence import extended
 from backend.db.digest import current_digest
 from backend.db.engine import Result, clock, now, read, write
 from backend.db.queue import Claim, fenced
-from backend.db.rows import blobs, failed, finding_row, lowest, plain, stored_columns, trace_row
+from backend.db.rows import chunk_rows, failed, finding_row, lowest, plain, stored_columns, trace_row
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
@@ -226,9 +226,9 @@ class RunStore:
     ) -> None:
         count = len(columns.status)
         lost = failed(columns)
-        written = blobs(columns)
+        chunks = chunk_rows(self._run, position, first, columns)
         totals = {"evaluations": Run.evaluations + count, "failed_evaluations": Run.failed_evaluations + lost}
-        totals["size"] = Run.size + (sizes.of_chunk(written) if count else 0)
+        totals["size"] = Run.size + sum(map(sizes.of_chunk, chunks))
         fenced(connection, self.claim, **totals, **_PROGRESS, advanced=clock(connection))
         of = (Stage.run_id == self._run, Stage.position == position)
         stage = connection.execute(sa.select(Stage.evaluations, Stage.best, Stage.kind, Stage.method).where(*of)).one()
@@ -240,8 +240,8 @@ class RunStore:
             evaluations_ahead.store(connection, self._run, position, first + count, ahead)
         if not count:
             return
-        chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **written}
-        connection.execute(sa.insert(EvaluationChunk).values(**chunk))
+        for chunk in chunks:
+            connection.execute(sa.insert(EvaluationChunk).values(**chunk))
         values: dict[str, object] = {
             "evaluations": first + count,
             "failed": Stage.failed + lost,

@@ -153,6 +153,11 @@ class Run(Base):
         # Has all columns by which the run list searches, filters and sorts, in the order of the list, so that SQLite
         # does not read the wide rows. PostgreSQL stores wide values outside its rows, and cannot index JSON this way.
         sa.Index("ix_runs_list", *_LISTED, sqlite_where=sa.text("removed IS NULL")).ddl_if(dialect="sqlite"),
+        # The counts of the whole list, in their order: a fifth of the time of the wider index. Only a query that states
+        # the second condition, which every run fulfils, uses it: others would read the wide rows.
+        sa.Index(
+            "ix_runs_counts", "state", "verdict", sqlite_where=sa.text("removed IS NULL AND state IS NOT NULL")
+        ).ddl_if(dialect="sqlite"),
         sa.Index("ix_runs_removed", "purged", "removed", sqlite_where=sa.text("removed IS NOT NULL")).ddl_if(
             dialect="sqlite"
         ),

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import sqlalchemy as sa
@@ -50,19 +51,17 @@ class Filters:
     """Keys and values: alternatives of the same key, every key required."""
 
     def conditions(self) -> list[sa.ColumnElement[bool]]:
-        found = self.found()
+        found = [*self.there(), *self.narrowed]
         if self.state:
             found.append(unindexed(Run.state).in_(self.state))
         if self.verdict:
             found.append(Run.verdict.in_(self.verdict))
         return found
 
-    def found(self) -> list[sa.ColumnElement[bool]]:
-        """All conditions except state and verdict, by which the result is counted."""
-        return [*self._there(), *self.narrowed()]
-
+    @cached_property
     def narrowed(self) -> list[sa.ColumnElement[bool]]:
-        """All conditions except state and verdict, for removed and listed runs."""
+        """All conditions except state and verdict, by which the result is counted, for removed and listed runs; made
+        once, because that takes longer than reading a row."""
         conditions = [_contains(word) for word in self.q.split()[:MOST_WORDS]]
         if self.tag:
             tags = sa.cast(Run.tags, sa.Text)
@@ -83,9 +82,9 @@ class Filters:
             conditions.append(Run.pinned == self.pinned)
         return conditions
 
-    def _there(self) -> list[sa.ColumnElement[bool]]:
+    def there(self, removed: bool | None = None) -> list[sa.ColumnElement[bool]]:
         """Listed, or removed but not purged."""
-        if self.removed:
+        if self.removed if removed is None else removed:
             return [Run.removed.is_not(None), Run.purged.is_(None)]
         return [Run.removed.is_(None)]
 

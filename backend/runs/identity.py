@@ -30,7 +30,18 @@ COLUMNS = (
 
 def of_row(row: Any) -> Identity | None:
     """The identity of a run from its `COLUMNS`; None if it has not begun, or if nothing was stored when it began."""
-    return _of_text(row.flown, row.simulator) or _of_text(row.provenance, row.simulator)
+    return with_digest(row)[0]
+
+
+def with_digest(row: Any) -> tuple[Identity | None, str | None]:
+    """The identity of a run, and its digest."""
+    return _of_texts(row.flown, row.provenance, row.simulator)
+
+
+@lru_cache(maxsize=1024)
+def _of_texts(flown: str | None, provenance: str | None, simulator: str | None) -> tuple[Identity | None, str | None]:
+    found = _of_text(flown, simulator) or _of_text(provenance, simulator)
+    return found, found and found.digest
 
 
 @lru_cache(maxsize=1024)

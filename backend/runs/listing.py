@@ -6,7 +6,6 @@ Filters are in `backend.runs.filters`, orders and cursors in `backend.runs.order
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import sqlalchemy as sa
@@ -93,11 +92,11 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
 
 def _summary(row: Any, units: Units, others: dict[str, Any]) -> RunSummary:
     """others: the fields that are not of the run's own row."""
-    values = {column: getattr(row, column) for column in _PLAIN} | others
+    values = dict(zip(_PLAIN, row, strict=False)) | others
     quantity, unit = units.get((row.simulator, row.result if row.simulator else row.component), ("", ""))
     margin = None if row.worst_cost is None or row.threshold is None else row.worst_cost - row.threshold
-    own = identity.of_row(row)
-    values |= {"code": own and own.digest, "unidentified": list(own.unidentified) if own else []}
+    own, code = identity.with_digest(row)
+    values |= {"code": code, "unidentified": list(own.unidentified) if own else []}
     values["not_sampled"] = sampled.of(row)
     values["continues"] = None if row.continues is None else run_name(row.continues)
     values |= {"id": run_name(row.id), "campaign_name": row.campaign_name, "margin": margin}
@@ -127,14 +126,17 @@ def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
 
 
 def _counts(reader: sa.Connection, filters: Filters) -> dict[str, int]:
-    found = filters.found()
+    narrowed, there = filters.narrowed, filters.there()
     counts = dict.fromkeys(("total", "removed", *RunState, *VerdictWord), 0)
-    columns = unindexed(Run.state), unindexed(Run.verdict)
-    for state, verdict, count in reader.execute(sa.select(*columns, sa.func.count()).where(*found).group_by(*columns)):
+    whole = not (narrowed or filters.removed)  # these counts have an index of their own
+    columns = (Run.state, Run.verdict) if whole else (unindexed(Run.state), unindexed(Run.verdict))
+    query = sa.select(*columns, sa.func.count()).where(*there, *narrowed).group_by(*columns)
+    query = query.where(Run.state.is_not(None)) if whole else query
+    for state, verdict, count in reader.execute(query):
         counts["total"] += count
         counts[state] += count
         if verdict:
             counts[verdict] += count
-    away = replace(filters, removed=True).found()
+    away = [*filters.there(removed=True), *narrowed]
     counts["removed"] = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(*away)) or 0
     return counts

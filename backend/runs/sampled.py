@@ -6,16 +6,19 @@ import json
 from functools import lru_cache
 from typing import Any
 
+import sqlalchemy as sa
+
 from backend.db.tables import Run
-from campaigns.results.verdict import not_sampled
+from campaigns.results.verdict import VerdictWord, not_sampled
 from campaigns.runs import RunState
 
 COLUMNS = (
-    Run.summary["checks"].as_string().label("checks"),
+    sa.case((Run.verdict == VerdictWord.INCONCLUSIVE, Run.summary["checks"].as_string())).label("checks"),
     Run.summary["statistics", "source"].as_string().label("source"),
     Run.summary["statistics", "samples"].as_integer().label("samples"),
 )
-"""The columns that `of` needs besides state and verdict."""
+"""The columns that `of` needs besides state and verdict. A check of a cleared run does not fail, and in a violated one
+never that of the sample alone; reading the checks takes half the time of a row."""
 
 
 def of(row: Any) -> bool:

@@ -36,6 +36,8 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]
 
     Times in it are rounded, so that a page that receives every change does not receive one every second.
     """
+    if not run_ids:
+        return {}
     query = sa.select(Run.id, Run.needs, Run.not_before, Run.evaluations).where(
         Run.id.in_(run_ids), Run.state == RunState.QUEUED
     )

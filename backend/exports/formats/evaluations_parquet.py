@@ -7,16 +7,20 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sqlalchemy as sa
+from numpy.typing import NDArray
 
 from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.exports.format import Format, missing, require, words
-from backend.exports.sheet import Sheet, sheet
+from backend.exports.sheet import Block, Evaluated, Sheet, sheet
 from backend.runs import service as runs
+from campaigns.results.base import STATUS
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -40,12 +44,29 @@ def evaluations_parquet(engine: sa.Engine, run_id: int) -> bytes:
     buffer = io.BytesIO()
     with pq.ParquetWriter(buffer, schema, compression="zstd") as writer:
         for stage in found.stages:
-            place = [stage.position, stage.kind, stage.method]
-            for block in found.rows(engine, stage):
-                columns = zip(*(place + row for row in block), strict=True)
-                arrays = [pa.array(values, kind.type) for values, kind in zip(columns, schema, strict=True)]
+            for block in found.blocks(engine, stage):
+                columns = zip(_columns(stage, block), schema, strict=True)
+                arrays = [pa.array(values, kind.type, mask=_missing(values)) for values, kind in columns]
                 writer.write_batch(pa.record_batch(arrays, schema=schema))
     return buffer.getvalue()
+
+
+def _columns(stage: Evaluated, block: Block) -> Iterator[Any]:
+    """The columns of a block in the order of the schema."""
+    count = len(block.indices)
+    for value in (stage.position, stage.kind, stage.method):
+        yield [value] * count
+    yield np.arange(block.indices.start, block.indices.stop)
+    yield [STATUS[code] for code in block.status.tolist()]
+    yield [block.reasons.get(index) for index in block.indices] if block.reasons else [None] * count
+    yield block.seconds
+    yield from block.costs
+    yield from block.values
+
+
+def _missing(values: Any) -> NDArray[np.bool_] | None:
+    """Which numbers of a column are null."""
+    return ~np.isfinite(values) if isinstance(values, np.ndarray) and values.dtype == np.float64 else None
 
 
 def _schema(found: Sheet) -> pa.Schema:

@@ -241,7 +241,8 @@ def test_a_page_is_found_without_reading_the_table(service: Service, client: htt
         with watched(service) as (steps, plans):
             assert client.get("/api/v1/runs", params=query).json()["next_cursor"]
         assert 0 < 100 * steps[0] < STEPS * runs, query
-        assert found_by(plans) == {"ix_runs_list", "ix_runs_removed"}, query
+        counts = set() if query.keys() & {"q", "tag", "campaign"} else {"ix_runs_counts"}
+        assert found_by(plans) == {"ix_runs_list", "ix_runs_removed", *counts}, query
     with watched(service) as (steps, plans):
         assert client.get("/api/v1/runs/facets").json()["owners"][0]["runs"] == 1333
     assert 0 < 100 * steps[0] < STEPS * runs

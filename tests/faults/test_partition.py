@@ -11,14 +11,15 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 
-from backend.db.engine import migrate
+from backend.db.engine import connect, migrate
 from backend.db.queue import request_cancel, submit
 from tests.faults import machines, postgres
 from tests.faults.cases import campaign
 from tests.faults.machines import Machine, Network
 from tests.faults.processes import REPOSITORY, Started, alive, until, worker
-from tests.faults.test_outages import OPTIONS, Bench
+from tests.faults.stored import Stored
 
+OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 SOONER = "?tcp_user_timeout=3000"
 """Silence counts as away after this time [ms]."""
 
@@ -32,6 +33,19 @@ with engine.connect(sys.argv[1]).begin() as connection:
     print("held", flush=True)
     sys.stdin.read()
 """
+
+
+class Bench(Stored):
+    """The database, reached by its socket."""
+
+    def __init__(self, url: str) -> None:
+        self.engine = connect(url)
+
+    def submit(self, name: str, **more: str) -> int:
+        """A run of this accident."""
+        asked = campaign(name=name, **more)
+        with self.engine.begin() as connection:
+            return submit(connection, asked, name=name, tags=[], owner="", planned=0)
 
 
 @pytest.fixture(scope="module")
@@ -81,10 +95,8 @@ def test_a_machine_that_is_cut_off(
     healed: Callable[[Machine], None],
 ) -> None:
     """Its run stands still, so that what the other machine has of it is known."""
-    hanging = campaign(name="hang", summary=str(tmp_path / "happened"))
     with working(switch, "one", tmp_path) as first:
-        with bench.engine.begin() as connection:
-            run_id = submit(connection, hanging, name="hang", tags=[], owner="", planned=0)
+        run_id = bench.submit("hang", summary=str(tmp_path / "happened"))
         until(lambda: bench.run(run_id).evaluations == 201, "half of it")
         child = first.child()
         cut(switch.machine("one"))

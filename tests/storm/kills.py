@@ -38,7 +38,7 @@ def storm(site: Site, database: str, seed: int) -> Row:
         kill(*(victim.family() if random.random() < 0.5 else [p for p in victim.family()[1:] if alive(p)]))
         hits, early = hits + (struck.evaluations > 0), early + (struck.evaluations == 0)
         site.staffed(WORKERS)
-    until(lambda: all(site.run(i).state in ("done", "failed") for i in ids), "all runs end", PATIENCE)
+    until(partial(_over, site), "all runs end", PATIENCE)
     given_up = sum(site.run(i).state != "done" for i in ids)
     lost, repeated = (sum(n) for n in zip(*(site.compared(i, 1 + k % 3) for k, i in enumerate(ids)), strict=True))
     took = time.monotonic() - waited
@@ -56,6 +56,12 @@ def _struck(site: Site, random: np.random.Generator) -> Any:
 
 def _done(site: Site, ids: Sequence[int]) -> int:
     return sum(site.run(run_id).state == "done" for run_id in ids)
+
+
+def _over(site: Site) -> bool:
+    """Whether all runs have ended; a worker that was found alive just after its kill is replaced."""
+    site.staffed(WORKERS)
+    return site.ended()
 
 
 def _due(site: Site, ids: Sequence[int], before: int, random: np.random.Generator) -> bool:

@@ -72,20 +72,23 @@ def _free_port() -> str:
 def posting(service: Service) -> Iterator[list[str]]:
     """A client posts runs until so many were accepted, while the block lasts and after it."""
     accepted: list[str] = []
+    over = threading.Event()
 
     def post() -> None:
         attempt = 0
-        while len(accepted) < POSTED:
+        while len(accepted) < POSTED and not over.wait(PAUSE):
             attempt += 1
             if service.post(f"posted {attempt}") is not None:
                 accepted.append(f"posted {attempt}")
-            time.sleep(PAUSE)
 
     client = threading.Thread(target=post, daemon=True)
     client.start()
-    yield accepted
-    until(lambda: len(accepted) == POSTED, "its runs are accepted", 60)
-    client.join()
+    try:
+        yield accepted
+        until(lambda: len(accepted) == POSTED, "its runs are accepted", 60)
+    finally:
+        over.set()
+        client.join()
 
 
 def served(then: Callable[[Site, Started, Service], None]) -> Hurt:

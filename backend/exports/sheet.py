@@ -81,7 +81,7 @@ class Sheet:
 
     @property
     def columns(self) -> list[str]:
-        """The headers of `rows`; `index` counts from 0 within the stage."""
+        """The headers of the evaluations; `index` counts from 0 within the stage."""
         return ["index", "status", "reason", "seconds [s]", *starmap(headed, [*self.criteria, *self.parameters])]
 
     def blocks(self, engine: sa.Engine, stage: Evaluated) -> Iterator[Block]:
@@ -96,11 +96,6 @@ class Sheet:
                 if chunk.first < stage.evaluations:
                     yield self._block(chunk)
             done = chunks[-1].first + chunks[-1].count
-
-    def rows(self, engine: sa.Engine, stage: Evaluated) -> Iterator[list[list[Any]]]:
-        """The evaluations of one stage as blocks of rows; missing values are None."""
-        for block in self.blocks(engine, stage):
-            yield block.rows()
 
     def _block(self, chunk: Any) -> Block:
         columns = as_columns(chunk)

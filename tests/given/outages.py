@@ -14,7 +14,13 @@ from backend.access.rules import RULES
 from tests.given.openapi_document import filled
 from tests.given.problem_documents import problem
 
-WITHOUT = {"/api/v1/campaigns/schema", "/api/v1/health/live", "/login/provider", "/login/provider/return"}
+WITHOUT = {
+    "/api/v1/campaigns/schema",
+    "/api/v1/health/live",
+    "/health/live",
+    "/login/provider",
+    "/login/provider/return",
+}
 """Open routes that read no database."""
 FORM = {"name": "ada", "password": "x" * 12, "code": "x"}
 

@@ -94,7 +94,8 @@ def _limit(text: str) -> int | None:
     found = re.fullmatch(r"(\d{1,18}) ?([kMGT]?B)?", text)
     if found is None:
         raise WrongInputError(f"--size {text!r} is not a size; give 50GB, 500MB, 2TB, or a number of bytes")
-    return int(found[1]) * int(1000 ** " kMGT".index((found[2] or "B")[:-1] or " "))
+    power = " kMGT".index((found[2] or "B")[:-1] or " ")
+    return int(int(found[1]) * 1000**power)
 
 
 def _age(text: str) -> float:

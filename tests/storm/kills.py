@@ -31,6 +31,7 @@ def storm(site: Site, database: str, seed: int) -> Row:
     waited = time.monotonic()
     while hits < KILLS and not site.ended():
         until(partial(_due, site, ids, _done(site, ids), random), "the next kill", 120)
+        site.staffed(WORKERS)
         struck = _struck(site, random)
         if struck is None or (struck.evaluations == 0 and early == MOST_EARLY):
             continue

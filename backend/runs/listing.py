@@ -132,7 +132,8 @@ def _counts(reader: sa.Connection, filters: Filters) -> dict[str, int]:
     columns: list[Any] = [column if whole else unindexed(column) for column in (Run.state, Run.verdict)]
     query = sa.select(*columns, sa.func.count()).where(*there, *narrowed).group_by(*columns)
     query = query.where(Run.state.is_not(None)) if whole else query
-    for state, verdict, count in reader.execute(query):
+    for row in reader.execute(query):
+        state, verdict, count = tuple(row)
         counts["total"] += count
         counts[state] += count
         if verdict:

@@ -75,7 +75,9 @@ def pieces(columns: Columns, first: int) -> Iterator[tuple[int, ChunkRow]]:
         rows = slice(begin, begin + MOST_ROWS)
         indices = range(first + begin, first + begin + MOST_ROWS)
         reasons = {index: columns.reasons[index] for index in columns.reasons.keys() & set(indices)}
-        yield indices[0], blobs(Columns(*(column[rows] for column in columns[:4]), dict(sorted(reasons.items()))))
+        points, costs, status, seconds, _ = columns
+        part = Columns(points[rows], costs[rows], status[rows], seconds[rows], dict(sorted(reasons.items())))
+        yield indices[0], blobs(part)
 
 
 def chunk_rows(run_id: int, position: int, first: int, columns: Columns) -> list[dict[str, Any]]:

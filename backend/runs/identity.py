@@ -41,7 +41,7 @@ def with_digest(row: Any) -> tuple[Identity | None, str | None]:
 @lru_cache(maxsize=1024)
 def _of_texts(flown: str | None, provenance: str | None, simulator: str | None) -> tuple[Identity | None, str | None]:
     found = _of_text(flown, simulator) or _of_text(provenance, simulator)
-    return found, found and found.digest
+    return found, None if found is None else found.digest
 
 
 @lru_cache(maxsize=1024)

@@ -129,10 +129,11 @@ def _counts(reader: sa.Connection, filters: Filters) -> dict[str, int]:
     narrowed, there = filters.narrowed, filters.there()
     counts = dict.fromkeys(("total", "removed", *RunState, *VerdictWord), 0)
     whole = not (narrowed or filters.removed)  # these counts have an index of their own
-    columns = (Run.state, Run.verdict) if whole else (unindexed(Run.state), unindexed(Run.verdict))
+    columns: list[Any] = [column if whole else unindexed(column) for column in (Run.state, Run.verdict)]
     query = sa.select(*columns, sa.func.count()).where(*there, *narrowed).group_by(*columns)
     query = query.where(Run.state.is_not(None)) if whole else query
-    for state, verdict, count in reader.execute(query):
+    for row in reader.execute(query):
+        state, verdict, count = tuple(row)
         counts["total"] += count
         counts[state] += count
         if verdict:

@@ -23,12 +23,12 @@ from backend.http.errors import RefusedError, respond
 from backend.http.outage import AGAIN, answer
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
-from backend.middleware.hosts import Hosts
+from backend.middleware.hosts import HEALTH, Hosts
 from backend.middleware.proxied import Proxied
 from backend.settings import Settings
 from campaigns import Problem
 
-LIVE, READY = "/api/v1/health/live", "/api/v1/health/ready"
+LIVE, READY = (frozenset(path for path in HEALTH if path.endswith(end)) for end in ("/live", "/ready"))
 LATER = 1013
 """The code of a socket that is closed: try again later."""
 
@@ -64,11 +64,11 @@ class Waiting:
 
     def _answer(self, scope: Scope) -> Response:
         path, outage = scope["path"], self.outage
-        if path == LIVE:
+        if path in LIVE:
             return JSONResponse({"status": "ok"})
         if outage is None:  # it is about to serve
             return respond(RefusedError(503, "busy", "the service is starting", headers={"Retry-After": "1"}), path)
-        if path == READY:
+        if path in READY:
             after, problem = {"Retry-After": str(AGAIN[outage.kind])}, Problem(outage.kind, "", outage.sentence)
             return respond(RefusedError(503, "not-ready", outage.sentence, [problem], headers=after), path)
         return answer(outage, scope)

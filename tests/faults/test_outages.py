@@ -117,6 +117,7 @@ def test_a_service_that_starts_before_its_server_is_alive_and_waits(server: post
             until(lambda: answered(port, LIVE)[0] == 200, waiting.text())
             status, document = answered(port, READY)
             assert (status, [error["field"] for error in document["errors"]]) == (503, ["database-away"])
+            assert [answered(port, path)[0] for path in ("/health/live", "/health/ready")] == [200, 503]
             for path in ("/api/v1/health", "/api/v1/runs", "/metrics", "/api/v1/nowhere"):
                 status, document = answered(port, path)
                 assert (status, document["type"].rpartition(":")[2]) == (503, "database-away"), path

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import math
 
 import sqlalchemy as sa
@@ -30,9 +31,18 @@ RECENT_RUNS = 300
 
 def published(reader: sa.Connection) -> Catalogue | None:
     """The catalogue of the newest worker; None if no worker has started."""
-    document = sa.cast(CatalogueDocument.document, sa.Text)
-    text = reader.scalar(sa.select(document).order_by(CatalogueDocument.published.desc()).limit(1))
+    text = _stored(reader)
     return None if text is None else _read(text)
+
+
+def published_digest(reader: sa.Connection) -> str:
+    """The digest of the published catalogue, for what states it: a simulator's files change it without a new time."""
+    return hashlib.sha256((_stored(reader) or "").encode()).hexdigest()
+
+
+def _stored(reader: sa.Connection) -> str | None:
+    document = sa.cast(CatalogueDocument.document, sa.Text)
+    return reader.scalar(sa.select(document).order_by(CatalogueDocument.published.desc()).limit(1))
 
 
 @functools.lru_cache(maxsize=4)

@@ -80,7 +80,7 @@ def pieces(columns: Columns, first: int) -> Iterator[tuple[int, ChunkRow]]:
         yield indices[0], blobs(part)
 
 
-def chunk_rows(run_id: int, position: int, first: int, columns: Columns) -> list[dict[str, Any]]:
+def chunk_rows(run_id: int, position: int, first: int, columns: Columns) -> list[dict[str, object]]:
     """The whole rows of these evaluations."""
     return [
         {"run_id": run_id, "position": position, "first": at, "count": len(written["status"]), **written}

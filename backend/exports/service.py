@@ -7,7 +7,8 @@ import hashlib
 import sqlalchemy as sa
 from fastapi import Request
 
-from backend.db.tables import CatalogueDocument, Finding, Trace
+from backend.catalog.service import published_digest
+from backend.db.tables import Finding, Trace
 from backend.exports.format import LABEL, Stored, known
 from backend.http.naming import named
 from backend.http.root import at
@@ -73,8 +74,7 @@ def tag(reader: sa.Connection, run_id: int) -> str | None:
     run = runs.detail(reader, run_id)
     if run.state not in ENDED:
         return None
-    published = reader.scalar(sa.select(sa.func.max(CatalogueDocument.published)))
-    parts = [run.model_dump_json(), signoffs.listed(reader, run_id).model_dump_json(), str(published)]
+    parts = [run.model_dump_json(), signoffs.listed(reader, run_id).model_dump_json(), published_digest(reader)]
     return f'W/"{hashlib.sha256("".join(parts).encode()).hexdigest()}"'
 
 

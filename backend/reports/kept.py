@@ -15,7 +15,8 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.tables import CatalogueDocument, Run, RunBaseline, RunLabel, Stage
+from backend.catalog.service import published_digest
+from backend.db.tables import Run, RunBaseline, RunLabel, Stage
 from backend.runs.question import asked_again
 from backend.signoffs import service as signoffs
 from campaigns.runs import ENDED
@@ -38,7 +39,7 @@ def key(reader: sa.Connection, run_id: int, pages: Path) -> str | None:
         _rows(reader, Stage, Stage.run_id == run_id, Stage.position, without=("result",)),
         _rows(reader, RunBaseline, RunBaseline.run_id == run_id, RunBaseline.run_id),
         _rows(reader, RunLabel, RunLabel.run_id == run_id, RunLabel.key),
-        reader.scalar(sa.select(sa.func.max(CatalogueDocument.published))),
+        published_digest(reader),
         asked_again(reader, run_id),
         str(pages),
     ]

@@ -126,7 +126,7 @@ def test_a_service_that_starts_before_its_server_is_alive_and_waits(server: post
             server.start()
             until(lambda: answered(port, "/api/v1/health")[0] == 200, waiting.text())
             assert [error["field"] for error in answered(port, READY)[1]["errors"]] == ["workers"]
-            assert waiting.text().count("waiting for the database") == 1
+            assert waiting.text().count("for the database:") == 1
             assert "Traceback" not in waiting.text()
             link = re.search(r"http://\S+/login\?code=\S+", waiting.text())
             assert link

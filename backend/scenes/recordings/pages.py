@@ -17,9 +17,10 @@ from fastapi import APIRouter, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse, Response
 
+from backend.catalog.service import published_digest
 from backend.db.digest import results_digest
 from backend.db.engine import read
-from backend.db.tables import CatalogueDocument, Finding
+from backend.db.tables import Finding
 from backend.http.capacity import Capacity, Gone
 from backend.http.errors import RefusedError, not_found
 from backend.http.naming import named
@@ -117,8 +118,8 @@ def _asked(reader: sa.Connection, run_id: int, label: str, dark: bool) -> _Asked
         results_digest(reader, run_id),
         _costs(reader, run_id, run.nominal_cost),
     )
-    published = reader.scalar(sa.select(sa.func.max(CatalogueDocument.published)))
-    parts = (*map(str, vars(caption).values()), label, str(dark), VERSION, viser.__version__, str(published))
+    described_by = published_digest(reader)
+    parts = (*map(str, vars(caption).values()), label, str(dark), VERSION, viser.__version__, described_by)
     tag = hashlib.sha256("\n".join(parts).encode()).hexdigest()
     return _Asked(setting.load(reader, run_id), cast, caption, f'W/"{tag}"')
 

@@ -138,7 +138,7 @@ def test_the_file_is_that_of_a_writer_of_rows(service: Service, client: httpx.Cl
     rows: list[list[object]] = [["stage", "kind", "method", *found.columns]]
     for stage in found.stages:
         place = [stage.position, stage.kind, stage.method]
-        rows += [place + row for block in found.rows(service.engine, stage) for row in block]
+        rows += [place + row for block in found.blocks(service.engine, stage) for row in block.rows()]
     assert len(rows) == 11
     assert b"".join(evaluations_csv(service.engine, 1)) == lines(rows)
 

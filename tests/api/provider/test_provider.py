@@ -365,9 +365,9 @@ def test_many_sign_ins_neither_fill_the_memory_nor_keep_others_out(monkeypatch: 
         ({"ROLES": "eng=admin"}, "JSON object"),
         ({"ROLES": '{"eng": "owner"}'}, "JSON object"),
         ({"DEFAULT_ROLE": "all"}, "one of viewer"),
-        ({"CLIENT_SECRET": "x", "CLIENT_SECRET_FILE": "/dev/null"}, "not both"),
+        ({"CLIENT_SECRET": "x", "CLIENT_SECRET_FILE": "/dev/null"}, "both given"),
         ({"CLIENT_SECRET_FILE": "/nowhere"}, "cannot be read"),
-        ({"CLIENT_SECRET_FILE": "/dev/null"}, "1 to 4096 characters"),
+        ({"CLIENT_SECRET_FILE": "/dev/null"}, "1 to 65536 characters"),
     ],
 )
 def test_wrong_settings_are_a_sentence(given: dict[str, str], sentence: str) -> None:

@@ -48,7 +48,14 @@ def _turned(_: httpx.Client, engine: sa.Engine) -> None:
         writer.execute(sa.update(EvaluationChunk).where(*mine).values(costs=turned))
 
 
-LATER = CatalogueDocument.published + 1.0
+def _installed(_: httpx.Client, engine: sa.Engine) -> None:
+    """What a run does that opens a simulator with changed files: the catalogue has no new time."""
+    with engine.begin() as writer:
+        document = writer.execute(sa.select(CatalogueDocument.document)).scalar_one()
+        changed = document | {"digests": {"another": "0" * 64}}
+        writer.execute(sa.update(CatalogueDocument).values(document=changed))
+
+
 CHANGES: dict[str, Callable[[httpx.Client, sa.Engine], object]] = {
     "name": lambda client, _: client.patch("/api/v1/runs/R-0001", json={"name": "Another name"}),
     "signoff": _signed,
@@ -57,7 +64,7 @@ CHANGES: dict[str, Callable[[httpx.Client, sa.Engine], object]] = {
     "stage": _stored(sa.update(Stage).values(seconds=77.0)),
     "evaluation": _turned,
     "label": _stored(sa.insert(RunLabel).values(run_id=1, key="@superseded", value="R-0009")),
-    "catalogue": _stored(sa.update(CatalogueDocument).values(published=LATER)),
+    "catalogue": _installed,
     "purged": _stored(sa.update(Run).values(purged=1.0)),
 }
 

@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -54,10 +54,7 @@ def team(image: Stage, folder: Path, kind: str) -> Iterator[Team]:
         found = services(REPOSITORY / "docker-compose.yml", variables)
         made(found, image, folder)
         one = Team(folder, image, net, found)
-        if kind == "sqlite":
-            yield one
-            return
-        with _postgres(folder, net):
+        with _postgres(folder, net) if kind == "postgresql" else nullcontext():
             yield one
 
 

@@ -31,7 +31,10 @@ MAY: dict[str, tuple[str, ...]] = {
     "campaigns": (),
     # Only `app`, `__main__` and `openapi` are loose, and they put the features together.
     "backend": ("campaigns",),
-    "backend.settings": ("backend.db", "backend.webhooks.configured", "backend.provider.configured"),
+    "backend.settings": (
+        *("backend.db", "backend.webhooks.configured", "backend.provider.configured", "backend.secrets_given"),
+    ),
+    "backend.secrets_given": (),
     "backend.webhooks.configured": (),
     "backend.provider.configured": ("backend.db.roles",),
     "backend.db": ("campaigns",),
@@ -128,7 +131,9 @@ MAY: dict[str, tuple[str, ...]] = {
     # A campaign run in this process, for the command line and for programs in Python.
     "clearance.local": ("worker", "backend.db", "campaigns"),
     # The command line is on top: it may import every room but the search of functions, and no room may import it.
-    "clearance.cli": ("worker", "backend.db", "campaigns", "clearance.client", "clearance.local"),
+    "clearance.cli": (
+        *("worker", "backend.db", "backend.secrets_given", "campaigns", "clearance.client", "clearance.local"),
+    ),
     # An installation is checked by the service's own checks.
     "clearance.cli.doctor": (
         *("clearance.cli", "backend.db", "backend.health.checks", "backend.settings", "worker.engine.kernels.folder"),

@@ -45,9 +45,11 @@ CLIENT_LIMITS = {
     "tcp_keepalives_interval": 5,
     "tcp_keepalives_count": 3,
     "tcp_user_timeout": 20_000,
+    "idle_in_transaction_session_timeout": 60_000,
 }
-"""After which the server gives up a client that is silent [s, the last one ms]. By the system's own, two hours, a
-machine that is cut off within a transaction keeps its locks, and nobody can take its run."""
+"""After which the server gives up a client that is silent [s, the last two ms]. By the system's own, two hours and
+never, a machine that is cut off and a process that is stopped within a transaction keep its locks, and nobody can take
+its run."""
 
 
 class NewerSchemaError(ValueError):

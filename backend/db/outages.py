@@ -50,6 +50,7 @@ _POSTGRESQL: dict[str, Kind] = {
     "57P03": "database-away",
     "58": "database-away",
     "25006": "database-away",  # a standby, which only reads
+    "25P03": "database-away",  # it stood still within a transaction, which the server has ended
     "53100": "no-space",
     "53": "busy",
     "55P03": "busy",

@@ -294,6 +294,8 @@ class Worker(Base):
     """When it last began to compare its files with what it has published, and found no difference [s since 1970]."""
     draining: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
     """Whether it was asked to take no further run and to end."""
+    short: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
+    """Whether it begins no run, because too little space is left where it writes; see `backend.db.space`."""
 
 
 class RunText(Base):

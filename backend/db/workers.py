@@ -114,14 +114,16 @@ def beat(
     simulators: Sequence[str] = (),
     installation: str = "",
     age: float | None = None,
+    short: bool = False,
 ) -> bool:
     """Whether it is to take no further run.
 
     age: time since it began to compare its files with what it has published, if they are the same [s].
+    short: whether it begins no run, because too little space is left where it writes.
     """
     at = now(connection)
     values = {"beat": at, "run_id": run_id, "simulators": list(simulators), "installation": installation}
-    values |= {} if age is None else {"compared": at - age}
+    values |= {"short": short} | ({} if age is None else {"compared": at - age})
     beaten = sa.update(Worker).where(Worker.name == name).values(**values).returning(Worker.draining)
     return bool(connection.scalar(beaten))
 

@@ -11,6 +11,7 @@ import sqlalchemy as sa
 from backend.db import refusals
 from backend.db.engine import now
 from backend.db.queue import waiting_order
+from backend.db.space import VARIABLE
 from backend.db.tables import Run, Worker
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs.schemas import RunDoing
@@ -45,8 +46,8 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]
     if not queued:
         return {}
     at = now(reader)
-    workers = reader.execute(sa.select(Worker.beat, Worker.run_id, Worker.simulators, Worker.installation)).all()
-    live = [worker for worker in workers if worker.beat > at - SEEN]
+    known = (Worker.run_id, Worker.simulators, Worker.installation, Worker.draining, Worker.short)
+    live = reader.execute(sa.select(*known).where(Worker.beat > at - SEEN)).all()
     if not live:
         text = no_worker(last_seen(reader), at)
         return {row.id: Waits(text) for row in queued}
@@ -83,7 +84,11 @@ def _of(row: Any, live: Sequence[Any], at: float, position: int | None, refused:
     if not same:
         differs = list(refused.values())[-1]
         return Waits(_other_code(differs, row.evaluations), differs)
-    return Waits(_one(row, live, same, at, position))
+    willing = [worker for worker in same if not worker.draining]
+    if not willing:
+        return Waits(_draining(len(same)))
+    roomy = [worker for worker in willing if not worker.short]
+    return Waits(_one(row, live, roomy, at, position) if roomy else _short(len(willing)))
 
 
 def _one(row: Any, live: Sequence[Any], able: Sequence[Any], at: float, position: int | None) -> str:
@@ -131,6 +136,16 @@ def _no_simulator(needs: str, live: int) -> str:
         f"It needs the simulator {needs.partition('@')[0]} with the parameters and results that it had when the run "
         f"was submitted. {without}; start a worker on a machine that has it."
     )
+
+
+def _draining(able: int) -> str:
+    who = "The only worker that can execute it was" if able == 1 else f"All {able} workers that can execute it were"
+    return f"{who} asked to take no further run. Start another one with `clearance worker`."
+
+
+def _short(able: int) -> str:
+    who = "The worker that can execute it has" if able == 1 else f"All {able} workers that can execute it have"
+    return f"{who} too little space left to begin a run ({VARIABLE}): an administrator must free space."
 
 
 def _ago(seconds: float) -> str:

@@ -22,6 +22,8 @@ class WorkerOut(Schema):
     """`silent`: no heartbeat for 20 s, ten times the usual interval."""
     draining: bool
     """Whether it was asked to take no further run and to end."""
+    short: bool
+    """Whether it begins no run, because too little space is left where it writes."""
     run: str | None
     """The run that it executes, R-0001."""
     stage: str | None

@@ -50,6 +50,7 @@ def _out(row: Any, at: float, stages: dict[int, str]) -> WorkerOut:
         beat=row.beat,
         state="silent" if silent else "idle" if row.run_id is None else "busy",
         draining=row.draining,
+        short=row.short,
         run=None if row.run_id is None else run_name(row.run_id),
         stage=None if silent or row.run_id is None else stages.get(row.run_id),
         doing=None if known is None else waiting.doing_of(known),

@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,13 @@ import yaml
 from backend.db.engine import connect, default_url, migrate
 from backend.db.queue import request_cancel, submit
 from campaigns.asked.load import load_document
+from tests.faults.nodes import cluster
 from tests.faults.processes import CLEARANCE, Started, alive, command_of, kill, started, until, worker
 from tests.faults.serving import state
+from tests.fmu import made
+from worker.engine.systems.simulators.cluster.address import SETTING
+from worker.engine.systems.simulators.cluster.node import IDLE
+from worker.engine.systems.simulators.slots.guard import PLACE
 from worker.engine.systems.simulators.slots.pool import SlotPool
 from worker.engine.systems.simulators.slots.program import Program
 
@@ -52,7 +58,8 @@ def fly(a):
     time.sleep(0.02)
     return 2.0 - a
 """
-KINDS = ("lines", "files", "function", "in process")
+KINDS = ("lines", "files", "function", "in process", "fmu", "node")
+"""Those of a node are lines, on a cluster of one process, which has slots of its own."""
 
 
 def helpers(but: frozenset[int] = frozenset()) -> set[int]:
@@ -64,24 +71,25 @@ def helpers(but: frozenset[int] = frozenset()) -> set[int]:
 class Site:
     """A folder with one simulator of a kind that starts helpers, and the runs of it."""
 
-    def __init__(self, folder: Path, kind: str) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, kind: str, evaluator: str = "") -> None:
+        self.folder, self.evaluator = folder, evaluator
         self.temporary = folder / "temporary"
         self.simulators = folder / "simulators"
-        for made in (self.temporary, self.simulators):
-            made.mkdir()
-        self._install(kind)
+        for empty in (self.temporary, self.simulators):
+            empty.mkdir()
+        varied, low, high = self._install(kind)
         self.document = {
             "name": "helped",
             "simulator": {"name": "helped"},
-            "uncertain": {"simulator.a": {"low": 0.0, "high": 1.0}},
+            "uncertain": {f"simulator.{varied}": {"low": low, "high": high}},
             "criterion": {"result": "d", "threshold": 0.5},
             "stages": {"search": [{"method": "monte_carlo", "evaluations": 20_000}], "certify": None},
         }
 
     @property
     def environment(self) -> dict[str, str]:
-        return {"TMPDIR": str(self.temporary), "CLEARANCE_SIMULATORS": str(self.simulators)}
+        given = {"TMPDIR": str(self.temporary), "CLEARANCE_SIMULATORS": str(self.simulators)}
+        return given | ({SETTING: self.evaluator} if self.evaluator else {})
 
     def folders(self) -> list[str]:
         """What there is for temporary files."""
@@ -96,15 +104,23 @@ class Site:
             campaign = load_document(self.document)
             return engine, submit(connection, campaign, name="helped", tags=[], owner="", planned=20_000)
 
-    def _install(self, kind: str) -> None:
+    def _install(self, kind: str) -> tuple[str, float, float]:
+        """Its parameter and the bounds."""
+        described: dict[str, Any]
         wrapper = self.folder / "wrapper.sh"
         wrapper.write_text(WRAPPER)
         wrapper.chmod(0o755)
         if kind in ("function", "in process"):
             text = FUNCTION.replace("ISOLATED", str(kind == "function")).replace("WRAPPER", repr(str(wrapper)))
             (self.simulators / "helped.py").write_text(text)
-            return
-        described: dict[str, Any] = {
+            return "a", 0.0, 1.0
+        if kind == "fmu":
+            results = {"d": {"variable": "separation", "take": "minimum"}}
+            described = {"name": "helped", "results": results, "parameters": {"mass": {}}, "slots": 2}
+            binary = made.compiled(2, starts=str(wrapper))
+            made.folder(self.simulators / "helped", 2, described=described, binary=binary)
+            return "mass", 1.0, 10.0
+        described = {
             "name": "helped",
             "parameters": {"a": {"nominal": 0.5, "low": 0, "high": 1}},
             "results": {"d": {"unit": "m"}},
@@ -118,6 +134,7 @@ class Site:
             }
         (self.simulators / "helped").mkdir()
         (self.simulators / "helped" / "simulator.yaml").write_text(yaml.safe_dump(described))
+        return "a", 0.0, 1.0
 
 
 ENDINGS: dict[str, Callable[[Started, sa.Engine, int], None]] = {
@@ -145,7 +162,11 @@ BY_DAY = {("lines", "cancel"), ("in process", "worker killed")}
     ],
 )
 def test_a_run_of_a_worker(tmp_path: Path, kind: str, ending: str) -> None:
-    site = Site(tmp_path, kind)
+    with cluster(tmp_path, 1) if kind == "node" else nullcontext() as nodes:
+        _nothing_is_left(Site(tmp_path, kind, nodes.address if nodes else ""), ending)
+
+
+def _nothing_is_left(site: Site, ending: str) -> None:
     there = frozenset(helpers())
     engine, run = site.queued()
     url = engine.url.render_as_string(hide_password=False)
@@ -163,8 +184,37 @@ def test_a_run_of_a_worker(tmp_path: Path, kind: str, ending: str) -> None:
     if ending == "worker killed":
         cancel(engine, run)
         with worker(url, site.folder, "second", **site.environment):
-            until(lambda: not helpers(there), "no helper is left", 60)
+            until(lambda: not helpers(there), "no helper is left", IDLE + 30)
             until(lambda: not site.folders(), f"no folder is left of {site.folders()}", 60)
+    engine.dispose()
+
+
+@pytest.mark.nightly
+def test_a_node_that_is_killed(tmp_path: Path) -> None:
+    """By its guards, as nothing of the node is left to end what its slots have started."""
+    there = frozenset(helpers())
+    with cluster(tmp_path, 1) as nodes:
+        site = Site(tmp_path, "node", nodes.address)
+        engine, run = site.queued()
+        url = engine.url.render_as_string(hide_password=False)
+        with worker(url, site.folder, "first", **site.environment):
+            until(lambda: state(engine, run).evaluations > 20 and helpers(there), "under way, with helpers")
+            kill(nodes.workers[0].pid)
+            until(lambda: not helpers(there), "no helper is left", 10)
+        engine.dispose()
+
+
+def test_a_child_that_is_ended_while_it_removes_its_folders(tmp_path: Path) -> None:
+    """As at the end of a run: its slots have ended in order, so that no guard removes anything any more."""
+    site = Site(tmp_path, "lines")
+    engine, run = site.queued()
+    url = engine.url.render_as_string(hide_password=False)
+    with worker(url, site.folder, "first", "--lease", "2", **site.environment) as running:
+        until(lambda: state(engine, run).evaluations > 20, "under way")
+        (site.temporary / f"{PLACE}slots-left" / "0").mkdir(parents=True)
+        kill(running.pid, number=signal.SIGTERM)
+        until(lambda: running.process.poll() is not None, "it ended")
+        assert site.folders() == []
     engine.dispose()
 
 

@@ -19,8 +19,10 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db import queue as queues
-from backend.db.engine import connect, migrate, read
+from backend.db.engine import CLIENT_LIMITS, connect, migrate, read
+from backend.db.outages import DatabaseOutage
 from backend.db.queue import Queue, submit
+from backend.db.tables import Run
 from backend.db.tables import Worker as WorkerRow
 from backend.settings import Settings
 from tests.faults import postgres
@@ -171,6 +173,26 @@ def test_a_worker_waits_for_its_server_and_a_run_survives_its_loss(server: postg
                 assert (ended.state, ended.attempts, ended.losses) == ("done", 1, 0)
         finally:
             server.start()
+
+
+def test_a_process_that_is_stopped_in_a_transaction_loses_its_locks(
+    server: postgres.Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else nobody could take its run, for as long as it stands still."""
+    monkeypatch.setitem(CLIENT_LIMITS, "idle_in_transaction_session_timeout", 300)
+    with benched(server.url) as stopped, benched(server.url) as other:
+        run_id = stopped.submit("held")
+        named = sa.update(Run).where(Run.id == run_id)
+        with stopped.engine.connect() as connection:
+            connection.execute(named.values(name="its own"))
+            with other.engine.begin() as writer:
+                writer.execute(sa.text("set local lock_timeout = '20s'"))
+                writer.execute(named.values(name="another"))
+            with pytest.raises(DatabaseOutage) as raised:
+                connection.execute(sa.select(Run.name)).all()
+        assert raised.value.kind == "database-away"
+        with stopped.engine.begin() as again:
+            assert again.scalar(sa.select(Run.name).where(Run.id == run_id)) == "another"
 
 
 def test_a_damaged_file_uses_up_no_attempt(tmp_path: Path) -> None:

@@ -37,8 +37,8 @@ VARIED = {"mass": {}, "speed": {}, "throw_angle": {}, "trouble": {"low": 0, "hig
 
 
 @cache
-def compiled(fmi: int, leak: int = 0, token: str = TOKEN) -> bytes:
-    """The shared library."""
+def compiled(fmi: int, leak: int = 0, token: str = TOKEN, starts: str = "") -> bytes:
+    """The shared library; starts: a command that it runs when it is first instantiated."""
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler")
@@ -48,6 +48,7 @@ def compiled(fmi: int, leak: int = 0, token: str = TOKEN) -> bytes:
         f"-DLEAK={leak}",
         *(["-DNORESET"] if leak == 3 else []),
         f'-DTOKEN="{token}"',
+        *([f'-DSTARTS="{starts}"'] if starts else []),
         "-w",
         "-O2",
         "-shared",

@@ -3,7 +3,7 @@
    Each communication step is one step of Heun's method. The parameter `trouble` makes it misbehave at t >= 0.5 s, by the
    numbers in `step`. -DLEAK=1: reset keeps the state; -DLEAK=2: the library keeps it, also in a new instance. -DTOKEN is
    the GUID or instantiation token that it accepts. With FMI 2.0 it refuses categories of log messages. -DNORESET: it
-   cannot be reset. */
+   cannot be reset. -DSTARTS: a command that it runs when it is first instantiated; its steps take longer then. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #ifndef LEAK
 #define LEAK 0
@@ -68,6 +69,9 @@ static int step(Model *m, double time, double h) {
     for (int i = 0; i < 4; i++) m->state[i] += h * 0.5 * (a[i] + b[i]);
     kept = 1e-9 * m->state[0];
     m->steps++;
+#ifdef STARTS
+    usleep(100);
+#endif
     m->time = time + h;
     if (m->time < 0.5) return OK;
     switch ((int)m->trouble) {
@@ -119,6 +123,10 @@ static Model *made(const char *token, const char *expected) {
     if (strcmp(token, expected)) return NULL;
     Model *m = calloc(1, sizeof *m);
     start(m);
+#ifdef STARTS
+    static int started;
+    if (!started++) system(STARTS " true");
+#endif
     return m;
 }
 

@@ -45,7 +45,7 @@ def storm(site: Site, database: str, seed: int) -> Row:
     took = time.monotonic() - waited
     site.stop()
     seen = f"{RUNS} runs, {hits} kills, and {early} before the first evaluation of a run"
-    return Row(database, f"storm {seed}", seen, lost, repeated, site.left_behind(), given_up, round(took, 1))
+    return Row(database, f"storm {seed}", seen, lost, repeated, len(site.left_behind()), given_up, round(took, 1))
 
 
 def _struck(site: Site, random: np.random.Generator) -> Any:

@@ -25,7 +25,7 @@ from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import most
 from tests.faults.long import case
 from tests.faults.machines import Machine
-from tests.faults.processes import Started, alive, kill, until, worker
+from tests.faults.processes import Started, alive, command_of, kill, until, worker
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -147,15 +147,16 @@ class Site:
                 kill(one.pid, number=signal.SIGTERM)
         until(lambda: all(one.process.poll() is not None for one in self.workers), "all workers have ended", 60)
 
-    def left_behind(self) -> int:
+    def left_behind(self) -> list[str]:
         """Processes and folders that are still there some seconds after the workers have ended."""
         until_then = time.monotonic() + 6.0
         while self._left() and time.monotonic() < until_then:
             time.sleep(0.05)
         return self._left()
 
-    def _left(self) -> int:
-        return len(list(self._marked())) + len(os.listdir(self.temporary))
+    def _left(self) -> list[str]:
+        processes = [f"{pid} {command_of(pid)}" for pid in self._marked()]
+        return processes + [str(path.relative_to(self.temporary)) for path in self.temporary.rglob("*")]
 
     def _marked(self) -> Iterator[int]:
         sought = f"{MARK}={self.mark}".encode()

@@ -147,7 +147,7 @@ function Doing({ worker, now, onLeave }: { worker: WorkerOut; now: number; onLea
         {run && <>, had {run}</>}
       </>
     )
-  if (!run) return <>{worker.draining ? 'Ends, takes no run' : 'Idle'}</>
+  if (!run) return <>{idle(worker)}</>
   const what = worker.doing ? 'Compiling' : stage(worker.stage)
   return (
     <>
@@ -156,6 +156,11 @@ function Doing({ worker, now, onLeave }: { worker: WorkerOut; now: number; onLea
       {worker.draining && ', then ends'}
     </>
   )
+}
+
+function idle(worker: WorkerOut): string {
+  if (worker.draining) return 'Ends, takes no run'
+  return worker.short ? 'Begins no run: its disk is short' : 'Idle'
 }
 
 /** Search, direct: with the title of the method. */

@@ -211,7 +211,7 @@ def test_a_service_behind_the_example_of_a_proxy(
 def test_units_are_accepted_by_systemd(tmp_path: Path) -> None:
     """Their program is another one, as theirs is not installed here."""
     verify = program("systemd-analyze")
-    for unit in sorted(DEPLOY.glob("*.service")):
+    for unit in [*sorted(DEPLOY.glob("*.service")), *sorted(DEPLOY.glob("*.timer"))]:
         text = re.sub(r"/opt/clearance/bin/\w+", "/bin/true", unit.read_text()).replace("User=clearance\n", "")
         copy = tmp_path / unit.name.replace("@", "@1" if "@." in unit.name else "@")
         copy.write_text(text)

@@ -13,6 +13,7 @@ import sqlalchemy as sa
 
 from backend.db import space, workers
 from backend.db.queue import Queue
+from backend.db.space import VARIABLE
 from backend.db.tables import Run, Worker
 from backend.db.workers import Doing
 from backend.events import roster
@@ -141,6 +142,25 @@ def test_a_queued_run_says_why_it_waits(service: Service, client: httpx.Client) 
     silent(service, "w1", 30)
     silent(service, "w2", 300)
     assert listed(client, third)["waits"] == no_worker(0.0, 30.0)
+
+
+def test_workers_that_begin_no_run_are_not_waited_for_in_vain(service: Service, client: httpx.Client) -> None:
+    """The run says which of its workers could take it, and what is to be done if none does."""
+    run = submit(client)
+    arrive(service, "w1", "w2")
+    with service.engine.begin() as connection:
+        workers.beat(connection, "w1", None, short=True)
+    assert listed(client, run)["waits"] == SOON
+    assert {w["name"]: w["short"] for w in asked(client)["items"]} == {"w1": True, "w2": False}
+    with service.engine.begin() as connection:
+        workers.drain(connection, "w2")
+    assert VARIABLE in listed(client, run)["waits"]
+    with service.engine.begin() as connection:
+        workers.drain(connection, "w1")
+    assert listed(client, run)["waits"].endswith("`clearance worker`.")
+    with service.engine.begin() as connection:
+        workers.arrive(connection, "w1")
+    assert listed(client, run)["waits"] == SOON
 
 
 def test_the_stream_reports_workers(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -84,7 +84,10 @@ def row(site: Site, database: str, name: str, seen: str, recovery: float, costs:
     site.stop()
     if costs:
         seen = "; ".join([f"{len(site.failed)} evaluations failed", *site.failed])[:110]
-    return Row(database, name, seen, lost, repeated, site.left_behind(), given_up, round(recovery, 1))
+    left = site.left_behind()
+    if left:
+        seen = f"left behind: {', '.join(left)}"
+    return Row(database, name, seen, lost, repeated, len(left), given_up, round(recovery, 1))
 
 
 def last(worker: Started) -> str:

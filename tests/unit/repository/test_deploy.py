@@ -18,6 +18,7 @@ from backend.settings import Settings
 
 DEPLOY = Path(__file__).parents[3] / "deploy"
 UNITS = sorted(DEPLOY.glob("*.service"))
+TIMERS = sorted(DEPLOY.glob("*.timer"))
 
 
 @pytest.mark.parametrize("unit", UNITS, ids=lambda unit: unit.name)
@@ -25,7 +26,8 @@ def test_units_are_read_and_have_settings_that_exist(unit: Path, tmp_path: Path)
     text = unit.read_text()
     parser = RawConfigParser(strict=False)
     parser.read_string(text)
-    assert {"Unit", "Service", "Install"} == set(parser.sections())
+    timed = unit.with_suffix(".timer") in TIMERS
+    assert {"Unit", "Service"} | (set() if timed else {"Install"}) == set(parser.sections())
     environment = dict(re.findall(r"^Environment=(\w+)=(\S+)$", text, re.MULTILINE))
     assert environment
     assert list(Settings.unknown(environment)) == []
@@ -39,6 +41,17 @@ def test_units_are_read_and_have_settings_that_exist(unit: Path, tmp_path: Path)
     done = subprocess.run([verify, "verify", str(copy)], capture_output=True, text=True, timeout=60, check=False)
     wrong = [line for line in done.stderr.splitlines() if unit.name.partition("@")[0] in line and "Unknown" in line]
     assert wrong == []
+
+
+@pytest.mark.parametrize("timer", TIMERS, ids=lambda timer: timer.name)
+def test_timers_start_a_unit_that_is_there_at_times_that_are_read(timer: Path) -> None:
+    parser = RawConfigParser()
+    parser.read_string(timer.read_text())
+    assert {"Unit", "Timer", "Install"} == set(parser.sections())
+    assert timer.with_suffix(".service") in UNITS
+    verify = shutil.which("systemd-analyze")
+    if verify is not None:
+        subprocess.run([verify, "calendar", parser["Timer"]["OnCalendar"]], capture_output=True, timeout=60, check=True)
 
 
 def test_the_dashboard_shows_metrics_that_exist() -> None:

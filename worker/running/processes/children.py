@@ -12,6 +12,7 @@ import time
 from collections.abc import Mapping
 from typing import TypedDict
 
+from worker.engine.systems.simulators.slots import places
 from worker.engine.systems.simulators.slots.guard import END
 from worker.engine.systems.simulators.slots.slot import guarded
 from worker.running.processes import lifeline
@@ -94,12 +95,13 @@ class Child:
         return message
 
     def kill(self) -> None:
-        """Kill it; what it evaluated in slots is asked to end first."""
+        """Kill it; what it evaluated in slots is asked to end first. The folders that it had not yet removed go."""
         if self._control < 0:
             return
         with contextlib.suppress(BrokenPipeError):
             os.write(self._control, END)
         self._process.wait()
+        places.remove_left()
         os.close(self._control)
         self._control = -1
         for stream in (self._process.stdin, self._process.stdout):

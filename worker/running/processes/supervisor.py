@@ -130,7 +130,7 @@ class Supervisor:
         child = self._ready_child()
         if child is None or self._wakeup.signal is not None or self.drained:
             return
-        if space.short(self._folders, self._min_free):  # without the changing number, so that it is one line a minute
+        if self._short:  # without the changing number, so that it is one line a minute
             log.warning("no further run is begun: less than %s bytes are free (%s)", self._min_free, space.VARIABLE)
             self._wakeup.wait(POLL)
             return
@@ -294,8 +294,12 @@ class Supervisor:
             self._beat(None)
 
     def _beat(self, run_id: int | None) -> None:
-        known = (run_id, self.simulators, self.installation, self._files.age)
+        known = (run_id, self.simulators, self.installation, self._files.age, self._short)
         self.drained = write(self.engine, lambda connection: workers.beat(connection, self.name, *known), 0.0)
+
+    @property
+    def _short(self) -> bool:
+        return bool(space.short(self._folders, self._min_free))
 
     def _notify(self, what: Callable[[sa.Connection, str], None]) -> None:
         write(self.engine, lambda connection: what(connection, self.name), 0.0)

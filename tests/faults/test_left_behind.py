@@ -22,7 +22,7 @@ from tests.faults.processes import CLEARANCE, Started, alive, command_of, kill, 
 from tests.faults.serving import state
 from tests.fmu import made
 from worker.engine.systems.simulators.cluster.address import SETTING
-from worker.engine.systems.simulators.cluster.node import IDLE
+from worker.engine.systems.simulators.cluster.node import LOST
 from worker.engine.systems.simulators.slots.guard import PLACE
 from worker.engine.systems.simulators.slots.pool import SlotPool
 from worker.engine.systems.simulators.slots.program import Program
@@ -179,12 +179,12 @@ def _nothing_is_left(site: Site, ending: str) -> None:
             cancel(engine, run)
         until(lambda: ended(running, engine, run), "it ended")
         if ending != "worker killed":
-            until(lambda: not helpers(there), "no helper is left", 10)
+            until(lambda: not helpers(there), "no helper is left", 1.3 * LOST + 10 if site.evaluator else 10)
             until(lambda: not site.folders(), f"no folder is left of {site.folders()}", 10)
     if ending == "worker killed":
         cancel(engine, run)
         with worker(url, site.folder, "second", **site.environment):
-            until(lambda: not helpers(there), "no helper is left", IDLE + 30)
+            until(lambda: not helpers(there), "no helper is left", 60)
             until(lambda: not site.folders(), f"no folder is left of {site.folders()}", 60)
     engine.dispose()
 

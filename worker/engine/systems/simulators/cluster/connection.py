@@ -60,6 +60,8 @@ class Connection:
         self.users = 0
         self.changed: list[Callable[[], None]] = []
         self.lost: list[Callable[[EvaluatorLost], None]] = []
+        self.keys: set[str] = set()
+        """Of the pools, whose slots the nodes keep for as long as this process says so."""
         self._client: Client | None = None
         self._cluster: LocalCluster | None = None
         self._connecting = asyncio.Lock()
@@ -108,11 +110,10 @@ class Connection:
 
     def _run(self) -> None:
         asyncio.set_event_loop(self.loop)
-        watch = self.loop.create_task(self._watch())
+        _held = [self.loop.create_task(work) for work in (self._watch(), self._keep())]  # the loop would not hold them
         try:
             self.loop.run_forever()
         finally:
-            watch.cancel()
             left = asyncio.all_tasks(self.loop)
             for task in left:
                 task.cancel()
@@ -216,6 +217,14 @@ class Connection:
                 self._failure = self._lost("it had no worker", why)
                 self._give_up(self._failure)
                 return
+
+    async def _keep(self) -> None:
+        while True:
+            await asyncio.sleep(node.KEEP)
+            if self.connected is not None and self.keys:
+                with contextlib.suppress(Exception):  # a node that is lost is noticed elsewhere
+                    kept = self.connected.run(node.keep, sorted(self.keys), on_error="ignore")
+                    await asyncio.wait_for(kept, ATTEMPT)
 
     def _give_up(self, error: EvaluatorLost) -> None:
         for lost in list(self.lost):

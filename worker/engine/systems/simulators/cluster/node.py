@@ -1,7 +1,7 @@
 """What runs on a node: a task evaluates a batch in a slot of the Dask worker, a process with all its protections.
 
 A Dask worker has one slot for each of its threads that is busy. Slots start with the first task, stay warm between
-tasks, and end with the run, with the worker, or when idle.
+tasks, and end with the run, with the worker, when idle, or when the process of the run no longer keeps them.
 
 It imports nothing heavy: the scheduler loads it too.
 """
@@ -42,6 +42,9 @@ ENOUGH = 0.4
 """A task begins no evaluation after this time [s]; it returns what has ended."""
 IDLE = 60.0
 """Slots without work for this long are closed [s]."""
+KEEP, LOST = 2.0, 15.0
+"""How often a process keeps the slots of its pools, and after which time without it they are closed [s]: it was killed,
+and nobody waits for what they evaluate."""
 
 
 def evaluate(work: Work, requests: Sequence[Request]) -> Done:
@@ -61,11 +64,16 @@ def evaluate(work: Work, requests: Sequence[Request]) -> Done:
 def release(key: str) -> None:
     """Close the slots of a pool; what they evaluate has no result."""
     with _lock:
-        found = _idle.pop(key, []) + _busy.pop(key, [])
-        forget(key)
+        found = _all_of(key)
         _released.append(key)
     for slot in found:
         slot.close()
+
+
+def keep(keys: Sequence[str]) -> None:
+    """The process of these pools is alive."""
+    with _lock:
+        _kept.update(dict.fromkeys(_kept.keys() & keys, time.monotonic()))
 
 
 def saturation(dask_scheduler: Any) -> float:
@@ -127,6 +135,8 @@ class NodeSlot:
 _lock = threading.Lock()
 _idle: dict[str, list[NodeSlot]] = {}
 _busy: dict[str, list[NodeSlot]] = {}
+_kept: dict[str, float] = {}
+"""When a pool was last kept, or took its first slot."""
 _released: deque[str] = deque(maxlen=1000)
 """Their tasks may still arrive."""
 _reaper: threading.Timer | None = None
@@ -136,6 +146,7 @@ def _take(work: Work) -> NodeSlot:
     with _lock:
         if work.key in _released:
             raise NodeClosing(name())
+        _kept.setdefault(work.key, time.monotonic())
         idle = _idle.get(work.key)
         slot = idle.pop() if idle else None
         if slot is not None:
@@ -170,27 +181,35 @@ def _drop(key: str, slot: NodeSlot) -> None:
     slot.close()
 
 
+def _all_of(key: str) -> list[NodeSlot]:
+    """The slots of a pool, which are no longer known here; the caller holds the lock."""
+    forget(key)
+    _kept.pop(key, None)
+    return _idle.pop(key, []) + _busy.pop(key, [])
+
+
 def _reap_later() -> None:
     """Start the timer that ends idle slots, if none is running; the caller holds the lock."""
     global _reaper
     if _reaper is None:
-        _reaper = threading.Timer(IDLE / 4, _reap)
+        _reaper = threading.Timer(LOST / 4, _reap)
         _reaper.daemon = True
         _reaper.start()
 
 
 def _reap() -> None:
-    """Close what was idle for long."""
+    """Close what was idle or not kept for long."""
     global _reaper
-    oldest = time.monotonic() - IDLE
+    at = time.monotonic()
     with _lock:
-        old = [slot for slots in _idle.values() for slot in slots if slot.used < oldest]
+        lost = [slot for key, kept in list(_kept.items()) if kept < at - LOST for slot in _all_of(key)]
+        old = [slot for slots in _idle.values() for slot in slots if slot.used < at - IDLE]
         for key in list(_idle):
             _idle[key] = [slot for slot in _idle[key] if slot not in old]
         _reaper = None
         if any(_idle.values()) or any(_busy.values()):
             _reap_later()
-    for slot in old:
+    for slot in lost + old:
         slot.close()
 
 

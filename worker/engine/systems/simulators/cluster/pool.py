@@ -74,6 +74,7 @@ class DaskPool(Slots):
             raise
         self._connection.changed.append(self._hand_out)
         self._connection.lost.append(self._fail)
+        self._connection.keys.add(self._work.key)
 
     @property
     def size(self) -> int:
@@ -207,6 +208,7 @@ class DaskPool(Slots):
     async def _end(self) -> None:
         self._connection.changed.remove(self._hand_out)
         self._connection.lost.remove(self._fail)
+        self._connection.keys.discard(self._work.key)
         tasks = list(self._running)
         left = self._left()
         await asyncio.gather(*tasks, return_exceptions=True)

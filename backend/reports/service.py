@@ -60,10 +60,10 @@ _DAY, _MOMENT = (f"{secrets.token_hex(16)}-{name}" for name in ("day", "moment")
 def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> Page:
     """The current report; `at` is its time of creation [s since 1970]; fonts from the built pages, if present."""
     known = key(reader, run_id, pages)
-    page = KEPT.get(known)
+    page = KEPT.get(run_id, known)
     if page is None:
         page = _written(load(reader, run_id), pages)
-        KEPT.put(known, page)
+        KEPT.put(run_id, known, page)
     return replace(page, html=page.html.replace(_DAY, words.day(at)).replace(_MOMENT, words.moment(at)))
 
 

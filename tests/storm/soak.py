@@ -109,7 +109,17 @@ def show(found: dict[str, Any]) -> None:
     for name, wait in found["p99_ms"].items():
         met = "met" if wait < MOST_WAIT else "MISSED"
         print(f"{name:<22} {found['p50_ms'][name]:>9.1f} {wait:>9.1f} {found['cpu_ms'][name]:>9.1f}  {met}")
-    for name in ("seconds", "runs", "requests", "errors", "lock_errors", "rss_growth_mb", "rss_slope_mb", "fairness"):
+    for name in (
+        "seconds",
+        "runs",
+        "requests",
+        "errors",
+        "lock_errors",
+        "rss_growth_mb",
+        "rss_slope_mb",
+        "rss_mb",
+        "fairness",
+    ):
         print(f"{name:<22} {found[name]}")
 
 
@@ -165,6 +175,7 @@ def measured(service: Service, seconds: float) -> dict[str, Any]:
         "errors": dict(load.errors),
         "lock_errors": _locked(service),
         **_growth(memory, min(WARM, seconds / 3)),
+        "rss_mb": [round(size) for _, size in memory[::60]],
         "fairness": round(min(load.served) / max(load.served), 2),
         "runs": runs,
         "seconds": seconds,

@@ -124,13 +124,16 @@ def test_a_run_that_has_not_ended_is_written_anew(
 def test_the_reports_asked_for_last_are_kept() -> None:
     found = Kept()
     for number in range(kept.MOST):
-        found.put(str(number), Page(str(number), "", ""))
-    assert found.get("0") is not None
-    found.put("new", Page("new", "", ""))
-    assert found.get("0") is not None
-    assert found.get("1") is None
-    found.put(None, Page("none", "", ""))
-    assert found.get(None) is None
+        found.put(number, "one", Page(str(number), "", ""))
+    assert found.get(0, "one") == Page("0", "", "")
+    found.put(kept.MOST, "one", Page("new", "", ""))
+    assert found.get(0, "one") is not None
+    assert found.get(1, "one") is None
+    found.put(0, "another", Page("changed", "", ""))
+    assert (found.get(0, "one"), found.get(0, "another")) == (None, Page("changed", "", ""))
+    assert found.get(2, "one") is not None, "a changed one takes the place of its own"
+    found.put(3, None, Page("none", "", ""))
+    assert found.get(3, None) is None
 
 
 def _key(service: Service) -> str | None:

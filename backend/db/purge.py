@@ -35,7 +35,7 @@ from backend.db.tables import (
     Stage,
     Trace,
 )
-from campaigns.runs import ACTIVE, ENDED, run_name
+from campaigns.runs import ACTIVE, ENDED, RunState, run_name
 
 _EMPTY: dict[str, object] = {
     "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
@@ -148,12 +148,20 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
         return True
 
 
-def wasted(engine: sa.Engine) -> int:
-    """Unused space in an SQLite file [bytes]; 0 on PostgreSQL, which reuses such space automatically."""
-    if not is_sqlite(engine):
-        return 0
+class Unused(NamedTuple):
+    """The space in an SQLite file that holds nothing [bytes], and as a share; in_flight: whether a run is executed."""
+
+    size: int
+    share: float
+    in_flight: bool
+
+
+def unused(engine: sa.Engine) -> Unused:
+    """What rewriting the file would free, and whether it would stop a run's worker from storing."""
     with read(engine) as reader:
-        return _pragma(reader, "freelist_count") * _pragma(reader, "page_size")
+        pages = _pragma(reader, "freelist_count")
+        in_flight = reader.scalar(sa.select(Run.id).where(Run.state == RunState.RUNNING).limit(1)) is not None
+        return Unused(pages * _pragma(reader, "page_size"), pages / _pragma(reader, "page_count"), in_flight)
 
 
 def reclaim(engine: sa.Engine) -> Space:

@@ -21,8 +21,8 @@ UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
 LISTED = 20
 """Runs that are listed individually; of the others only the number."""
 
-WORTH = 1 << 20
-"""Unused space above which an SQLite file is rewritten [bytes]."""
+WORTH, SHARE = 1 << 20, 0.1
+"""Unused space above which an SQLite file is rewritten: [bytes], and as a share of it."""
 
 
 def purge(
@@ -144,15 +144,17 @@ def _reclaim(engine: sa.Engine) -> None:
     if not is_sqlite(engine):
         typer.echo("PostgreSQL reuses the space (autovacuum).")
         return
-    unused = stored.wasted(engine)
-    if unused < WORTH:
-        typer.echo(f"{_size(unused)} of the file are free and will be reused.")
+    unused = stored.unused(engine)
+    worth = unused.size >= WORTH and unused.share >= SHARE
+    if not worth or unused.in_flight:
+        later = ": it is not made smaller now, because that would stop what a running run stores" if worth else ""
+        typer.echo(f"{_size(unused.size)} of the file are free and will be reused{later}.")
         return
     try:
         space = stored.reclaim(engine)
     except sqlite3.OperationalError as error:
         typer.echo(
-            f"The file still has {_size(unused)} of free space and could not be rewritten ({error}): "
+            f"The file still has {_size(unused.size)} of free space and could not be rewritten ({error}): "
             "run `clearance purge` again when no run is running, with free disk space of at least the file's size.",
             err=True,
         )

@@ -130,6 +130,24 @@ def test_a_file_that_is_in_use_is_made_smaller_another_time(
     assert (data / "clearance.sqlite3").stat().st_size < size - 3e6
 
 
+def test_a_file_is_made_smaller_when_no_run_is_executed_and_it_is_worth_it(
+    data: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As a purge at night must not stop the workers from storing, nor rewrite a large file for little."""
+    file, engine = data / "clearance.sqlite3", connect(default_url(data))
+    with engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 3).values(state="running"))
+    size = file.stat().st_size
+    assert invoke(["purge", "--yes", "--data", str(data)]) == 0
+    assert (left(data), file.stat().st_size) == ([2, 3], size)
+    assert "3.3 MB of the file are free" in capsys.readouterr().out
+    with engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 3).values(state="done"))
+    engine.dispose()
+    assert invoke(["purge", "--yes", "--data", str(data)]) == 0
+    assert file.stat().st_size < size - 3e6
+
+
 @pytest.mark.parametrize("given", ["90", "d", "-1d", "1.5d", "90 d", "90m"])
 def test_what_is_no_length_of_time_is_refused(data: Path, capsys: pytest.CaptureFixture[str], given: str) -> None:
     assert invoke(["purge", f"--older-than={given}", "--data", str(data)]) == WRONG_INPUT

@@ -75,6 +75,7 @@ def restore(url: str, file: Path) -> Path | None:
             create_private(fresh)
             shutil.copyfile(file, fresh)
             _on_disk(fresh)
+            _give_to_owner(fresh, target)
             former = _set_aside(target)
             fresh.replace(target)
             _on_disk(target.parent)
@@ -158,6 +159,13 @@ def _set_aside(target: Path) -> Path | None:
         if left.exists():
             left.rename(former.with_name(former.name + ending))
     return former
+
+
+def _give_to_owner(fresh: Path, target: Path) -> None:
+    """By root, to the user of the service, who could not open it otherwise."""
+    if os.geteuid() == 0:
+        owner = (target if target.exists() else target.parent).stat()
+        os.chown(fresh, owner.st_uid, owner.st_gid)
 
 
 def _tool(url: str, name: str, *words: str) -> None:

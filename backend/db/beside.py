@@ -8,6 +8,7 @@ howtocorrupt.html, 2.3. Closing the last connection brings into the database wha
 from __future__ import annotations
 
 import os
+import threading
 import weakref
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,8 @@ Inode = tuple[int, int] | None
 
 _open: weakref.WeakSet[Any] = weakref.WeakSet()
 """The pool entries of this process."""
+_guard = threading.Lock()
+"""Other threads open connections meanwhile."""
 _lost: dict[Path, Inode] = {}
 """The databases that this process opens no more: others may still use the deleted files."""
 
@@ -40,8 +43,9 @@ def inode(file: Path | str) -> Inode:
 
 def opened(entry: Any, file: Path) -> None:
     """Note which files a new connection uses; it must have read from the database."""
-    entry.info["file"], entry.info["beside"] = inode(file), _beside(file)
-    _open.add(entry)
+    entry.info["files"] = inode(file), _beside(file)
+    with _guard:
+        _open.add(entry)
 
 
 def refuse_deleted(file: Path) -> None:
@@ -56,8 +60,10 @@ def refuse_deleted(file: Path) -> None:
 
 def _uses_deleted(file: Path, now: Inode) -> bool:
     beside = _beside(file)
-    used = (entry.info for entry in list(_open) if entry.dbapi_connection is not None)
-    return any(info.get("file") == now and info["beside"] != beside for info in used)
+    with _guard:
+        entries = list(_open)
+    used = (entry.info.get("files") for entry in entries if entry.dbapi_connection is not None)
+    return any(files is not None and files[0] == now and files[1] != beside for files in used)
 
 
 def _beside(file: Path) -> tuple[Inode, ...]:

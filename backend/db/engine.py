@@ -230,7 +230,7 @@ def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:
 
     @sa.event.listens_for(engine, "checkout")
     def _checked(_connection: Any, record: Any, _proxy: Any) -> None:
-        if record.info["file"] != beside.inode(file):
+        if record.info["files"][0] != beside.inode(file):
             raise sa.exc.DisconnectionError(f"{file} was deleted or replaced")  # the pool opens what is there now
 
     @sa.event.listens_for(engine, "begin")

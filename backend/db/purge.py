@@ -103,6 +103,12 @@ def beyond(engine: sa.Engine, limit: int, already: Collection[Removed] = ()) -> 
         return Beyond(stored, runs, max(0, left))
 
 
+def exceeded(engine: sa.Engine, limit: int) -> bool:
+    """Whether more than that is stored now [bytes]: a run may have had more than its evaluations and traces."""
+    with read(engine) as reader:
+        return occupied(reader) > limit
+
+
 def occupied(reader: sa.Connection) -> int:
     """What is stored [bytes]: the used part of an SQLite file; on PostgreSQL, which keeps the space of deleted rows for
     new ones, what quotas count of runs."""
@@ -119,8 +125,10 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
     """
     with engine.begin() as writer:
         at = now(writer)
+        # Locked first: PostgreSQL would not look again at what was signed while this waited for the lock.
+        writer.execute(sa.select(Run.id).where(Run.id == run_id).with_for_update())
         of = sa.select(Run.id, Run.evaluations, Run.removed).where(Run.id == run_id, *_may_go(at, age))
-        row = writer.execute(of.with_for_update()).one_or_none()
+        row = writer.execute(of).one_or_none()
         if row is None:
             return False
         digest = results_digest(writer, run_id)
@@ -181,13 +189,15 @@ def reclaim(engine: sa.Engine) -> Space:
 
 
 def _may_go(at: float, age: float | None) -> tuple[sa.ColumnElement[bool], ...]:
-    """Ended, not yet purged, without a valid sign-off, and no run that continues it still waits for its evaluations.
+    """Ended, not yet purged, without a valid sign-off, and no run that continues it may still need its evaluations.
 
     By age [s]: removed so long before `at`. Without one: removed, or kept by nobody.
     """
     signed = sa.select(Signoff.id).where(Signoff.run_id == Run.id, Signoff.withdrawn.is_(None)).exists()
     other = orm.aliased(Run)
-    carried = sa.select(other.id).where(other.continues == Run.id, other.carries, other.state.in_(ACTIVE)).exists()
+    again = sa.and_(other.state == RunState.FAILED, other.removed.is_(None))  # it may be tried again
+    waits = sa.or_(other.state.in_(ACTIVE), again)
+    carried = sa.select(other.id).where(other.continues == Run.id, other.carries, waits).exists()
     chosen = sa.or_(Run.removed.is_not(None), ~_kept()) if age is None else Run.removed <= at - age
     return Run.state.in_(ENDED), Run.purged.is_(None), ~signed, ~carried, chosen
 

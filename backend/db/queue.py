@@ -43,7 +43,8 @@ LONGEST_ERROR = 4000
 
 SILENT = "its worker stopped sending heartbeats"
 _CLAIMED = (
-    Run.id, Run.state, Run.fence, Run.attempts, Run.max_attempts, Run.losses, Run.started, Run.campaign_digest,
+    Run.id, Run.state, Run.fence, Run.attempts, Run.max_attempts, Run.losses, Run.started, Run.advanced,
+    Run.campaign_digest,
 )  # fmt: skip
 
 
@@ -303,7 +304,8 @@ class Queue:
             values |= {"losses": row.losses + 1, "error": _lost(row.losses + 1, SILENT)}
         values |= {"attempts": attempt, "lease_until": at + self.lease}
         values |= {"started": at if row.started is None else row.started}
-        if attempt == 1 and row.losses == 0 and row.state == RunState.QUEUED:  # it waited, and nothing went wrong
+        waited = attempt == 1 and row.losses == 0 and row.state == RunState.QUEUED  # and nothing went wrong
+        if waited or row.advanced is None:
             values["advanced"] = at
         connection.execute(sa.update(Run).where(Run.id == row.id).values(**values))
         of = sa.select(CampaignRow.document).where(CampaignRow.digest == row.campaign_digest)

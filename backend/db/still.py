@@ -13,10 +13,9 @@ STILL = 600.0
 
 
 def standing_still(reader: sa.Connection) -> dict[int, float]:
-    """Their numbers, with the time of the last evaluation [s since 1970].
+    """Their numbers, with the time of the last evaluation, or since when a worker has them [s since 1970].
 
-    One begun before that was stored counts from its start, which may be too early by the time that it waited.
+    Nothing is known of a run whose worker is of a version that does not store it.
     """
-    since = sa.func.coalesce(Run.advanced, Run.started)
-    still = sa.select(Run.id, since.label("since")).where(Run.state.in_(HELD), since < now(reader) - STILL)
-    return {row.id: row.since for row in reader.execute(still.order_by(Run.id))}
+    still = sa.select(Run.id, Run.advanced).where(Run.state.in_(HELD), Run.advanced < now(reader) - STILL)
+    return {row.id: row.advanced for row in reader.execute(still.order_by(Run.id))}

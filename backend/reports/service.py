@@ -63,7 +63,8 @@ def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> P
     page = KEPT.get(run_id, known)
     if page is None:
         page = _written(load(reader, run_id), pages)
-        KEPT.put(run_id, known, page)
+        if key(reader, run_id, pages) == known:  # else something changed while it was read, as PostgreSQL permits
+            KEPT.put(run_id, known, page)
     return replace(page, html=page.html.replace(_DAY, words.day(at)).replace(_MOMENT, words.moment(at)))
 
 

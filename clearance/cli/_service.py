@@ -28,7 +28,9 @@ Token = Annotated[
     ),
 ]  # fmt: skip
 PATIENCE = 120.0
-Patience = Annotated[float, typer.Option(help="How long to retry while the service does not answer [s].", min=0.0)]
+Patience = Annotated[
+    float, typer.Option(help="How long to retry while the service does not answer (seconds).", min=0.0)
+]
 
 
 def token_of(file: str) -> str:

@@ -146,7 +146,7 @@ def _from_service(ctx: typer.Context, run_id: int | None, service: str) -> bool:
         raise WrongInputError(
             "--service reads the run from a service: leave --data and --database out", RefusalCode.OPTIONS
         )
-    usual = known == ["DEFAULT"] * 2
+    usual = known == ["DEFAULT"] * 2 and not os.environ.get(secrets_given.DATABASE + secrets_given.FILE)
     return bool(service) and (stated == "COMMANDLINE" or (usual and run_id is not None))
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import asdict
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -25,7 +27,8 @@ def doctor(
     from backend.settings import Settings
     from worker.engine.kernels.folder import cache_folder
 
-    found = checks(data, database or default_url(data), Settings().pages, cache_folder())
+    pages = os.environ.get("CLEARANCE_PAGES")
+    found = checks(data, database or default_url(data), Path(pages) if pages else Settings().pages, cache_folder())
     if as_json:
         typer.echo(json.dumps([asdict(check) for check in found], indent=2))
     else:

@@ -71,7 +71,9 @@ def purge(
         else:
             why = f"retention by size: more than {size} were stored"
             gone = [run for run in old if stored.purge(engine, run.id, age, operator())]
-            gone += [run for run in runs[len(old) :] if stored.purge(engine, run.id, None, operator(), why)]
+            for run in runs[len(old) :]:
+                if limit is not None and stored.exceeded(engine, limit):
+                    gone += [run] if stored.purge(engine, run.id, None, operator(), why) else []
             if runs:
                 typer.echo(f"{counted(len(gone), 'run')} purged.")
             _reclaim(engine)

@@ -43,12 +43,14 @@ def worker(
         float,
         typer.Option(
             min=1.0,
-            help="Time without a new result [s] after which a run's process is replaced; longer where its evaluations "
-            "take long or its results came slowly. A function evaluated in the process itself may take any time.",
+            help="Time (seconds) without a new result after which a run's process is replaced; longer where its "
+            "evaluations take long or its results came slowly. A function evaluated in the process itself may take any "
+            "time.",
         ),
     ] = 600.0,
 ) -> None:
-    """Execute runs from the queue. Start as many as there are cores; Ctrl-C returns the run to the queue."""
+    """Execute runs from the queue, one at a time on all cores: several divide them by CLEARANCE_THREADS. Ctrl-C returns
+    the run to the queue."""
     if ctx.invoked_subcommand is not None:
         return
     from backend.db.private import UMASK

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -116,6 +117,19 @@ def test_a_damaged_database_is_replaced(stored: str, tmp_path: Path) -> None:
     overwritten(database)
     assert restore(stored, file) is not None
     assert runs(stored) == 1
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="needs root")
+@pytest.mark.parametrize("there", [True, False])
+def test_what_root_restores_is_the_services(stored: str, tmp_path: Path, there: bool) -> None:
+    file, database = tmp_path / "backup", tmp_path / "data" / "clearance.sqlite3"
+    backup(stored, file)
+    for path in (database.parent, database):
+        os.chown(path, 10001, 10001)
+    if not there:
+        database.unlink()
+    restore(stored, file)
+    assert (database.stat().st_uid, database.stat().st_gid) == (10001, 10001)
 
 
 def test_by_the_command_line(stored: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -12,8 +14,10 @@ import yaml
 
 from tests.fmu import made
 from worker.engine.systems.base import Floats
+from worker.engine.systems.simulators.cluster import node
 from worker.engine.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
 from worker.engine.systems.simulators.cluster.connection import PROMPT, Connection, acquire, release
+from worker.engine.systems.simulators.cluster.work import Files, Work
 from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.fmu import DescribedFmu
@@ -21,6 +25,8 @@ from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, opened
 from worker.engine.systems.simulators.functions import Isolated
 from worker.engine.systems.simulators.pooled import Pooled
+from worker.engine.systems.simulators.slots.outcome import Limits
+from worker.engine.systems.simulators.slots.program import Program
 from worker.running.catalogue.files import digest_of, entry_of, read_file
 
 LOCAL = "local:1"
@@ -53,6 +59,20 @@ def test_no_message_waits_for_the_one_before(there: Connection) -> None:
     assert there._cluster is not None
     streams = [there.connected.scheduler_comm, *there._cluster.scheduler.stream_comms.values()]
     assert [stream.interval for stream in streams] == [PROMPT, PROMPT]
+
+
+def test_a_slot_of_a_node_is_closed_once(tmp_path: Path) -> None:
+    """Its task and what ends it close it both, and another may have its descriptor by then."""
+    program = Program([sys.executable, "-c", "import time; time.sleep(1e6)"], "lines")
+    slots = [node.NodeSlot(Work("a", program, Limits(), Files(str(tmp_path), ""))) for _ in range(2)]
+    places = [slot._place.path for slot in slots]
+    assert all(place.is_dir() for place in places)
+    slots[0].close()
+    taken = os.open(tmp_path, os.O_RDONLY)
+    node._close([slots[0], *slots])
+    os.fstat(taken)
+    os.close(taken)
+    assert not any(place.exists() for place in places)
 
 
 def function(folder: Path) -> Isolated:

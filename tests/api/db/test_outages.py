@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import shutil
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +77,29 @@ def test_deleted_files_beside_the_database_are_noticed_at_once_and_lose_nothing(
             assert submit(later, seed=3) == "R-0003"
     finally:
         again.stop()
+
+
+def test_connections_that_others_open_meanwhile_disturb_no_transaction(service: Service) -> None:
+    """The files of all of them are looked at when a transaction begins."""
+    file, over = file_of(service), threading.Event()
+
+    def others() -> None:
+        while not over.is_set():
+            engine = connect(service.settings.database_url)
+            with ExitStack() as stack:
+                for _ in range(8):
+                    stack.enter_context(engine.connect())
+            engine.dispose()
+
+    def looking() -> None:
+        while not over.is_set():
+            beside.refuse_deleted(file)
+
+    with ThreadPoolExecutor(4) as pool:
+        found = [pool.submit(work) for work in (others, others, looking, looking)]
+        over.wait(1.0)
+        over.set()
+    assert [one.exception() for one in found] == [None] * 4
 
 
 def test_a_file_that_was_replaced_is_opened_again(service: Service, client: httpx.Client) -> None:

@@ -109,6 +109,11 @@ def test_a_stated_place_is_preferred_to_the_environment(
         there.setenv("CLEARANCE_DATA", data)
         assert printed(capsys, command, RUN)[0] == 0
         assert printed(capsys, command, RUN, "--service", served.url)[0] == 0
+    with monkeypatch.context() as there:
+        file = Path("address")
+        file.write_text(served.settings.database_url)
+        there.setenv("CLEARANCE_DATABASE_FILE", str(file))
+        assert printed(capsys, command, RUN)[0] == 0
     Path(RUN).mkdir()
     assert printed(capsys, command, RUN)[0] == WRONG_INPUT, "a folder of this name"
     assert printed(capsys, command, RUN, "--service", served.url)[0] == 0

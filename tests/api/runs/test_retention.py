@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import httpx
@@ -13,11 +14,12 @@ from backend.db import purge
 from backend.db.engine import is_sqlite, read
 from backend.db.queue import Claim, Queue, submit
 from backend.db.store import RunStore
-from backend.db.tables import EvaluationChunk, Run, RunBaseline, RunRequirement
+from backend.db.tables import EvaluationChunk, Run, RunBaseline, RunRequirement, Signoff
 from campaigns.stored.records import Columns, StagePlan
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.faults.cases import campaign
-from tests.given.databases import BOTH
+from tests.faults.processes import until
+from tests.given.databases import BOTH, POSTGRESQL
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
@@ -119,6 +121,52 @@ def test_the_oldest_that_nobody_keeps_go_first_and_nothing_else_ever(
 
 
 @BOTH
+def test_no_more_goes_than_must(service: Service, runs: list[int], capsys: pytest.CaptureFixture[str]) -> None:
+    """A run that goes may free more than its evaluations: what is left is measured again after each."""
+    engine, reasons = service.engine, 2 * EACH
+    with engine.begin() as writer:
+        mine = EvaluationChunk.run_id == 8, EvaluationChunk.first == 0
+        writer.execute(sa.update(EvaluationChunk).where(*mine).values(reasons={"1": "x" * reasons}))
+        writer.execute(sa.update(Run).where(Run.id == 8).values(size=Run.size + reasons))
+    limit = stored(engine) - EACH - EACH // 2
+    assert command(service, limit, "--yes") == 0
+    assert left(engine) == [1, 2, 3, 4, 5, 6, 7, 9]
+    assert stored(engine) <= limit
+    assert "R-0005" in capsys.readouterr().out, "it was listed"
+
+
+@BOTH
+def test_what_a_failed_run_continues_stays_while_it_may_be_tried_again(service: Service, runs: list[int]) -> None:
+    engine = service.engine
+    for values, goes in (({"state": "failed"}, False), ({"removed": 1.0}, True)):
+        with engine.begin() as writer:
+            writer.execute(sa.update(Run).where(Run.id == 10).values(**values))
+        assert (7 in [run.id for run in purge.beyond(engine, 1).runs]) == goes
+
+
+@POSTGRESQL
+def test_one_that_is_signed_while_it_is_purged_stays(service: Service, runs: list[int]) -> None:
+    """The purge waits for the lock of who signs, and then looks again."""
+    engine = service.engine
+    with ThreadPoolExecutor(1) as pool:
+        with engine.begin() as writer:
+            writer.execute(sa.select(Run.id).where(Run.id == 5).with_for_update())
+            purged = pool.submit(purge.purge, engine, 5, None, "root", "why")
+            until(lambda: _waits(engine), "the purge waits")
+            signed = dict(writer.execute(sa.select(Signoff.__table__)).mappings().one())
+            del signed["id"]
+            writer.execute(sa.insert(Signoff).values(**signed | {"run_id": 5}))
+        assert not purged.result()
+    assert left(engine) == runs[:9]
+
+
+def _waits(engine: sa.Engine) -> bool:
+    with read(engine) as reader:
+        waits = "select count(*) from pg_stat_activity where wait_event_type = 'Lock' and datname = current_database()"
+        return bool(reader.scalar(sa.text(waits)))
+
+
+@BOTH
 def test_one_that_began_again_in_the_meantime_stays(service: Service, runs: list[int]) -> None:
     """It was listed, and then somebody retried, pinned or signed it."""
     engine, user = service.engine, "root"
@@ -136,6 +184,8 @@ def test_a_file_gives_its_space_back(
 ) -> None:
     assert is_sqlite(service.engine)
     file = Path(str(service.engine.url.database))
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.state == "running").values(state="failed"))
     size = stored(service.engine)
     monkeypatch.setenv("CLEARANCE_RETENTION_SIZE", f"{(size - 3 * EACH // 2) // 1000}kB")
     assert invoke(["purge", "--yes", "--database", service.settings.database_url]) == 0

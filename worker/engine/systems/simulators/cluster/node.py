@@ -9,6 +9,7 @@ It imports nothing heavy: the scheduler loads it too.
 from __future__ import annotations
 
 import atexit
+import contextlib
 import logging
 import os
 import signal
@@ -66,8 +67,7 @@ def release(key: str) -> None:
     with _lock:
         found = _all_of(key)
         _released.append(key)
-    for slot in found:
-        slot.close()
+    _close(found)
 
 
 def keep(keys: Sequence[str]) -> None:
@@ -91,7 +91,7 @@ class NodeSlot:
     """One process that evaluates, with a number that no other slot of this machine has, and a folder of its own."""
 
     def __init__(self, work: Work) -> None:
-        self.closed = False
+        self.closed, self._once = False, threading.Lock()
         self.used = time.monotonic()
         self._mean = 1.0
         self._number, self._claim = _numbered()
@@ -113,7 +113,11 @@ class NodeSlot:
         return found
 
     def close(self) -> None:
-        self.closed = True
+        """Once, though its task and what ends it may both do so."""
+        with self._once:
+            if self.closed:
+                return
+            self.closed = True
         self._pool.close()
         self._claim.close()
         self._place.close()
@@ -136,7 +140,7 @@ _lock = threading.Lock()
 _idle: dict[str, list[NodeSlot]] = {}
 _busy: dict[str, list[NodeSlot]] = {}
 _kept: dict[str, float] = {}
-"""When a pool was last kept, or took its first slot."""
+"""When a pool was last kept, or sent a task."""
 _released: deque[str] = deque(maxlen=1000)
 """Their tasks may still arrive."""
 _reaper: threading.Timer | None = None
@@ -146,7 +150,7 @@ def _take(work: Work) -> NodeSlot:
     with _lock:
         if work.key in _released:
             raise NodeClosing(name())
-        _kept.setdefault(work.key, time.monotonic())
+        _kept[work.key] = time.monotonic()
         idle = _idle.get(work.key)
         slot = idle.pop() if idle else None
         if slot is not None:
@@ -160,6 +164,7 @@ def _take(work: Work) -> NodeSlot:
         released = work.key in _released
         if not released:
             _busy.setdefault(work.key, []).append(made)
+            _kept[work.key] = time.monotonic()
             _reap_later()
     if released:
         made.close()
@@ -209,8 +214,13 @@ def _reap() -> None:
         _reaper = None
         if any(_idle.values()) or any(_busy.values()):
             _reap_later()
-    for slot in lost + old:
-        slot.close()
+    _close(lost + old)
+
+
+def _close(slots: Sequence[NodeSlot]) -> None:
+    for slot in slots:
+        with contextlib.suppress(OSError):  # the others are closed nevertheless
+            slot.close()
 
 
 @atexit.register

@@ -28,7 +28,9 @@ class Place:
     def close(self) -> None:
         """Remove it with all that it contains."""
         shutil.rmtree(self.path, ignore_errors=True)
-        os.close(self._lock)
+        lock, self._lock = self._lock, -1
+        if lock >= 0:
+            os.close(lock)
 
 
 @contextlib.contextmanager

@@ -22,6 +22,7 @@ import sqlalchemy as sa
 from backend.db import revision, workers
 from backend.db.damage import damage
 from backend.db.engine import connect, is_sqlite, now, read
+from backend.db.space import places
 from backend.http.pages import unbuilt
 from backend.reports.pdf import browser
 
@@ -51,7 +52,7 @@ def checks(data: Path, url: str, pages: Path, cache: Path) -> list[Check]:
     made: list[Callable[[], Iterator[Check]]] = [
         lambda: _folder(data),
         lambda: _database(url),
-        lambda: _space(data, cache),
+        lambda: _space(url, data, cache),
         lambda: _cache(cache),
         lambda: _programs(pages),
     ]
@@ -147,8 +148,10 @@ def _clock(connection: sa.Connection) -> Check:
     return Check("clock", "ok", "in step")
 
 
-def _space(data: Path, cache: Path) -> Iterator[Check]:
-    for what, folder in (("data", data), ("temporary files", Path(tempfile.gettempdir())), ("compiled code", cache)):
+def _space(url: str, data: Path, cache: Path) -> Iterator[Check]:
+    beside = [("the database", folder) for folder in places(url, None) if folder != data.absolute()]
+    usual = [("data", data), ("temporary files", Path(tempfile.gettempdir())), ("compiled code", cache)]
+    for what, folder in [*beside, *usual]:
         while not folder.exists():
             folder = folder.parent
         free = shutil.disk_usage(folder).free

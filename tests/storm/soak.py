@@ -32,8 +32,8 @@ SUBMITTED = 20.0
 """Time between two submissions [s]."""
 ALONE = 30
 """Calls of each route alone."""
-WARM = 60.0
-"""What is loaded in the first minute, or third of a shorter soak, is no growth [s]."""
+WARM = 1 / 3
+"""What is loaded and kept in this part of the time is no growth: caches of a fixed size fill."""
 MOST_WAIT, MOST_GROWTH, LEAST_FAIR = 300.0, 40.0, 0.8
 """Bars: the 99th percentile of a route [ms], growth of memory in a quarter of an hour [MB], fewest requests of a client
 over most."""
@@ -174,7 +174,7 @@ def measured(service: Service, seconds: float) -> dict[str, Any]:
         "requests": sum(load.served),
         "errors": dict(load.errors),
         "lock_errors": _locked(service),
-        **_growth(memory, min(WARM, seconds / 3)),
+        **_growth(memory, WARM * seconds),
         "rss_mb": [round(size) for _, size in memory[::60]],
         "fairness": round(min(load.served) / max(load.served), 2),
         "runs": runs,

@@ -22,6 +22,8 @@ THRESHOLD = 1.0
 STREAM = 2**21
 """The random stream of the sample, which an attacker knows from the code."""
 TRIES = 84
+PLACES = 20_000
+"""Tried for a box that no search has met, before there is another campaign."""
 VALIDATION = 10_000
 """Evaluations that validation may take: enough to leave nothing out."""
 
@@ -62,6 +64,12 @@ def _with_a_box(base: Function, low: Floats, high: Floats, depth: float) -> Func
 
 def hidden_box(random: np.random.Generator, certify: int, fraction: tuple[float, float]) -> Hidden:
     """A box between what the searches and the validation evaluate, with a probability between the two of `fraction`."""
+    while (found := _hidden_box(random, certify, fraction)) is None:  # they have left no room for one
+        pass
+    return found
+
+
+def _hidden_box(random: np.random.Generator, certify: int, fraction: tuple[float, float]) -> Hidden | None:
     n = int(random.integers(3, 5))
     base = _bowl(random, n)
     names = [f"x{k}" for k in range(n)]
@@ -71,7 +79,7 @@ def hidden_box(random: np.random.Generator, certify: int, fraction: tuple[float,
         "methods": {"direct": 60 * n, "cma_es": 60 * n}, "seed": int(random.integers(1, 2**31)),
     }  # fmt: skip
     points = clearance.search(base, **asked).points
-    while True:
+    for _ in range(PLACES):
         volume = float(random.uniform(*fraction))
         shape = random.uniform(0.6, 1.6, n)
         width = shape * (volume / shape.prod()) ** (1 / n)
@@ -80,6 +88,7 @@ def hidden_box(random: np.random.Generator, certify: int, fraction: tuple[float,
         if (width < 1).all() and not inside.any():
             function = _with_a_box(base, low, low + width, float(random.uniform(0.01, 1.0)))
             return Hidden(function, asked | {"certify": certify}, volume)
+    return None
 
 
 def lucky_seed(given: Hidden) -> int | None:

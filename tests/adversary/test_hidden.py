@@ -37,7 +37,7 @@ def test_without_an_independent_sample_nothing_is_cleared(count: int) -> None:
 @pytest.mark.parametrize("count", COUNTS)
 def test_a_drawn_sample_finds_what_the_searches_missed(count: int) -> None:
     for random in generators(13, count):
-        given = hidden.hidden_box(random, 300, (0.06, 0.1))
+        given = hidden.hidden_box(random, 300, (0.04, 0.08))
         result = given.search()
         assert result.verdict == "violated", (given.fraction, result.verdict.sentence)
 

@@ -15,6 +15,7 @@ from backend.db.engine import read
 from backend.db.tables import Stage
 from tests.faults.processes import Started, until
 from tests.storm.site import SAMPLE, SIMULATORS, Kind, Site
+from worker.running.catalogue import installed
 
 PATIENCE = 180.0
 UNDER_WAY = 300.0
@@ -148,9 +149,11 @@ def kernels(folder: Path) -> Iterator[None]:
     own = {"CLEARANCE_KERNEL_CACHE": str(folder), "CLEARANCE_SIMULATORS": str(SIMULATORS)}
     before = {name: os.environ.get(name) for name in own}
     os.environ |= own
+    installed.forget_simulators()
     try:
         yield
     finally:
+        installed.forget_simulators()
         for name, value in before.items():
             os.environ.pop(name)
             if value is not None:

@@ -33,6 +33,7 @@ class Fake:
         self.evaluator = Evaluator("dask://fake:1")
         self.changed: list[Any] = []
         self.lost: list[Any] = []
+        self.keys: set[str] = set()
         self.connected: Fake | None = self
         self.task: Task = evaluated
         self.batches: list[list[int]] = []

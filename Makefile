@@ -27,6 +27,7 @@ soak: install ## a service under load for a quarter of an hour; a table, build/s
 	@.venv/bin/python -m tests.storm.soak
 
 nightly: install ## run the tests that take minutes, left out of `make test`
+	@tools/chromium.sh
 	@source tools/common.sh; source tools/node.sh; cd frontend; export CLEARANCE_NIGHTLY=1; node_modules/.bin/eslint . && npm run --silent test
 	@.venv/bin/pytest -m nightly --processes "$$(nproc)"
 

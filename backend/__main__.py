@@ -38,6 +38,7 @@ from backend.settings import Settings
 from backend.waiting import until_it_answers
 
 heap.loaded()
+heap.shared()
 
 ADDRESS_FILE = "service-address"
 """File in the data folder with the service's address, for `clearance login-link`."""

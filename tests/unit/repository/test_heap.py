@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import ctypes
+import os
 import re
 import subprocess
 import sys
@@ -61,3 +63,32 @@ def test_a_process_that_has_loaded_searches_only_what_comes_later() -> None:
         [sys.executable, "-c", PROGRAM], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout
     assert statement.split() == ["False", "True", str(heap.NEW), "True", "0"]
+
+
+THREADS = """
+import ctypes, sys, threading
+from campaigns import heap
+if sys.argv[1] == "shared":
+    heap.shared()
+libc, kept = ctypes.CDLL(None), []
+libc.fopen.restype = ctypes.c_void_p
+waiting = threading.Barrier(5)
+def allocate():
+    waiting.wait()
+    kept.append([bytearray(n) for n in range(1_000, 20_000)])
+    waiting.wait()
+threads = [threading.Thread(target=allocate) for _ in range(4)]
+[thread.start() for thread in threads]
+waiting.wait(), waiting.wait()
+file = ctypes.c_void_p(libc.fopen(sys.argv[2].encode(), b"w"))
+libc.malloc_info(0, file), libc.fclose(file)
+"""
+
+
+@pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "malloc_info"), reason="only glibc has arenas")
+@pytest.mark.parametrize("memory", ["shared", "as usual"])
+def test_the_threads_of_a_service_share_one_arena(memory: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", THREADS, memory, str(tmp_path / "arenas.xml")]
+    subprocess.run(command, cwd=ROOT, check=True, env={**os.environ, "PYTHONMALLOC": "malloc"})
+    arenas = (tmp_path / "arenas.xml").read_text().count("<heap nr=")
+    assert (arenas == 1) == (memory == "shared"), arenas

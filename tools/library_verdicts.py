@@ -47,9 +47,18 @@ def written(verdicts: dict[str, Any]) -> str:
 
 
 def ran(name: str) -> dict[str, Any]:
-    """The verdict of a campaign of the library, run now."""
+    """The verdict of a campaign of the library, run now, and the evaluations that it took."""
     store = MemoryStore(sample_seed=SampleSeed(SEED, stated=False))
-    return stated(execute(load_file(library()[name]), store))
+    return stated(execute(load_file(library()[name]), store)) | {"evaluations": evaluated(store)}
+
+
+def evaluated(store: MemoryStore) -> dict[str, int]:
+    """The number of stored evaluations by kind of stage."""
+    found: dict[str, int] = {}
+    for position, record in enumerate(store.stages):
+        columns = store.evaluations(position)
+        found[record.plan.kind] = found.get(record.plan.kind, 0) + (0 if columns is None else len(columns.status))
+    return found
 
 
 def stated(verdict: Verdict) -> dict[str, Any]:

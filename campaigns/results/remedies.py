@@ -286,6 +286,6 @@ def _at_most(events: int, samples: int, chance: float) -> float:
         log = math.lgamma(samples + 1) - math.lgamma(k + 1) - math.lgamma(samples - k + 1)
         term = math.exp(log + k * math.log(chance) + (samples - k) * math.log1p(-chance))
         total += term
-        if term < 1e-17 * total:
+        if term <= 1e-17 * total:  # also where the largest is too small for a number
             break
     return total

@@ -34,7 +34,8 @@ class Service:
         self.running = self.start()
         link = re.search(r"http://\S+/login\?code=\S+", self.running.text())
         assert link is not None
-        self.client = httpx.Client(base_url=link[0].partition("/login")[0], trust_env=False, timeout=20)
+        client = httpx.Client(base_url=link[0].partition("/login")[0], trust_env=False, timeout=20)
+        self.client = site.stack.enter_context(client)
         assert self.client.get(link[0]).status_code == 303
 
     def start(self) -> Started:

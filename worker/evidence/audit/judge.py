@@ -106,8 +106,7 @@ def _worded(run: Run, known: Known) -> Iterator[Item]:
         for path, (stored, made) in known.sentences.items():
             yield Item(f"words.{path}", *shown(stored, made))
     yield from (Item(f"words.checks.{path}.shown", *pair) for path, pair in known.titles.items())
-    claimed = {k: run.claims.get(k) for k in ("results", "findings", "checks", "statistics", "regression")}
-    for path, stated, spans in unlike({k: v for k, v in claimed.items() if isinstance(v, dict | list)}):
+    for path, stated, spans in unlike({k: v for k, v in run.claims.items() if isinstance(v, dict | list)}):
         yield Item(f"words.{path}", stated, spans)
     yield Item("components", [], known.components)
 

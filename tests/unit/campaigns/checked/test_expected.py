@@ -1,14 +1,13 @@
 """The announced range of evaluations holds what runs of all published campaigns really have.
 
-`FLOWN` is what they had, by stage; the nightly test measures one of them again. The others differ by a few percent from
-machine to machine, as searches depend on the last bits of every evaluation.
+`FLOWN` is what they had, by stage: a nightly test runs all of them again (`tests/golden/test_library_verdicts.py`). It
+differs by a few percent from machine to machine, as searches depend on the last bits of every evaluation.
 """
 
 from __future__ import annotations
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -26,12 +25,13 @@ from campaigns.checked.expected import (
 from campaigns.stages.plan import most
 from tests.given.case_campaigns import document
 from tests.simulators import package
+from tools.library_verdicts import FILE
 from worker.running.catalogue.installed import catalogue
 
 ALL_CHECKS = True
-FLOWN: dict[str, dict[str, int]] = json.loads(
-    Path(__file__).with_name("library_evaluations.json").read_text(encoding="utf-8")
-)
+FLOWN: dict[str, dict[str, int]] = {
+    name: one["evaluations"] for name, one in json.loads(FILE.read_text(encoding="utf-8")).items()
+}
 HALVES = sorted(FLOWN)[::2], sorted(FLOWN)[1::2]
 MEASURED = {
     "STARTS": (27, 40),
@@ -152,15 +152,3 @@ def test_what_is_made_again_in_fresh_processes(
     campaign = load_document(given)
     assert (len(campaign.stages.search), len(campaign.uncertain)) == (2, 2)
     assert again(campaign, KNOWN, noisy, halved) == expected_again
-
-
-@pytest.mark.nightly
-def test_a_campaign_executed_again_needs_the_measured_number_of_evaluations() -> None:
-    from worker.running.runs.runner import execute
-    from worker.running.runs.store import MemoryStore
-
-    name, store = "unicycle_static", MemoryStore()
-    execute(load_file(library()[name]), store)
-    columns = [store.evaluations(position) for position in range(len(store.stages))]
-    flown = sum(len(c.status) for c in columns if c is not None)
-    assert abs(flown - sum(FLOWN[name].values())) <= 0.05 * flown

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -137,6 +138,20 @@ def test_no_sample_meets_a_target_below_the_observed_fraction() -> None:
 @pytest.mark.parametrize(("violations", "samples"), [(0, 10), (1, 59), (30, 3000), (2999, 3000), (5, 5), (0, 0)])
 def test_the_bound_is_that_of_the_worker(violations: int, samples: int) -> None:
     assert bound(violations, samples, 0.95) == pytest.approx(reference(violations, samples, 0.95), rel=1e-9)
+
+
+def test_a_bound_of_many_violations_sums_few_terms(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where the largest term is too small for a number."""
+    calls, lgamma = 0, math.lgamma
+
+    def counted(value: float) -> float:
+        nonlocal calls
+        calls += 1
+        return lgamma(value)
+
+    monkeypatch.setattr(math, "lgamma", counted)
+    assert bound(100_000, 1_000_000, 0.95) == pytest.approx(reference(100_000, 1_000_000, 0.95), rel=1e-6)
+    assert calls < 1_000_000
 
 
 def test_a_needed_sample_has_the_bound_and_is_not_far_beyond_it() -> None:

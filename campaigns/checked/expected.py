@@ -24,12 +24,11 @@ FEWEST = 10
 """Evaluations per parameter, and as many more, after which a method may end by its own rule: 60, 200 and 219
 evaluations of 4000 were observed on two parameters."""
 
-STARTS = (17, 40)
-"""Points that validation descends from: the fewest, usually."""
-STEPS = (2, 15)
-"""Gradients of each of these descents; few parameters need fewer (`_steps`)."""
-POLISH, POLL = (1, 5), (5, 15)
-"""Gradients that polish a worst case, and rounds of compass search after them."""
+FRESH = 12
+"""Evaluations per parameter of the slices through a worst case, at least: others are known from the searches."""
+DESCENTS, POLISH, POLL = 15, 3, 3
+"""Gradients of all descents, usually, as most evaluations that they need are known; gradients that polish a worst case,
+and rounds of compass search after them."""
 
 
 class Expected(NamedTuple):
@@ -150,24 +149,13 @@ def _descents(effort: Descents, starts: int, dimension: int) -> Range:
 
 def _validate(campaign: Campaign) -> Range:
     """Descents from the candidates of all stages; then the polishing of each worst case, its neighbours and slices."""
-    stages, dimension = campaign.stages, len(campaign.uncertain)
-    around = stages.validate_.neighbours + SLICE * dimension
-
-    def within(end: int, cases: float) -> int:
-        """end: 0 at least, 1 usually."""
-        each = POLISH[end] * (2 * dimension + 1) + 2 * POLL[end] * dimension + around
-        descents = STARTS[end] * _steps(dimension)[end] * (dimension + 1)
-        return min(validation(campaign, noisy=False).stored, round(descents + cases * each))
-
-    return within(0, 1.0), within(1, _cases(campaign))
-
-
-def _steps(dimension: int) -> tuple[float, float]:
-    """Gradients of a descent until it ends: a quadratic model needs some per parameter."""
-    least, usual = STEPS
-    return least, min(usual, 5 + 2 * dimension)
+    neighbours, dimension = campaign.stages.validate_.neighbours, len(campaign.uncertain)
+    each = POLISH * (2 * dimension + 1) + 2 * POLL * dimension + neighbours + SLICE * dimension
+    usual = round(DESCENTS * (dimension + 1) + _cases(campaign) * each)
+    most = validation(campaign, noisy=False).stored
+    return min(most, neighbours + FRESH * dimension), min(most, usual)
 
 
 def _cases(campaign: Campaign) -> float:
     """How many worst cases are usually stored."""
-    return min(float(campaign.stages.findings.at_most), 1.0 + max(0.0, len(campaign.uncertain) - 4.0) / 2)
+    return min(float(campaign.stages.findings.at_most), 1.0 + max(0.0, len(campaign.uncertain) - 4.0) / 4)

@@ -7,6 +7,7 @@ rows of the table in docs/methods.md; it ends with 1 if a bound was exceeded.
 from __future__ import annotations
 
 import itertools
+import subprocess
 import sys
 from typing import Any
 
@@ -43,6 +44,8 @@ def shipped(name: str) -> Row:
 
 def program(name: str) -> Row:
     """An example of docs/examples, with its campaign."""
+    if (build := EXAMPLES / name / "build.sh").exists():
+        subprocess.run(["bash", str(build)], cwd=build.parent, check=True, capture_output=True)
     simulator = Program(read(EXAMPLES / name))
     asked = load_file(EXAMPLES / "campaigns" / f"{name}.yaml")
     known = catalogue().model_copy(update={"simulators": [simulator.entry]})

@@ -32,7 +32,7 @@ def shared() -> None:
     """All threads allocate in one arena; elsewhere than in glibc as they did.
 
     glibc gives each of the first 16 threads or more its own, and each keeps the most that it ever held: 40 MB more for
-    a backend under load. They wait for the interpreter's lock anyway, so that its answers take no longer.
+    a backend under load. Its threads take turns anyway, so that its answers take no longer.
     """
     allocate = getattr(ctypes.CDLL(None), "mallopt", None)
     if allocate is not None:

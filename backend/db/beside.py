@@ -25,7 +25,7 @@ SENTENCE = (
 Inode = tuple[int, int] | None
 
 _open: weakref.WeakSet[Any] = weakref.WeakSet()
-"""The pool entries of this process."""
+"""The pool entries of this process whose connections are open; no other code closes them unnoticed."""
 _guard = threading.Lock()
 """Other threads open connections meanwhile."""
 _lost: dict[Path, Inode] = {}
@@ -43,9 +43,15 @@ def inode(file: Path | str) -> Inode:
 
 def opened(entry: Any, file: Path) -> None:
     """Note which files a new connection uses; it must have read from the database."""
-    entry.info["files"] = inode(file), _beside(file)
     with _guard:
+        entry.info["files"] = inode(file), _beside(file)
         _open.add(entry)
+
+
+def closing(_connection: Any, entry: Any) -> None:
+    """Forget a connection before it is closed: what SQLite itself deletes with the last one is no loss."""
+    with _guard:
+        _open.discard(entry)
 
 
 def refuse_deleted(file: Path) -> None:
@@ -59,11 +65,12 @@ def refuse_deleted(file: Path) -> None:
 
 
 def _uses_deleted(file: Path, now: Inode) -> bool:
-    beside = _beside(file)
     with _guard:
-        entries = list(_open)
-    used = (entry.info.get("files") for entry in entries if entry.dbapi_connection is not None)
-    return any(files is not None and files[0] == now and files[1] != beside for files in used)
+        used = [(entry, entry.info["files"]) for entry in _open]  # before looking: later ones have others by right
+    beside = _beside(file)
+    suspects = [(entry, files) for entry, files in used if files[0] == now and files[1] != beside]
+    with _guard:  # one that closed meanwhile may have been the last
+        return any(entry in _open and entry.info.get("files") is files for entry, files in suspects)
 
 
 def _beside(file: Path) -> tuple[Inode, ...]:

@@ -228,6 +228,8 @@ def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:
         connection.execute("PRAGMA schema_version").fetchone()  # reads, which opens the files beside it
         beside.opened(record, file)
 
+    sa.event.listen(engine, "close", beside.closing)
+
     @sa.event.listens_for(engine, "checkout")
     def _checked(_connection: Any, record: Any, _proxy: Any) -> None:
         if record.info["files"][0] != beside.inode(file):

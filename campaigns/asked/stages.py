@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from campaigns import limits
-from campaigns.asked.values import AS_NUMBER, AS_WHOLE, MAX_EVALUATIONS, Identifier, Number, Option, Path, Strict
+from campaigns.asked.values import AS_NUMBER, AS_WHOLE, MAX_COUNTED, MAX_EVALUATIONS, Identifier, Number, Option, Path, Strict
 from campaigns.documented import UNLESS_STATED, no_default
 
 
@@ -56,15 +56,33 @@ class Grid(Strict):
     points: Annotated[int, Field(ge=2, le=2001), AS_WHOLE] = 21
 
 
+Kept = Literal["all", "lowest"]
+
+
+def _all(keep: str) -> bool:
+    return keep == "all"
+
+
 class Certify(Strict):
     """An independent sample from the distributions, declared before the run: the basis of claims on probability.
 
     `samples` evaluations that are not excluded; `quantile` of the criterion's value that is bounded from below.
     """
 
-    samples: Annotated[int, Field(ge=1, le=MAX_EVALUATIONS), AS_WHOLE] = 3000
+    samples: Annotated[int, Field(ge=1, le=MAX_COUNTED), AS_WHOLE] = 3000
     quantile: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] = 0.05
     grid: Grid | None = None
+    keep: Annotated[Kept, Field(exclude_if=_all, json_schema_extra=no_default)] = "all"
+    """The evaluations that are stored: all, at most 10,000,000; or of a sample of any size the lowest 1,000 with counts
+    of all, each of which can be flown again by its index. Omitted from the canonical form if all."""
+
+    @model_validator(mode="after")
+    def _stored(self) -> Certify:
+        if self.keep == "all" and self.samples > MAX_EVALUATIONS:
+            raise ValueError(f"at most {MAX_EVALUATIONS:,} samples are stored whole; give keep: lowest for more")
+        if self.keep == "lowest" and self.grid is not None:
+            raise ValueError("a grid is stored whole; give keep: all, or leave the grid out")
+        return self
 
 
 def _usual(repeats: int) -> bool:

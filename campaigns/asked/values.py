@@ -16,6 +16,8 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 from campaigns.documented import Documented
 
 MAX_EVALUATIONS = 10_000_000
+MAX_COUNTED = 1_000_000_000
+"""Samples of which only the lowest are stored."""
 
 LARGEST = 1e12
 """No quantity of a campaign may be larger than this, in its own unit."""

@@ -6,11 +6,24 @@ from typing import Literal
 
 from campaigns.asked.spec import Campaign
 from campaigns.limits import DRAWS
-from campaigns.results.base import Stop
+from campaigns.results.base import Result, Stop
 from campaigns.results.sample import Certificate, GridResult
 from campaigns.results.stage import StageResult
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.declared import Declared
+from campaigns.stored.blocks import KEPT
+
+
+class Blocks(Result):
+    """The blocks of consecutive draws that a sample was flown in, from the first draw on: a list for each fact."""
+
+    draws: list[int]
+    violations: list[int]
+    failed: list[int]
+    excluded: list[int]
+    lowest: list[float | None]
+    digests: list[str]
+    """Of the costs and status of each."""
 
 
 class CertifyResult(Certificate, StageResult):
@@ -25,6 +38,11 @@ class CertifyResult(Certificate, StageResult):
     excluded: int = 0
     seconds: float = 0.0
     stop: Stop | None = None
+    flights: list[int] | None = None
+    """Of a sample of which only the lowest are stored: the indices of its evaluations among all draws."""
+    realisations: list[int] | None = None
+    """The noise seeds of these."""
+    blocks: Blocks | None = None
 
     @property
     def certificate(self) -> Certificate:
@@ -33,6 +51,10 @@ class CertifyResult(Certificate, StageResult):
     @property
     def drawn(self) -> int:
         return self.drawn_realisations
+
+    @property
+    def seeds(self) -> list[int] | None:
+        return self.realisations
 
     @property
     def sample_seed(self) -> SampleSeed | None:
@@ -55,17 +77,24 @@ def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
 def _most(campaign: Campaign, planned: int) -> int:
     """With those drawn again in place of excluded ones."""
     certify = campaign.stages.certify
-    return planned if certify is None else planned + (DRAWS - 1) * certify.samples
+    if certify is None:
+        return planned
+    return KEPT if certify.keep == "lowest" else planned + (DRAWS - 1) * certify.samples
 
 
 def _beyond(campaign: Campaign) -> int:
-    """Every evaluation of a closed loop is simulated on beyond the horizon."""
-    return 0 if campaign.scenario is None else sum(planned for _, planned in _planned(campaign))
+    """Every stored evaluation of a closed loop is simulated on beyond the horizon; all draws where few are stored."""
+    if campaign.scenario is None:
+        return 0
+    certify, planned = campaign.stages.certify, sum(planned for _, planned in _planned(campaign))
+    return planned + KEPT if certify is not None and certify.keep == "lowest" else planned
 
 
 def _drawn(campaign: Campaign, evaluations: int) -> int:
     """At least the requested number is drawn before the grid begins; without noise a realisation has no effect."""
     certify = campaign.stages.certify
+    if certify is not None and certify.keep == "lowest":
+        return 0  # its evaluations are stored with their seeds, when it ends
     return evaluations if certify is None or certify.grid is None else min(certify.samples, evaluations)
 
 

@@ -17,14 +17,17 @@ from campaigns.asked.stages import Certify
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as sentences
 from campaigns.limits import DRAWS
-from campaigns.results.base import EXCLUDED
+from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.draws import of_draws
 from campaigns.results.sample import GridPoint, GridResult
-from campaigns.stages.certify import CertifyResult
+from campaigns.stages.certify import Blocks, CertifyResult
+from campaigns.stored.blocks import Counted, Scale
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.stages.parts import noise
 from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, drive
+from worker.engine.stages.parts.counting import Counting, Drawing, kept
+from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.sample import DRAWN, Noise, Sample
 from worker.engine.stages.parts.seeds import some
@@ -48,6 +51,8 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     """Draw and simulate the sample, then the grid."""
     problem, request = context.problem, context.campaign.stages.certify
     assert request is not None
+    if request.keep == "lowest":
+        return _counted(context, position, request)
     drawn = _Drawn()
     grid = 0 if request.grid is None else request.grid.points**problem.dimension
     seed = context.sample_seed
@@ -76,6 +81,53 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
         statement=statement,
     )
     return Outcome(result)
+
+
+def _counted(context: Context, position: int, request: Certify) -> Outcome[CertifyResult]:
+    """Draw and simulate a sample of which the lowest flights are stored, and the counts of all."""
+    problem, seed = context.problem, context.sample_seed
+    single = slotted(problem.system).single() if noise.noisy(context) else None
+    drawing = Drawing(problem, seed.value)
+    scale = Scale.about(problem.threshold, context.nominal_cost)
+    counting = Counting(context, position, request.samples, drawing, single, scale)
+    found = counting.fly()
+    kind = DRAWN if problem.realisations.random else Noise.of_calls(context, single=True)
+    sample = Sample.of_counted(found, problem, context.campaign.confidence, kind)
+    quantile = sample.quantile(request.quantile, problem.quantity, problem.unit)
+    drawn = sample.statement()
+    columns, flights = kept(drawing, found), np.sort(found.kept.indices)
+    context.store.keep(position, columns)
+    context.columns[position] = columns
+    own = problem.realisations.random
+    result = CertifyResult(
+        sample=drawn.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
+        grid=None,
+        seed=seed.value,
+        drawn_at_launch=not seed.stated,
+        drawn_realisations=len(flights) if own else 0,
+        evaluations=found.draws,
+        failed=found.failed,
+        excluded=found.excluded,
+        seconds=counting.tally.seconds,
+        stop=stop("rule", Ended("drawn", ends.SAMPLE, flights=found.evaluated)),
+        flights=flights.tolist(),
+        realisations=[int(of_draws(seed.value, int(i), 1)[0]) for i in flights] if own else None,
+        blocks=_blocks(found),
+        statement=sentences.certified(drawn.statement, quantile.statement, sample.size, request.samples),
+    )
+    return Outcome(result)
+
+
+def _blocks(found: Counted) -> Blocks:
+    lowest = [block.kept.costs[block.kept.status == OK, 0][:1].tolist() for block in found.blocks]
+    return Blocks(
+        draws=[block.draws for block in found.blocks],
+        violations=[block.violations for block in found.blocks],
+        failed=[block.failed for block in found.blocks],
+        excluded=[block.excluded for block in found.blocks],
+        lowest=[next(iter(one), None) for one in lowest],
+        digests=[block.digest for block in found.blocks],
+    )
 
 
 def _search(problem: Problem, request: Certify, seed: int, drawn: _Drawn, single: System | None) -> Asking[str]:
@@ -112,7 +164,7 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
     rows = some(columns, first)
     sample = Sample.of(rows, problem, context.campaign.confidence)
     lowest = stated = None
-    if len(sample.costs):
+    if sample.shape.known:
         row = int(np.nanargmin(rows.costs[:, 0]))
         cost = float(rows.costs[row, 0])
         lowest = GridPoint(cost=cost, margin=cost - problem.threshold, parameters=problem.named(rows.points[row]))

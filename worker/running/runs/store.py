@@ -11,6 +11,7 @@ from campaigns.capsules.sources import Sources
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.runs import StageState
 from campaigns.sample_seed import SampleSeed
+from campaigns.stored.blocks import Block
 from campaigns.versions import Code, Versions
 from worker.engine.stages.parts.store import Ahead, Columns, StagePlan, StageRecord, Trace, join
 
@@ -27,6 +28,7 @@ class MemoryStore:
     versions: Versions | None = None
     sources: tuple[Sources, dict[str, bytes]] | None = None
     waiting: dict[int, list[Ahead]] = field(default_factory=dict)
+    counted: dict[int, list[Block]] = field(default_factory=dict)
     sample_seed: SampleSeed | None = field(default_factory=SampleSeed.drawn)
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
@@ -63,6 +65,15 @@ class MemoryStore:
         if ahead is not None:
             waiting = [*self.waiting.get(position, []), ahead]
             self.waiting[position] = [_behind(a, first + len(columns.status)) for a in waiting]
+
+    def blocks(self, position: int) -> list[Block]:
+        return list(self.counted.get(position, []))
+
+    def count(self, position: int, blocks: Sequence[Block]) -> None:
+        self.counted.setdefault(position, []).extend(blocks)
+
+    def keep(self, position: int, columns: Columns) -> None:
+        self.chunks[position] = [columns]
 
     def finish(
         self,

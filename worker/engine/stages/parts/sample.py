@@ -13,18 +13,17 @@ import numpy as np
 
 from campaigns.claims.stages import sample as sentences
 from campaigns.results.base import EXCLUDED, OK
-from campaigns.results.sample import Distribution, Histogram, QuantileBound
+from campaigns.results.sample import Distribution, QuantileBound
 from campaigns.results.sample import Noise as NoiseKind
 from campaigns.results.sample import Sample as Statement
+from campaigns.stored.blocks import Counted
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Method
 from worker.engine.stages.parts import claims, noise
 from worker.engine.stages.parts.base import Context
+from worker.engine.stages.parts.shape import Binned, Ordered, Shape
 from worker.engine.stages.parts.store import Columns
-from worker.engine.systems.base import Floats, Realised
-
-STEPS = 400
-"""Points of the distribution function in a chart."""
+from worker.engine.systems.base import Realised
 
 
 @dataclass(frozen=True)
@@ -59,12 +58,13 @@ DRAWN = Noise("drawn", sentences.DRAWN)
 
 @dataclass(frozen=True)
 class Sample:
-    """Independent draws that were simulated: their sorted costs; how many failed; how many were excluded."""
+    """Independent draws that were simulated: the shape of their costs; how many violate, failed, were excluded."""
 
-    costs: Floats
+    shape: Shape
+    violations: int
+    """Those that failed among them."""
     failed: int
     excluded: int
-    threshold: float
     outside: float
     """The probability beyond the bounds, or an upper bound on it."""
     confidence: float
@@ -78,18 +78,18 @@ class Sample:
         costs = np.sort(columns.costs[columns.status == OK, 0])
         excluded = int(np.count_nonzero(columns.status == EXCLUDED))
         failed = len(columns.status) - excluded - len(costs)
-        noise = noise or Noise.stated(problem.realisations)
-        outside = problem.distributions.outside
-        simulator = problem.campaign.simulator is not None
-        return Sample(costs, failed, excluded, problem.threshold, outside, confidence, noise, simulator)
+        violations = int(np.count_nonzero(costs <= problem.threshold)) + failed
+        return Sample(Ordered(costs), violations, failed, excluded, *_stated(problem, confidence, noise))
+
+    @staticmethod
+    def of_counted(counted: Counted, problem: Problem, confidence: float, noise: Noise | None = None) -> Sample:
+        """The sample of which only the lowest flights are kept."""
+        counts = counted.violations, counted.failed, counted.excluded
+        return Sample(Binned(counted), *counts, *_stated(problem, confidence, noise))
 
     @property
     def size(self) -> int:
-        return len(self.costs) + self.failed
-
-    @property
-    def violations(self) -> int:
-        return int(np.count_nonzero(self.costs <= self.threshold)) + self.failed
+        return self.shape.known + self.failed
 
     @property
     def counts(self) -> sentences.Counts:
@@ -99,9 +99,8 @@ class Sample:
 
     def statement(self, level: float | None = None) -> Statement:
         """Counts, moments, histogram and the bound on P(violation), whose own `level` may be stricter."""
-        costs = self.costs
         upper = min(1.0, claims.bound(self.violations, self.size, level or self.confidence) + self.outside)
-        counts, edges = np.histogram(costs, bins=min(40, max(5, int(np.sqrt(len(costs))))))
+        mean, deviation = self.shape.moments
         return Statement(
             samples=self.size,
             violations=self.violations,
@@ -112,10 +111,10 @@ class Sample:
             upper_bound=upper,
             excluded_fraction=self.excluded_fraction,
             noise=self.noise.kind,
-            lowest=float(costs[0]) if len(costs) else None,
-            mean=float(costs.mean()) if len(costs) else None,
-            deviation=float(costs.std(ddof=1)) if len(costs) > 1 else None,
-            histogram=Histogram(edges=edges.tolist(), counts=counts.tolist()),
+            lowest=self.shape.lowest,
+            mean=mean,
+            deviation=deviation,
+            histogram=self.shape.histogram(),
             statement=self.counts.bound(upper),
         )
 
@@ -129,7 +128,7 @@ class Sample:
         within = share - self.outside
         r = claims.order(self.size, within, self.confidence)
         least = claims.needed(within, self.confidence) if within > 0.0 else None
-        value = float(self.costs[r - 1 - self.failed]) if r > self.failed else None
+        value = self.shape.value(r - self.failed) if r > self.failed else None
         statement = self.counts.quantile(share, quantity, unit, r, least, value)
         confidence = claims.confidence_of(r, self.size, within) if r else None
         return QuantileBound(
@@ -138,14 +137,10 @@ class Sample:
 
     def distribution(self) -> Distribution:
         """The empirical distribution function: values and the fraction of the sample at or below each; its band."""
-        size = len(self.costs)
-        # All of the lowest values, and evenly spaced ones of the rest.
-        lowest = np.arange(min(size, STEPS // 4))
-        chosen = np.union1d(lowest, np.linspace(0, size - 1, min(size, STEPS)).astype(np.int64))
-        shares = (self.failed + np.arange(1, size + 1)) / max(self.size, 1)
+        values, ranks = self.shape.curve()
         return Distribution(
-            values=[float(self.costs[i]) for i in chosen],
-            shares=[float(shares[i]) for i in chosen],
+            values=values,
+            shares=[(self.failed + rank) / max(self.size, 1) for rank in ranks],
             band=claims.band(self.size, self.confidence),
         )
 
@@ -153,6 +148,11 @@ class Sample:
     def excluded_fraction(self) -> float:
         """The fraction of all draws that were excluded."""
         return self.excluded / max(self.size + self.excluded, 1)
+
+
+def _stated(problem: Problem, confidence: float, noise: Noise | None) -> tuple[float, float, Noise, bool]:
+    simulator = problem.campaign.simulator is not None
+    return problem.distributions.outside, confidence, noise or Noise.stated(problem.realisations), simulator
 
 
 def of_search(context: Context, method: Method, options: Any, columns: Columns) -> Statement:

@@ -13,6 +13,7 @@ from typing import Protocol
 from campaigns.capsules.sources import Sources
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.sample_seed import SampleSeed
+from campaigns.stored.blocks import Block
 from campaigns.stored.records import (
     Ahead,
     Cited,
@@ -71,6 +72,15 @@ class Store(Protocol):
 
         ahead: further ones, not stored before, which an earlier one is missing for; None for a stage without them.
         """
+
+    def blocks(self, position: int) -> list[Block]:
+        """The counted blocks of a stage that stores its lowest evaluations only, in any order."""
+
+    def count(self, position: int, blocks: Sequence[Block]) -> None:
+        """Store counted blocks, and update the counts and best of the stage and the run."""
+
+    def keep(self, position: int, columns: Columns) -> None:
+        """Store the lowest evaluations of a counted stage in place of its blocks; they are counted already."""
 
     def finish(
         self,

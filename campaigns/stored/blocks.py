@@ -1,0 +1,217 @@
+"""What is kept of a sample that stores its lowest flights only: blocks of consecutive draws, each counted.
+
+Counts of all, moments, a histogram on a scale that is known before the first flight, the lowest flights by their index,
+and a digest of every cost: whoever flies a block again finds whether it is the same. Start reading at `counted`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaigns.results.base import EXCLUDED, OK
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+KEPT = 1000
+"""The lowest flights of a sample that are stored, failed ones first."""
+BINS = 1000
+"""Of the histogram, besides what is below and above it."""
+MOST, LEAST = 1024, 64
+"""The most blocks of a sample without exclusions, and the fewest draws of one."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The bins of the histogram: equally wide, from `low` on."""
+
+    low: float
+    width: float
+
+    @staticmethod
+    def about(threshold: float, nominal: float | None) -> Scale:
+        """From one span below the threshold to two above the nominal value; the span is their distance."""
+        span = math.nan if nominal is None else nominal - threshold
+        if not span > 0.0:
+            span = abs(threshold) or 1.0
+        return Scale(threshold - span, 4.0 * span / BINS)
+
+    @property
+    def edges(self) -> Floats:
+        """(BINS + 1,)"""
+        return self.low + self.width * np.arange(BINS + 1)
+
+    def counts(self, costs: Floats) -> Whole:
+        """How many costs are in each bin (BINS + 2,): at or below the first edge, above one and at or below the next,
+        above the last."""
+        return np.bincount(np.searchsorted(self.edges, costs), minlength=BINS + 2)
+
+
+@dataclass(frozen=True)
+class Kept:
+    """Flights by their index in the sample, those without a result first, then the lowest: indices and status (k,),
+    costs (k, criteria), NaN unless ok."""
+
+    indices: Whole
+    costs: Floats
+    status: NDArray[np.uint8]
+    reasons: Mapping[int, str]
+    """Why one is not ok, by its index."""
+
+    @staticmethod
+    def lowest(indices: Whole, costs: Floats, status: NDArray[np.uint8], reasons: Mapping[int, str]) -> Kept:
+        """The lowest of these flights by the first criterion; those without a result may be lower."""
+        rows = np.flatnonzero(status != EXCLUDED)
+        rank = np.where(status[rows] == OK, costs[rows, 0], -np.inf)
+        rows = rows[np.lexsort((indices[rows], rank))[:KEPT]]
+        kept = {int(i): reasons[int(i)] for i in indices[rows] if int(i) in reasons}
+        return Kept(indices[rows], costs[rows], status[rows], kept)
+
+    @staticmethod
+    def joined(parts: Sequence[Kept]) -> Kept:
+        """The lowest of all."""
+        reasons = {index: why for part in parts for index, why in part.reasons.items()}
+        columns = (np.concatenate([getattr(p, name) for p in parts]) for name in ("indices", "costs", "status"))
+        return Kept.lowest(*columns, reasons)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Consecutive draws of a sample from index `first` on, counted; a failed one is a violation."""
+
+    first: int
+    draws: int
+    failed: int
+    excluded: int
+    violations: int
+    total: float
+    """The sum of the costs above the low end of the scale."""
+    squares: float
+    highest: float | None
+    """None if no cost is known."""
+    bins: Whole
+    kept: Kept
+    exclusions: Mapping[str, int]
+    """Excluded draws by their reason."""
+    digest: str
+    """Of costs and status in the order of the draws, 32 hexadecimal digits."""
+    seconds: float
+    """Working time of the stage when it was flown [s]."""
+
+    @property
+    def evaluated(self) -> int:
+        return self.draws - self.excluded
+
+
+def counted(
+    first: int,
+    costs: Floats,
+    status: NDArray[np.uint8],
+    reasons: Mapping[int, str],
+    scale: Scale,
+    threshold: float,
+    seconds: float = 0.0,
+) -> Block:
+    """Count the draws from index `first` on: costs (m, criteria), status (m,), the reasons by row."""
+    ok = costs[status == OK, 0]
+    excluded = int(np.count_nonzero(status == EXCLUDED))
+    failed = len(status) - excluded - len(ok)
+    above = ok - scale.low
+    indices = np.arange(first, first + len(status), dtype=np.int64)
+    return Block(
+        first=first,
+        draws=len(status),
+        failed=failed,
+        excluded=excluded,
+        violations=int(np.count_nonzero(ok <= threshold)) + failed,
+        total=float(above.sum()),
+        squares=float((above * above).sum()),
+        highest=float(ok.max()) if len(ok) else None,
+        bins=scale.counts(ok),
+        kept=Kept.lowest(indices, costs, status, {first + row: why for row, why in reasons.items()}),
+        exclusions=Counter(reasons.get(int(row), "") for row in np.flatnonzero(status == EXCLUDED)),
+        digest=digest_of(costs, status),
+        seconds=seconds,
+    )
+
+
+def digest_of(costs: Floats, status: NDArray[np.uint8]) -> str:
+    """Of the bits of all costs that are known, and of every status."""
+    known = np.where((status == OK)[:, None], costs, 0.0).astype("<f8")
+    return hashlib.sha256(known.tobytes() + status.astype(np.uint8).tobytes()).hexdigest()[:32]
+
+
+def size(samples: int) -> int:
+    """Draws of a block: a power of two, so that blocks of a sample are at most `MOST`."""
+    return max(LEAST, 1 << max(0, -(-samples // MOST) - 1).bit_length())
+
+
+@dataclass(frozen=True)
+class Counted:
+    """A sample as its blocks show it, in the order of their draws."""
+
+    blocks: tuple[Block, ...]
+    scale: Scale
+
+    @staticmethod
+    def of(blocks: Sequence[Block], scale: Scale) -> Counted:
+        """Raises `ValueError` where draws are missing or counted twice."""
+        ordered, next_draw = tuple(sorted(blocks, key=lambda block: block.first)), 0
+        for block in ordered:
+            if block.first != next_draw:
+                raise ValueError(f"the block of draw {next_draw} is expected, given that of draw {block.first}")
+            next_draw += block.draws
+        return Counted(ordered, scale)
+
+    @property
+    def draws(self) -> int:
+        return sum(block.draws for block in self.blocks)
+
+    @property
+    def evaluated(self) -> int:
+        return sum(block.evaluated for block in self.blocks)
+
+    @property
+    def failed(self) -> int:
+        return sum(block.failed for block in self.blocks)
+
+    @property
+    def excluded(self) -> int:
+        return sum(block.excluded for block in self.blocks)
+
+    @property
+    def violations(self) -> int:
+        return sum(block.violations for block in self.blocks)
+
+    @property
+    def exclusions(self) -> Counter[str]:
+        return sum((Counter(block.exclusions) for block in self.blocks), Counter())
+
+    @property
+    def kept(self) -> Kept:
+        return Kept.joined([block.kept for block in self.blocks])
+
+    @property
+    def highest(self) -> float | None:
+        return max((block.highest for block in self.blocks if block.highest is not None), default=None)
+
+    @property
+    def bins(self) -> Whole:
+        return np.sum([block.bins for block in self.blocks], axis=0)
+
+    @property
+    def moments(self) -> tuple[float, float] | None:
+        """Mean and standard deviation of the costs; None for fewer than two."""
+        known = self.evaluated - self.failed
+        if known < 2:
+            return None
+        mean = sum(block.total for block in self.blocks) / known
+        spread = sum(block.squares for block in self.blocks) - known * mean * mean
+        return self.scale.low + mean, math.sqrt(max(0.0, spread) / (known - 1))

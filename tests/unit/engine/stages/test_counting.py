@@ -1,0 +1,176 @@
+"""A sample of which only the lowest flights are stored: it claims what the whole would, continues, can be made again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns.results.base import EXCLUDED, FAILED, OK
+from campaigns.results.draws import uniform
+from campaigns.stages.certify import CertifyResult
+from campaigns.stored.blocks import KEPT, Counted, Kept, Scale, counted, size
+from tests.given.sampled_stages import THRESHOLD, asked, context, costs, evaluate
+from worker.engine.search.base import Batch, Floats
+from worker.engine.stages import certify
+from worker.engine.stages.parts import counting
+from worker.engine.stages.parts.base import Cancelled, Context
+from worker.engine.stages.parts.counting import STREAM
+from worker.engine.stages.parts.sample import Sample
+from worker.engine.stages.parts.shape import Binned, Ordered
+
+SAMPLES = 20_000
+
+
+def ran(samples: int = SAMPLES, flown: Any = None) -> tuple[Context, CertifyResult]:
+    of = context(asked({"certify": {"samples": samples, "keep": "lowest"}}, seed=1), flown)
+    return of, certify.run(of, 0).result
+
+
+def expected(samples: int = SAMPLES) -> Floats:
+    return costs(uniform(1, STREAM, 0, samples, 2))
+
+
+def test_it_claims_what_all_flights_claim() -> None:
+    _, found = ran()
+    values = np.sort(expected())
+    whole = Sample(Ordered(values), int((values <= THRESHOLD).sum()), 0, 0, 0.0, 0.95).statement()
+    part = found.sample
+    assert (part.samples, part.violations, part.upper_bound) == (SAMPLES, whole.violations, whole.upper_bound)
+    assert whole.violations > 300
+    assert part.text == whole.text
+    assert part.lowest == whole.lowest
+    assert part.mean == pytest.approx(whole.mean, rel=1e-12)
+    assert part.deviation == pytest.approx(whole.deviation, rel=1e-9)
+    assert part.histogram is not None
+    assert part.histogram.counts == np.histogram(values, part.histogram.edges)[0].tolist()
+    assert sum(part.histogram.counts) == SAMPLES
+
+
+@pytest.mark.parametrize("share", [0.01, 0.05, 0.5, 0.99])
+def test_a_quantile_is_never_bounded_above_that_of_all_flights(share: float) -> None:
+    values, scale = expected(), Scale.about(THRESHOLD, 1.5)
+    block = counted(0, values[:, None], np.zeros(SAMPLES, np.uint8), {}, scale, THRESHOLD)
+    exact, binned = (
+        Sample(shape, 0, 0, 0, 0.0, 0.95).quantile(share, "d_min", "m").bound
+        for shape in (Ordered(np.sort(values)), Binned(Counted.of([block], scale)))
+    )
+    assert exact is not None
+    assert binned is not None
+    assert 0.0 <= exact - binned <= (0.0 if share * SAMPLES < 0.9 * KEPT else scale.width * (1 + 1e-9))
+
+
+def test_its_distribution_function_is_that_of_all_flights() -> None:
+    _, found = ran()
+    curve, values = found.sample.distribution, expected()
+    assert curve is not None
+    assert 200 < len(curve.values) < 600
+    assert curve.shares == [(values <= value).mean() for value in curve.values]
+
+
+@pytest.mark.parametrize("interrupted", [1, 2, 5, 19])
+def test_an_interrupted_sample_goes_on_to_the_same_bits(interrupted: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    _, whole = ran()
+    monkeypatch.setattr(counting, "SAVED", 0.0)  # a block at a time
+    of = context(asked({"certify": {"samples": SAMPLES, "keep": "lowest"}}, seed=1))
+    calls, evaluating = 0, of.evaluate
+
+    def until(points: Floats, *own: Any) -> tuple[Batch, dict[int, str]]:
+        nonlocal calls
+        calls += 1
+        return evaluating(points, *own)
+
+    of.evaluate, of.cancelled = until, lambda: calls >= interrupted
+    with pytest.raises(Cancelled):
+        certify.run(of, 0)
+    blocks = of.store.blocks(0)
+    assert len(blocks) == interrupted
+    of.cancelled = lambda: False
+    again = certify.run(of, 0).result
+    untimed = {"seconds": 0.0}
+    assert again.model_copy(update=untimed) == whole.model_copy(update=untimed)
+
+
+def test_the_stored_flights_are_the_lowest_and_can_be_made_again() -> None:
+    of, found = ran()
+    columns, values = of.store.evaluations(0), expected()
+    assert columns is not None
+    assert found.flights is not None
+    assert found.flights == np.sort(np.argsort(values, kind="stable")[:KEPT]).tolist()
+    assert columns.costs[:, 0].tolist() == values[found.flights].tolist()
+    assert columns.points.tolist() == uniform(1, STREAM, 0, SAMPLES, 2)[found.flights].tolist()
+
+
+def test_what_fails_is_a_violation_and_is_kept_with_its_reason() -> None:
+    def flown(points: Floats) -> tuple[Batch, dict[int, str]]:
+        batch, _ = evaluate(failing=lambda x: x[:, 0] > 0.999)(points)
+        return batch, {int(row): "the wing broke" for row in np.flatnonzero(batch.status == FAILED)}
+
+    of, found = ran(flown=flown)
+    points = uniform(1, STREAM, 0, SAMPLES, 2)
+    failing = np.flatnonzero(points[:, 0] > 0.999)
+    clear = (points[:, 0] <= 0.999) & (costs(points) > THRESHOLD)
+    assert (found.failed, found.sample.failed, found.sample.violations) == (len(failing), len(failing), (~clear).sum())
+    assert found.flights is not None
+    columns = of.store.evaluations(0)
+    assert columns is not None
+    kept = [index for index, status in zip(found.flights, columns.status, strict=True) if status == FAILED]
+    assert kept == failing.tolist()
+    assert set(columns.reasons.values()) == {"the wing broke"}
+    assert sorted(columns.reasons) == np.flatnonzero(columns.status == FAILED).tolist()
+
+
+def test_excluded_draws_are_drawn_again_until_the_sample_is_whole() -> None:
+    _, found = ran(5000, evaluate(excluded=lambda x: x[:, 0] < 0.3))
+    assert found.sample.samples == 5000
+    drawn = uniform(1, STREAM, 0, found.evaluations, 2)
+    left = drawn[drawn[:, 0] >= 0.3]
+    assert (found.excluded, len(left)) == (found.evaluations - 5000, 5000)
+    assert found.sample.violations == (costs(left) <= THRESHOLD).sum()
+
+
+def test_a_sample_that_excludes_nearly_all_ends_at_twice_its_draws() -> None:
+    _, found = ran(1000, evaluate(excluded=lambda x: x[:, 0] < 0.9))
+    assert found.evaluations == 2000
+    assert found.sample.samples == 2000 - found.excluded < 1000
+    assert "only" in found.text
+
+
+@pytest.mark.parametrize("samples", [1, 63, 64, 65, 65_536, 65_537, 3_000_000, 10**9])
+def test_the_number_of_blocks_is_bounded(samples: int) -> None:
+    each = size(samples)
+    assert each & (each - 1) == 0
+    assert samples / each <= 1024
+    assert each == 64 or samples / each > 512
+
+
+def test_blocks_of_any_division_show_the_same() -> None:
+    values, scale = expected(), Scale.about(THRESHOLD, None)
+    status = np.where(np.arange(SAMPLES) % 97 == 0, FAILED, OK).astype(np.uint8)
+    status[5::211] = EXCLUDED
+    one, many = (
+        Counted.of(
+            [counted(a, values[a : a + n, None], status[a : a + n], {}, scale, THRESHOLD) for a in range(0, SAMPLES, n)],
+            scale,
+        )
+        for n in (SAMPLES, 64)
+    )
+    for name in ("draws", "evaluated", "failed", "excluded", "violations", "exclusions"):
+        assert getattr(one, name) == getattr(many, name), name
+    assert one.kept.indices.tolist() == many.kept.indices.tolist()
+    assert one.bins.tolist() == many.bins.tolist()
+
+
+def test_a_missing_block_is_refused() -> None:
+    scale = Scale.about(THRESHOLD, None)
+    blocks = [counted(a, np.ones((64, 1)), np.zeros(64, np.uint8), {}, scale, THRESHOLD) for a in (0, 128)]
+    with pytest.raises(ValueError, match="draw 64 is expected, given that of draw 128"):
+        Counted.of(blocks, scale)
+
+
+def test_the_lowest_are_those_without_a_result_then_by_cost() -> None:
+    at, low = np.arange(4), np.array([[3.0], [np.nan], [1.0], [0.5]])
+    kept = Kept.lowest(at, low, np.array([OK, FAILED, OK, EXCLUDED], np.uint8), {1: "broke"})
+    assert kept.indices.tolist() == [1, 2, 0]
+    assert kept.reasons == {1: "broke"}

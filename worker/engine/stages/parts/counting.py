@@ -1,0 +1,166 @@
+"""Flies an independent sample of any size, of which only blocks are stored: their counts and the lowest flights.
+
+Every point follows from the seed and its index (`campaigns.results.draws.uniform`), so that any flight can be made
+again, and a stage that was interrupted goes on with the blocks it lacks, to the same bits. How many draws follow
+depends on how many were excluded, never on what came out, so that the sample stays independent.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from campaigns.limits import DRAWS
+from campaigns.results.base import OK
+from campaigns.results.draws import of_draws, uniform
+from campaigns.stored.blocks import Block, Counted, Scale, counted, size
+from worker.engine.problem.problem import Problem
+from worker.engine.stages.parts.base import Cancelled, Context, Tally
+from worker.engine.stages.parts.store import Columns
+from worker.engine.systems.base import Floats, Seeds, System
+
+STREAM = 2**22
+"""Index of the random stream; that of a sample which is stored whole is another."""
+SAVED = 1.0
+"""Time between two writes [s]."""
+
+
+class Draws(NamedTuple):
+    """Consecutive draws of a sample."""
+
+    first: int
+    count: int
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """The draws of one sample by their index."""
+
+    problem: Problem
+    seed: int
+
+    def points(self, draws: Draws) -> Floats:
+        """Their points (count, n)."""
+        return self.problem.quantile(uniform(self.seed, STREAM, *draws, self.problem.dimension))
+
+    def seeds(self, draws: Draws) -> Seeds | None:
+        """The noise that each draws; None without any."""
+        return of_draws(self.seed, *draws) if self.problem.realisations.random else None
+
+
+def planned(samples: int, blocks: dict[int, Block]) -> Iterator[Draws]:
+    """The blocks of a sample as far as those that are flown decide: all draws, then those in place of excluded ones."""
+    each, first, most = size(samples), 0, DRAWS * samples
+    until = samples
+    while first < until:
+        while first < until:
+            draws = Draws(first, min(each, until - first))
+            yield draws
+            first += draws.count
+        flown = [block for at, block in blocks.items() if at < until]
+        if sum(block.draws for block in flown) < until:
+            return
+        until = min(until + max(samples - sum(block.evaluated for block in flown), 0), most)
+
+
+@dataclass
+class Counting:
+    """One sample that is flown and counted; `blocks` by their first draw."""
+
+    context: Context
+    position: int
+    samples: int
+    drawing: Drawing
+    single: System | None
+    """What evaluates in place of the system: one call of a noisy simulator."""
+    scale: Scale
+    blocks: dict[int, Block] = field(default_factory=dict)
+    tally: Tally = field(default_factory=Tally)
+
+    def fly(self) -> Counted:
+        """All blocks that are not stored; raises `Cancelled`."""
+        for block in self.context.store.blocks(self.position):
+            self._add(block)
+        offset, began = self.tally.seconds, time.perf_counter()
+        unsaved: list[Block] = []
+        saved = began
+        try:
+            while missing := self._missing():
+                if self.context.cancelled():
+                    raise Cancelled
+                for block in self._flown(missing, offset - began):
+                    unsaved.append(block)
+                    self._add(block)
+                if time.perf_counter() - saved > SAVED:
+                    saved = self._save(unsaved)
+        finally:
+            self._save(unsaved)
+        return Counted.of([*self.blocks.values()], self.scale)
+
+    def _missing(self) -> list[Draws]:
+        """The next blocks to fly in one call, as many as take about the time between two writes."""
+        cost = self.context.problem.system.cost
+        room = 1 if cost is None else max(1, int(SAVED / cost / size(self.samples) / 2))
+        found = []
+        for draws in planned(self.samples, self.blocks):
+            if draws.first not in self.blocks:
+                found.append(draws)
+            if len(found) == room:
+                break
+        return found
+
+    def _flown(self, missing: list[Draws], since: float) -> Iterator[Block]:
+        """Blocks that need not be neighbours, evaluated in one call."""
+        points = np.concatenate([self.drawing.points(draws) for draws in missing])
+        drawn = [self.drawing.seeds(draws) for draws in missing]
+        seeds = np.concatenate([own for own in drawn if own is not None]) if drawn[0] is not None else None
+        began = time.perf_counter()
+        if self.single is not None:
+            batch, reasons = self.single.evaluate(self.context.problem.vectors(points))
+        else:
+            batch, reasons = self.context.evaluate(points, *([] if seeds is None else [seeds]))
+        ended = time.perf_counter()
+        self.context.problem.system.cost = max(ended - began, 1e-6) / len(points)
+        row = 0
+        for draws in missing:
+            rows = slice(row, row + draws.count)
+            whys = {at - row: why for at, why in reasons.items() if row <= at < row + draws.count}
+            threshold = self.context.problem.threshold
+            yield counted(
+                draws.first, batch.costs[rows], batch.status[rows], whys, self.scale, threshold, since + ended
+            )
+            row += draws.count
+
+    def _add(self, block: Block) -> None:
+        self.blocks[block.first] = block
+        tally = self.tally
+        tally.evaluations += block.draws
+        tally.failed += block.failed
+        tally.excluded += block.excluded
+        tally.seconds = max(tally.seconds, block.seconds)
+        for row in np.flatnonzero(block.kept.status == OK)[:1]:
+            if tally.best is None or block.kept.costs[row, 0] < tally.best:
+                tally.best, tally.best_index = float(block.kept.costs[row, 0]), int(block.kept.indices[row])
+
+    def _save(self, unsaved: list[Block]) -> float:
+        if unsaved:
+            self.context.store.count(self.position, unsaved)
+            unsaved.clear()
+        self.context.progress(self.position, self.tally)
+        return time.perf_counter()
+
+
+def kept(drawing: Drawing, sample: Counted) -> Columns:
+    """The lowest flights as evaluations of the stage, in the order of their draws."""
+    found = sample.kept
+    order = np.argsort(found.indices)
+    indices = found.indices[order]
+    points = [drawing.points(Draws(int(index), 1)) for index in indices]
+    seconds = np.full(len(indices), max((block.seconds for block in sample.blocks), default=0.0))
+    reasons = {row: found.reasons[int(i)] for row, i in enumerate(indices) if int(i) in found.reasons}
+    shape = np.empty((0, drawing.problem.dimension))
+    return Columns(np.concatenate([shape, *points]), found.costs[order], found.status[order], seconds, reasons)

@@ -31,6 +31,7 @@ from backend.db.tables import (
     RunRequirement,
     RunSources,
     RunText,
+    SampleBlock,
     Signoff,
     Stage,
     Trace,
@@ -135,6 +136,7 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
         for table in (
             EvaluationAhead,
             EvaluationChunk,
+            SampleBlock,
             Stage,
             Finding,
             Trace,

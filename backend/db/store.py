@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db import codes, continuation, evaluations_ahead, sizes, snapshots, sources, workers
+from backend.db import codes, continuation, evaluations_ahead, sample_blocks, sizes, snapshots, sources, workers
 from backend.db.convergence import extended
 from backend.db.digest import current_digest
 from backend.db.engine import Result, clock, now, read, write
@@ -30,6 +30,7 @@ from campaigns.results import Finding, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.runs import RunState, StageState
 from campaigns.sample_seed import SampleSeed
+from campaigns.stored.blocks import Block
 from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord, Trace
 from campaigns.versions import Code, OtherCode, Versions, differing
 
@@ -123,6 +124,36 @@ class RunStore:
         if len(columns.status) or ahead is not None:
             self._write(lambda connection: self._append(connection, position, first, columns, ahead))
 
+    def blocks(self, position: int) -> list[Block]:
+        """The counted blocks of a stage that is under way and stores its lowest evaluations only, in their order."""
+        with read(self.engine) as connection:
+            return sample_blocks.read(connection, self._run, position)
+
+    def count(self, position: int, blocks: Sequence[Block]) -> None:
+        """Store counted blocks, and update the counts and best of the stage and the run."""
+
+        def work(connection: sa.Connection) -> None:
+            draws = sum(block.draws for block in blocks)
+            lost = sum(block.failed for block in blocks)
+            totals = {"evaluations": Run.evaluations + draws, "failed_evaluations": Run.failed_evaluations + lost}
+            fenced(connection, self.claim, **totals, **_PROGRESS, advanced=clock(connection))
+            sample_blocks.add(connection, self._run, position, blocks)
+
+        if blocks:
+            self._write(work)
+
+    def keep(self, position: int, columns: Columns) -> None:
+        """Store the lowest evaluations of a counted stage, which are counted already; again, if it was interrupted."""
+
+        def work(connection: sa.Connection) -> None:
+            chunks = chunk_rows(self._run, position, 0, columns)
+            if sample_blocks.keep(connection, self._run, position, chunks):
+                fenced(connection, self.claim, size=Run.size + sum(map(sizes.of_chunk, chunks)))
+            else:
+                fenced(connection, self.claim, state=Run.state)
+
+        self._write(work)
+
     def finish(
         self,
         position: int,
@@ -140,6 +171,7 @@ class RunStore:
             fenced(connection, self.claim, **values)
             ended = {"state": StageState.DONE, "finished": now(connection), "seconds": seconds, "result": plain(result)}
             connection.execute(self._stage(position).values(**ended))
+            sample_blocks.drop(connection, self._run, position)
             self._replace(connection, FindingRow, FindingRow.label, [finding_row(f) for f in findings])
             flights = [trace_row(t) for t in traces]
             if flights:

@@ -178,6 +178,9 @@ class Stage(Base):
     finished: orm.Mapped[float | None]
     planned: orm.Mapped[int] = orm.mapped_column(default=0)
     evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
+    """Those that are stored."""
+    counted: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, default=0, server_default="0")
+    """Those beside them that are only counted: of a sample of which the lowest are stored."""
     failed: orm.Mapped[int] = orm.mapped_column(default=0)
     excluded: orm.Mapped[int] = orm.mapped_column(default=0)
     best: orm.Mapped[float | None]
@@ -227,6 +230,21 @@ class EvaluationAhead(Base):
     """Working time of the stage when it was completed [s]."""
     reason: orm.Mapped[str] = orm.mapped_column(sa.Text)
     """Why it is not ok; empty otherwise."""
+    __table_args__ = (
+        sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
+    )
+
+
+class SampleBlock(Base):
+    """A block of a sample of which the lowest evaluations are stored, while its stage is carried out."""
+
+    __tablename__ = "sample_blocks"
+    run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    first: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, primary_key=True)
+    """Index of its first draw."""
+    data: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
+    """See `campaigns.stored.blocks`."""
     __table_args__ = (
         sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
     )

@@ -17,6 +17,7 @@ from backend.db.tables import (
     Finding,
     Run,
     RunSources,
+    SampleBlock,
     Stage,
     Trace,
 )
@@ -26,7 +27,7 @@ from campaigns.runs import RunState, run_name
 from campaigns.stages.plan import most
 
 CONTINUED = "It was continued as {run}."
-_RESULTS = (EvaluationAhead, EvaluationChunk, Stage, Finding, Trace, RunSources)
+_RESULTS = (EvaluationAhead, EvaluationChunk, SampleBlock, Stage, Finding, Trace, RunSources)
 
 
 def restart(writer: sa.Connection, run_id: int) -> bool:

@@ -6,11 +6,15 @@ and a digest of every cost: whoever flies a block again finds whether it is the 
 
 from __future__ import annotations
 
+import base64
 import hashlib
+import json
 import math
+import zlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +78,23 @@ class Kept:
         kept = {int(i): reasons[int(i)] for i in indices[rows] if int(i) in reasons}
         return Kept(indices[rows], costs[rows], status[rows], kept)
 
+    @property
+    def last(self) -> tuple[float, int] | None:
+        """What a flight must be below to be among the lowest, as cost and index; None while there is room."""
+        if len(self.indices) < KEPT:
+            return None
+        return (float(self.costs[-1, 0]) if self.status[-1] == OK else -math.inf), int(self.indices[-1])
+
+    def below(self, last: tuple[float, int] | None) -> Kept:
+        """Those that can be among the lowest."""
+        if last is None:
+            return self
+        cost, index = last
+        value = np.where(self.status == OK, self.costs[:, 0], -np.inf)
+        rows = (value < cost) | ((value == cost) & (self.indices <= index))
+        reasons = {i: why for i, why in self.reasons.items() if i in set(self.indices[rows].tolist())}
+        return Kept(self.indices[rows], self.costs[rows], self.status[rows], reasons)
+
     @staticmethod
     def joined(parts: Sequence[Kept]) -> Kept:
         """The lowest of all."""
@@ -108,6 +129,10 @@ class Block:
     @property
     def evaluated(self) -> int:
         return self.draws - self.excluded
+
+    def without(self, last: tuple[float, int] | None) -> Block:
+        """The block without the flights that cannot be among the lowest of its sample."""
+        return replace(self, kept=self.kept.below(last))
 
 
 def counted(
@@ -215,3 +240,51 @@ class Counted:
         mean = sum(block.total for block in self.blocks) / known
         spread = sum(block.squares for block in self.blocks) - known * mean * mean
         return self.scale.low + mean, math.sqrt(max(0.0, spread) / (known - 1))
+
+
+def packed(block: Block) -> bytes:
+    """A block as it is stored."""
+    filled = np.flatnonzero(block.bins)
+    kept = block.kept
+    document = {
+        **{name: getattr(block, name) for name in _PLAIN},
+        "bins": [filled.tolist(), block.bins[filled].tolist()],
+        "exclusions": dict(block.exclusions),
+        "kept": [_text(kept.indices), _text(kept.costs), _text(kept.status), list(kept.costs.shape)],
+        "reasons": {str(index): why for index, why in kept.reasons.items()},
+    }
+    return zlib.compress(json.dumps(document).encode())
+
+
+def unpacked(stored: bytes) -> Block:
+    """The block that was stored."""
+    document = json.loads(zlib.decompress(stored))
+    bins: Whole = np.zeros(BINS + 2, dtype=np.int64)
+    bins[document["bins"][0]] = document["bins"][1]
+    indices, costs, status, shape = document["kept"]
+    return Block(
+        **{name: document[name] for name in _PLAIN},
+        bins=bins,
+        exclusions=document["exclusions"],
+        kept=Kept(
+            _array(indices, np.int64),
+            _array(costs, np.float64).reshape(shape),
+            _array(status, np.uint8),
+            {int(index): why for index, why in document["reasons"].items()},
+        ),
+    )
+
+
+_PLAIN = (
+    *("first", "draws", "failed", "excluded", "violations", "total", "squares", "highest"),
+    *("digest", "seconds"),
+)
+
+
+def _text(values: NDArray[Any]) -> str:
+    """The bits, little-endian."""
+    return base64.b64encode(values.astype(values.dtype.newbyteorder("<")).tobytes()).decode()
+
+
+def _array(text: str, kind: Any) -> NDArray[Any]:
+    return np.frombuffer(base64.b64decode(text), dtype=np.dtype(kind).newbyteorder("<")).astype(kind)

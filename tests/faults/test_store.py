@@ -19,6 +19,7 @@ from backend.db.store import RunStore
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
+from campaigns.stored.blocks import Block, Scale, counted
 from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord
 from tests import results
 from tests.faults.cases import PLAN, campaign, columns, finding, trace
@@ -99,6 +100,49 @@ def test_evaluations_completed_ahead_of_an_earlier_one_are_stored_separately(sto
     assert store.ahead(1) is None
     assert same_bits(store.evaluations(1), whole)  # type: ignore[arg-type]
     assert store.ahead(0) is None
+
+
+def blocks(samples: int = 5000) -> list[Block]:
+    values = np.random.default_rng(1).random((samples, 2))
+    status = np.where(np.arange(samples) % 50 == 7, FAILED, 0).astype(np.uint8)
+    status[3::40] = EXCLUDED
+    scale = Scale.about(0.1, 0.5)
+    return [
+        counted(at, values[at : at + 512], status[at : at + 512], {7: "it broke"}, scale, 0.1, at / 512)
+        for at in range(0, samples, 512)
+    ]
+
+
+def test_a_counted_sample_goes_on_where_it_was_and_leaves_its_lowest(store: RunStore) -> None:
+    store.begin(1)
+    whole = blocks()
+    store.count(1, whole[:4])
+    store.count(1, whole[4:])
+    held = store.blocks(1)
+    assert [block.first for block in held] == [block.first for block in whole]
+    for one, other in zip(held, whole, strict=True):
+        for name in ("draws", "failed", "excluded", "violations", "total", "squares", "highest", "digest", "seconds"):
+            assert getattr(one, name) == getattr(other, name), name
+        assert one.bins.tolist() == other.bins.tolist()
+        assert one.exclusions == other.exclusions
+        assert one.kept.costs.tobytes() == other.kept.costs.tobytes()
+        assert one.kept.indices.tolist() == other.kept.indices.tolist()
+        assert one.kept.status.tolist() == other.kept.status.tolist()
+        assert one.kept.reasons == other.kept.reasons
+    failed, excluded = sum(b.failed for b in whole), sum(b.excluded for b in whole)
+    stage, [run] = rows(store, Stage, Stage.position)[1], rows(store, Run)
+    assert (stage.evaluations, stage.counted, stage.failed, stage.excluded) == (0, 5000, failed, excluded)
+    assert (run.evaluations, run.failed_evaluations) == (5000, failed)
+    assert stage.best == min(b.kept.costs[b.kept.status == 0, 0].min() for b in whole)
+    lowest = columns(0, 100)
+    for _ in range(2):  # interrupted before the stage ended
+        store.keep(1, lowest)
+        assert same_bits(store.evaluations(1), lowest)  # type: ignore[arg-type]
+        stage, [run] = rows(store, Stage, Stage.position)[1], rows(store, Run)
+        assert (stage.evaluations, stage.counted, run.evaluations) == (100, 4900, 5000)
+        assert len(store.blocks(1)) == len(whole)
+    store.finish(1, results.searched(), 1.0)
+    assert store.blocks(1) == []
 
 
 def test_the_size_of_a_run_is_that_of_its_rows(database: sa.Engine, store: RunStore, claim: Claim) -> None:

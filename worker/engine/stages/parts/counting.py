@@ -17,7 +17,7 @@ import numpy as np
 from campaigns.limits import DRAWS
 from campaigns.results.base import OK
 from campaigns.results.draws import of_draws, uniform
-from campaigns.stored.blocks import Block, Counted, Scale, counted, size
+from campaigns.stored.blocks import Block, Counted, Kept, Scale, counted, size
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import Cancelled, Context, Tally
 from worker.engine.stages.parts.store import Columns
@@ -80,6 +80,8 @@ class Counting:
     scale: Scale
     blocks: dict[int, Block] = field(default_factory=dict)
     tally: Tally = field(default_factory=Tally)
+    lowest: Kept | None = None
+    """Of all blocks so far: what is not among them is not stored with a block."""
 
     def fly(self) -> Counted:
         """All blocks that are not stored; raises `Cancelled`."""
@@ -93,8 +95,7 @@ class Counting:
                 if self.context.cancelled():
                     raise Cancelled
                 for block in self._flown(missing, offset - began):
-                    unsaved.append(block)
-                    self._add(block)
+                    unsaved.append(self._add(block))
                 if time.perf_counter() - saved > SAVED:
                     saved = self._save(unsaved)
         finally:
@@ -135,7 +136,10 @@ class Counting:
             )
             row += draws.count
 
-    def _add(self, block: Block) -> None:
+    def _add(self, block: Block) -> Block:
+        """The block as it is stored."""
+        self.lowest = block.kept if self.lowest is None else Kept.joined([self.lowest, block.kept])
+        block = block.without(self.lowest.last)
         self.blocks[block.first] = block
         tally = self.tally
         tally.evaluations += block.draws
@@ -145,11 +149,12 @@ class Counting:
         for row in np.flatnonzero(block.kept.status == OK)[:1]:
             if tally.best is None or block.kept.costs[row, 0] < tally.best:
                 tally.best, tally.best_index = float(block.kept.costs[row, 0]), int(block.kept.indices[row])
+        return block
 
     def _save(self, unsaved: list[Block]) -> float:
         if unsaved:
-            self.context.store.count(self.position, unsaved)
-            unsaved.clear()
+            blocks, unsaved[:] = [*unsaved], []  # even on error: the store may have written them before it raised
+            self.context.store.count(self.position, blocks)
         self.context.progress(self.position, self.tally)
         return time.perf_counter()
 

@@ -1,0 +1,59 @@
+"""Reads and writes the blocks of a sample of which only the lowest evaluations are stored.
+
+They are there while the stage is carried out, so that it can go on; its result has what they show.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import sqlalchemy as sa
+
+from backend.db.tables import EvaluationChunk, SampleBlock, Stage
+from campaigns.results.base import OK
+from campaigns.stored.blocks import Block, packed, unpacked
+
+
+def read(connection: sa.Connection, run_id: int, position: int) -> list[Block]:
+    """Those of a stage, by their first draw."""
+    rows = connection.execute(sa.select(SampleBlock.data).where(*_of(run_id, position)).order_by(SampleBlock.first))
+    return [unpacked(row.data) for row in rows]
+
+
+def add(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[Block]) -> None:
+    """Store blocks that are not stored yet, and count them in the row of the stage."""
+    rows = [{"run_id": run_id, "position": position, "first": b.first, "data": packed(b)} for b in blocks]
+    connection.execute(sa.insert(SampleBlock), rows)
+    mine = (Stage.run_id == run_id, Stage.position == position)
+    best = connection.execute(sa.select(Stage.best).where(*mine)).scalar_one()
+    values: dict[str, object] = {
+        "counted": Stage.counted + sum(b.draws for b in blocks),
+        "failed": Stage.failed + sum(b.failed for b in blocks),
+        "excluded": Stage.excluded + sum(b.excluded for b in blocks),
+        "seconds": max(b.seconds for b in blocks),
+    }
+    found = [float(b.kept.costs[b.kept.status == OK, 0][:1].min(initial=float("inf"))) for b in blocks]
+    if min(found) < (float("inf") if best is None else best):
+        values["best"] = min(found)
+    connection.execute(sa.update(Stage).where(*mine).values(**values))
+
+
+def keep(connection: sa.Connection, run_id: int, position: int, chunks: Sequence[Mapping[str, object]]) -> bool:
+    """Store the lowest evaluations, which are counted already; False if they are stored."""
+    mine = (Stage.run_id == run_id, Stage.position == position)
+    if connection.execute(sa.select(Stage.evaluations).where(*mine)).scalar_one():
+        return False
+    for chunk in chunks:
+        connection.execute(sa.insert(EvaluationChunk).values(**chunk))
+    kept = sum(int(str(chunk["count"])) for chunk in chunks)
+    connection.execute(sa.update(Stage).where(*mine).values(evaluations=kept, counted=Stage.counted - kept))
+    return True
+
+
+def drop(connection: sa.Connection, run_id: int, position: int) -> None:
+    """Forget the blocks of a stage that has ended."""
+    connection.execute(sa.delete(SampleBlock).where(*_of(run_id, position)))
+
+
+def _of(run_id: int, position: int) -> tuple[sa.ColumnElement[bool], ...]:
+    return SampleBlock.run_id == run_id, SampleBlock.position == position

@@ -105,7 +105,8 @@ def _earlier(reader: sa.Connection, campaign: Campaign) -> _Earlier | None:
     run_id = reader.scalar(sa.select(Run.id).where(*same, Run.purged.is_(None)).order_by(Run.id.desc()).limit(1))
     if run_id is None:
         return None
-    columns = sa.select(Stage.kind, Stage.evaluations, Stage.seconds)
+    evaluations = (Stage.evaluations + Stage.counted).label("evaluations")
+    columns = sa.select(Stage.kind, evaluations, Stage.seconds)
     found: dict[str, int] = {}
     seconds = 0.0
     for row in reader.execute(columns.where(Stage.run_id == run_id).order_by(Stage.position)):

@@ -171,7 +171,7 @@ def _improvements(reader: sa.Connection, run_id: int, watched: _Watched) -> list
     added = {}
     for stage in watched.stages:
         steps = watched.steps.setdefault(stage.position, Improvements())
-        if stage.evaluations <= steps.read:
+        if stage.stored <= steps.read:
             continue
         known = len(steps.index)
         steps.catch_up(reader, run_id, stage.position)

@@ -10,11 +10,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import sqlalchemy as sa
+from pydantic import BaseModel
 
 from backend.db.tables import Run, Stage
 
 NAMES = ("evaluations", "failed_evaluations", "excluded_evaluations")
-_TOLD = ("stored", "failed", "excluded")
+_TOLD = ("stored", "failed", "excluded", "counted")
 COLUMNS = (
     Run.evaluations,
     Run.failed_evaluations,
@@ -25,10 +26,16 @@ COLUMNS = (
 
 def of(row: Any, excluded: int) -> dict[str, int]:
     """The counts of one run; excluded: the total of its stage rows."""
-    verdict_counts = [getattr(row, f"verdict_{key}") for key in _TOLD]
-    counted = [row.evaluations, row.failed_evaluations, excluded]
-    chosen = counted if any(number is None for number in verdict_counts) else verdict_counts
+    stored, *others, counted = (getattr(row, f"verdict_{key}") for key in _TOLD)
+    stages = [row.evaluations, row.failed_evaluations, excluded]
+    chosen = stages if stored is None or None in others else [stored + (counted or 0), *others]
     return dict(zip(NAMES, chosen, strict=True))
+
+
+def columns(schema: type[BaseModel]) -> list[Any]:
+    """What is read of the stages for this schema: their evaluations are those that are stored or only counted."""
+    named = {"evaluations": Stage.evaluations + Stage.counted, "stored": Stage.evaluations}
+    return [(named[name] if name in named else getattr(Stage, name)).label(name) for name in schema.model_fields]
 
 
 def excluded(reader: sa.Connection, ids: Sequence[int]) -> dict[int, int]:

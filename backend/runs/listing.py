@@ -116,7 +116,7 @@ def _units(reader: sa.Connection) -> Units:
 def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
     if not ids:
         return {}
-    columns = [getattr(Stage, field) for field in StageProgress.model_fields]
+    columns = counts.columns(StageProgress)
     running = (Stage.run_id.in_(ids), Stage.state == StageState.RUNNING)
     rows = reader.execute(sa.select(Stage.run_id, *columns).where(*running))
     return {

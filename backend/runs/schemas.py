@@ -74,6 +74,8 @@ class StageProgress(Schema):
     state: StageState
     planned: int
     evaluations: int
+    """Those of a sample of which only the lowest are stored included."""
+    stored: int
     failed: int
     excluded: int
     best: float | None

@@ -10,7 +10,7 @@ from backend.db import baselines
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from backend.http.errors import RefusedError, not_found
-from backend.runs import identity, listing, pace
+from backend.runs import counts, identity, listing, pace
 from backend.runs.earlier import terms_of
 from backend.runs.schemas import (
     RunBaseline,
@@ -136,16 +136,14 @@ def _ran(reader: sa.Connection, run_id: int, campaign: Campaign, verdict: Verdic
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:
     """The state of a run's stages, without their results."""
-    columns = (getattr(Stage, name) for name in StageProgress.model_fields)
-    rows = reader.execute(sa.select(*columns).where(Stage.run_id == run_id).order_by(Stage.position))
+    rows = reader.execute(sa.select(*counts.columns(StageProgress)).where(Stage.run_id == run_id).order_by(Stage.position))
     return [StageProgress.model_validate(dict(row._mapping)) for row in rows]
 
 
 def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
     """The stages of a run with their results, or 404."""
     require(reader, run_id)
-    columns = (getattr(Stage, name) for name in StageDetail.model_fields)
-    rows = reader.execute(sa.select(*columns).where(Stage.run_id == run_id).order_by(Stage.position))
+    rows = reader.execute(sa.select(*counts.columns(StageDetail)).where(Stage.run_id == run_id).order_by(Stage.position))
     with readable(f"a result of {run_name(run_id)}"):
         terms = terms_of(reader, run_id)
         return [StageDetail.model_validate(earlier.spoken(dict(row._mapping), terms)) for row in rows]

@@ -58,6 +58,11 @@ class StageResult(Result):
         return None
 
     @property
+    def counted(self) -> int:
+        """How many evaluations it made beside those that are stored."""
+        return 0
+
+    @property
     def at_nominal(self) -> NominalCase | None:
         """The evaluation at the nominal values, if it made that."""
         return None

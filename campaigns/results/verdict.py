@@ -99,6 +99,8 @@ class Counts(Result):
     lowest: float | None = None
     flaky: Annotated[int, UNLESS_EMPTY] = 0
     """Succeeded only when a call of a simulator that had failed was tried again; omitted if there are none."""
+    counted: Annotated[int, UNLESS_EMPTY] = 0
+    """Made beside these: of a sample of which only the lowest are stored; omitted if there are none."""
 
 
 class Provenance(Versions):

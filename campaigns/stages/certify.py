@@ -24,6 +24,16 @@ class Blocks(Result):
     lowest: list[float | None]
     digests: list[str]
     """Of the costs and status of each."""
+    totals: list[float]
+    """The sums of the costs above `low`."""
+    squares: list[float]
+    low: float
+    """The histogram of all has bins of equal width from here on, an open one below and one above."""
+    width: float
+    places: list[int]
+    """The bins that are not empty, from the open one below on."""
+    counts: list[int]
+    highest: float | None
 
 
 class CertifyResult(Certificate, StageResult):
@@ -55,6 +65,10 @@ class CertifyResult(Certificate, StageResult):
     @property
     def seeds(self) -> list[int] | None:
         return self.realisations
+
+    @property
+    def counted(self) -> int:
+        return 0 if self.flights is None else self.evaluations - len(self.flights)
 
     @property
     def sample_seed(self) -> SampleSeed | None:

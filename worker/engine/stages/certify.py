@@ -127,6 +127,13 @@ def _blocks(found: Counted) -> Blocks:
         excluded=[block.excluded for block in found.blocks],
         lowest=[next(iter(one), None) for one in lowest],
         digests=[block.digest for block in found.blocks],
+        totals=[block.total for block in found.blocks],
+        squares=[block.squares for block in found.blocks],
+        low=found.scale.low,
+        width=found.scale.width,
+        places=np.flatnonzero(found.bins).tolist(),
+        counts=found.bins[found.bins > 0].tolist(),
+        highest=found.highest,
     )
 
 

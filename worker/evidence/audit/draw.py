@@ -32,14 +32,19 @@ Bounds = dict[str, tuple[float, float]]
 
 def redrawn(campaign: Campaign, bounds: Bounds, seed: int, stream: int, blocks: Iterator[int]) -> Any:
     """The points (m, n) of a sample requested in blocks of these sizes."""
+    random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(stream,)))
+    distributions, dimension = distributed(campaign, bounds), len(campaign.uncertain)
+    drawn = [distributions.quantile(random.random((size, dimension))) for size in blocks]
+    return np.concatenate([np.empty((0, dimension)), *drawn])
+
+
+def distributed(campaign: Campaign, bounds: Bounds) -> Distributions:
+    """What the campaign states of its uncertain parameters."""
     ranges = [
         Range(path, k, *bounds[path], math.nan, uncertain.distribution)
         for k, (path, uncertain) in enumerate(campaign.uncertain.items())
     ]
-    random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(stream,)))
-    distributions = Distributions(ranges, campaign.correlations)
-    drawn = [distributions.quantile(random.random((size, len(ranges)))) for size in blocks]
-    return np.concatenate([np.empty((0, len(ranges))), *drawn])
+    return Distributions(ranges, campaign.correlations)
 
 
 def certified(requested: int, status: Any) -> Iterator[int]:

@@ -10,7 +10,7 @@ import numpy as np
 from campaigns import cube
 from campaigns.claims.stages import sample as templates
 from campaigns.results.base import OK
-from worker.evidence.audit import draw
+from worker.evidence.audit import counted, draw
 from worker.evidence.audit.recompute import Run, Tree, counts
 
 SLACK = 1e-9
@@ -25,6 +25,8 @@ def required(run: Run) -> Tree:
     for k, planned in enumerate(run.plan):
         if planned.kind == "certify" and run.grid(k):
             pairs[f"grid of stage {k}"] = _grid(run, k)
+        if k in run.counted:
+            pairs[f"blocks of stage {k}"] = _blocks(run, k)
         if planned.kind == "baseline":
             pairs[f"stage {k}"] = _baseline(run, k)
         if planned.kind == "validate":
@@ -41,6 +43,8 @@ def _nominal(run: Run) -> int:
 def _drawn(run: Run, k: int) -> tuple[int, int] | None:
     """None of a sample that gives no bound: its points are of another kind, or were extended."""
     certify = run.campaign.stages.certify if run.plan[k].kind == "certify" else None
+    if k in run.counted:
+        return _kept(run, k)
     draws = run.draws(k)
     points, _, status = (rows[:draws] for rows in run.rows(k))
     stated = (run.claims["results"][k] or {}).get("seed")
@@ -54,6 +58,23 @@ def _drawn(run: Run, k: int) -> tuple[int, int] | None:
         blocks = draw.searched(run.plan[k].planned, draws, early)
     drawn = draw.redrawn(run.campaign, run.bounds, seed, stream, blocks)
     return draws, draw.agreeing(run.campaign, points, drawn)
+
+
+def _kept(run: Run, k: int) -> tuple[int, int]:
+    """The kept flights of a counted sample, each where its index puts it."""
+    points, flights = run.rows(k)[0], run.claims["results"][k]["flights"]
+    if len(flights) != len(points):
+        return len(flights), 0
+    drawn = counted.redrawn(run.campaign, run.bounds, int(run.claims["results"][k]["seed"]), flights)
+    return len(points), draw.agreeing(run.campaign, points, drawn)
+
+
+def _blocks(run: Run, k: int) -> tuple[int, int]:
+    certify, flights = run.campaign.stages.certify, np.array(run.claims["results"][k]["flights"], dtype=np.int64)
+    _, raw, status = run.rows(k)
+    if certify is None or len(flights) != len(status):
+        return len(run.counted[k]["draws"]), 0
+    return counted.fitting(run.counted[k], certify.samples, flights, raw, status, run.threshold)
 
 
 def _grid(run: Run, k: int) -> tuple[int, int]:

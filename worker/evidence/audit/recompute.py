@@ -17,7 +17,7 @@ from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
-from worker.evidence.audit import limits
+from worker.evidence.audit import counted, limits
 from worker.evidence.audit.binomial import cumulative, upper_bound
 from worker.evidence.audit.calls import Calls
 from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
@@ -29,14 +29,18 @@ LOWEST, STEPS = 100, 400
 
 def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
     """Wilks: the r-th lowest of the sample, in which a failed evaluation is the lowest, bounds its quantile."""
-    size = len(ranked)
+    found = _of_quantile(len(ranked), fraction, confidence)
+    lowest = ranked[found["order"] - 1] if found["order"] else -math.inf
+    return found | {"bound": lowest if lowest > -math.inf else None}
+
+
+def _of_quantile(size: int, fraction: float, confidence: float) -> Tree:
     most = min(size - 1, math.ceil(size * fraction))
     below = cumulative(most, size, fraction) if size and fraction > 0 else np.empty(0)
     r = int(np.count_nonzero(below <= math.log1p(-confidence)))
     if not r:
         return dict.fromkeys(("order", "bound", "confidence"))
-    bound = ranked[r - 1] if ranked[r - 1] > -math.inf else None
-    return {"order": r, "bound": bound, "confidence": -math.expm1(below[r - 1])}
+    return {"order": r, "bound": None, "confidence": -math.expm1(below[r - 1])}
 
 
 def counts(status: Any) -> Tree:
@@ -76,6 +80,11 @@ class Run:
         self.every, self.raw, self.costs = costs, costs[:, 0], costs[self.status == OK, 0]
         by_stage = [self.raw[(self.stage == k) & (self.status == OK)] for k in range(len(self.plan))]
         self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
+        self.counted: dict[int, Tree] = {}
+        """The blocks of a sample of which only the lowest flights are stored, by its stage."""
+        for k, result in enumerate(self.claims.get("results") or []):
+            if result and result.get("blocks") is not None and self.plan[k].kind == "certify":
+                self.counted[k], self.ended[k] = result["blocks"], counted.ended(result["blocks"])
         self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
         self.below = [int(np.count_nonzero(ok <= self.threshold)) for ok in by_stage]
         first = np.flatnonzero(self.stage == 0)[:1]  # a simulator has further evaluations in the first stage
@@ -204,17 +213,22 @@ class Run:
         certify, options = (self.campaign.stages.certify if self.plan[k].kind == "certify" else None), self.options(k)
         drawn = np.flatnonzero(self.stage == k)[: self.draws(k)]
         costs, found = np.sort(self.raw[drawn][self.status[drawn] == OK]), counts(self.status[drawn])
+        blocks = self.counted.get(k)
+        found = found if blocks is None else counted.ended(blocks)
         draws, outside, level = found.pop("evaluations"), self.outside(), self.campaign.confidence
         size, violations = draws - found["excluded"], found["failed"] + int(np.count_nonzero(costs <= self.threshold))
+        violations = violations if blocks is None else sum(blocks["violations"])
         found |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
         found |= {"excluded_fraction": found["excluded"] / max(draws, 1)}
         found |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
         if self.sealed:
             found["deviation"] = float(costs.std(ddof=1)) if len(costs) > 1 else None
             found["histogram"] = histogram(costs)
+            if blocks is not None:
+                found |= counted.moments(blocks) | {"histogram": counted.histogram(blocks)}
             found |= {"looks": None, "quantile": None}
         if self.random:
-            own = certify and self.claims["results"][k]["drawn_realisations"] == draws
+            own = certify and self.claims["results"][k]["drawn_realisations"] == (len(drawn) if blocks else draws)
             found["noise"] = "drawn" if own else "stated"
         if self.calls.noisy:
             found["noise"] = "drawn" if certify or self.calls.number == 1 else "stated"
@@ -224,10 +238,17 @@ class Run:
         independent = options.get("sampling", "plain") == "plain" and not options.get("continued")
         found["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None
         if certify:
-            ranked = [-math.inf] * found["failed"] + costs.tolist()
-            if self.sealed:
-                found["distribution"] = distribution(costs, found["failed"], self.campaign.confidence)
-            found["quantile"] = lowest_of_quantile(ranked, certify.quantile - outside, self.campaign.confidence)
+            level = self.campaign.confidence
+            if blocks is not None:
+                found["distribution"] = counted.distribution(blocks, costs, level)
+                found["quantile"] = _of_quantile(size, certify.quantile - outside, level)
+                rank = found["quantile"]["order"]
+                found["quantile"]["bound"] = None if rank is None else counted.value(blocks, costs, rank)
+            else:
+                ranked = [-math.inf] * found["failed"] + costs.tolist()
+                if self.sealed:
+                    found["distribution"] = distribution(costs, found["failed"], level)
+                found["quantile"] = lowest_of_quantile(ranked, certify.quantile - outside, level)
             found["quantile"] |= {"share": certify.quantile} if self.sealed else {}
             if size < certify.samples and draws < limits.draws(
                 certify.samples, draws

@@ -17,7 +17,7 @@ TRUSTED = (
     Trusted(
         "Costs and status of evaluations, and the trajectories",
         "nothing is simulated: `clearance replay` evaluates cases again; a sign-off has the evidence digest",
-        (r"arrays\.costs", r"arrays\.status", r"arrays\.points", r"files\.trace"),
+        (r"arrays\.costs", r"arrays\.status", r"arrays\.points", r"files\.trace", r"blocks\."),
     ),
     Trusted(
         "The campaign, if the whole record fits another one",

@@ -41,6 +41,7 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
             violating=evidence.violating,
             lowest=evidence.lowest,
             flaky=evidence.flaky,
+            counted=sum(result.counted for result in evidence.results),
         ),
         quantity=problem.quantity,
         unit=problem.unit,

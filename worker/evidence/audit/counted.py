@@ -1,0 +1,157 @@
+"""A sample of which only the lowest flights are stored: what its blocks of counts show, and whether they fit together.
+
+Nothing is flown: the counts, sums and digests of the blocks are taken as costs are. What follows from them is made
+again here, by a program of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from campaigns.documents import JsonObject
+from campaigns.results.base import OK
+from worker.evidence.audit import draw, limits
+
+Tree = JsonObject
+LOWEST, STEPS, PARTS = 100, 400, 40
+"""Points of a distribution function: the lowest values, and others; bins of a histogram that is shown, at most."""
+COUNTED = ("draws", "violations", "failed", "excluded")
+
+
+def ended(blocks: Tree) -> Tree:
+    """The numbers of its evaluations by status."""
+    return {"evaluations": sum(blocks["draws"]), **{name: sum(blocks[name]) for name in ("failed", "excluded")}}
+
+
+def edges(blocks: Tree) -> Any:
+    """Of the bins, those below the first and above the last are open."""
+    return blocks["low"] + blocks["width"] * np.arange(limits.BINS + 1)
+
+
+def through(blocks: Tree) -> Any:
+    """How many costs are in each bin and below it (BINS + 2,)."""
+    bins = np.zeros(limits.BINS + 2, dtype=np.int64)
+    bins[blocks["places"]] = blocks["counts"]
+    return np.cumsum(bins)
+
+
+def moments(blocks: Tree) -> Tree:
+    """Mean and standard deviation."""
+    known = int(through(blocks)[-1])
+    if known < 2:
+        return {"deviation": None}
+    mean = sum(blocks["totals"]) / known
+    spread = max(0.0, sum(blocks["squares"]) - known * mean * mean)
+    return {"mean": blocks["low"] + mean, "deviation": math.sqrt(spread / (known - 1))}
+
+
+def histogram(blocks: Tree) -> Tree:
+    """Neighbouring bins as one, at most forty."""
+    filled = sorted(place for place, count in zip(blocks["places"], blocks["counts"], strict=True) if count)
+    if not filled:
+        return {"edges": [], "counts": []}
+    first, last = filled[0], filled[-1] + 1
+    starts = list(range(first, last, math.ceil((last - first) / PARTS)))
+    below = np.concatenate([[0], through(blocks)])
+    ends = [min(b for b in blocks["lowest"] if b is not None), *edges(blocks).tolist(), blocks["highest"]]
+    counts = [int(below[b] - below[a]) for a, b in zip(starts, [*starts[1:], last], strict=True)]
+    return {"edges": [ends[place] for place in (*starts, last)], "counts": counts}
+
+
+def distribution(blocks: Tree, kept: Any, confidence: float) -> Tree:
+    """The lowest values one by one, and the upper edges of bins."""
+    failed, below = sum(blocks["failed"]), through(blocks)
+    every = int(below[-1]) + failed
+    values, ranks = kept[:LOWEST].tolist(), list(range(1, min(len(kept), LOWEST) + 1))
+    places = [p for p in sorted(blocks["places"]) if below[p] > len(values)]
+    places = places[:-1]
+    places = places[:: max(1, math.ceil(len(places) / STEPS))]
+    values, ranks = values + edges(blocks)[places].tolist(), ranks + [int(below[p]) for p in places]
+    band = min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * every))) if every else 1.0
+    return {"values": values, "shares": [(failed + rank) / max(every, 1) for rank in ranks], "band": band}
+
+
+def value(blocks: Tree, kept: Any, rank: int) -> float | None:
+    """What the cost of this rank, counted from 1 with the failed ones as the lowest, is at least; None if of no cost,
+    or of none that is known."""
+    rank -= sum(blocks["failed"])
+    if rank <= 0:
+        return None
+    if rank <= len(kept):
+        return float(kept[rank - 1])
+    place = int(np.searchsorted(through(blocks), rank))
+    known = [float(kept[-1])] if len(kept) else []
+    return max(known + ([float(edges(blocks)[place - 1])] if place else []), default=None)
+
+
+def fitting(blocks: Tree, requested: int, flights: Any, costs: Any, status: Any, threshold: float) -> tuple[int, int]:
+    """The number of blocks, and of those whose place, size, and lowest flights are what they must be; the kept flights
+    in the order of their indices: indices, first costs and status (k,)."""
+    columns = [blocks[name] for name in (*COUNTED, "lowest", "digests", "totals", "squares")]
+    number = len(blocks["draws"])
+    if any(len(column) != number for column in columns):
+        return number, 0
+    total = ended(blocks)
+    if sum(blocks["counts"]) != total["evaluations"] - total["failed"] - total["excluded"]:
+        return number, 0
+    if not np.all(np.diff(flights) > 0) or not 0 <= min(flights, default=0) <= max(flights, default=0) < sum(
+        blocks["draws"]
+    ):
+        return number, 0
+    whole = total["evaluations"] - total["excluded"] <= limits.KEPT
+    # Where no more than these are kept, all that failed or violate at least as much as the last are among them.
+    last = math.inf if whole else max(np.where(status == OK, costs, -math.inf).tolist(), default=-math.inf)
+    if len(flights) != min(limits.KEPT, total["evaluations"] - total["excluded"]):
+        return number, 0
+    first, fits = 0, 0
+    for row, size in enumerate(_sizes(requested, blocks)):
+        if row >= number or blocks["draws"][row] != size:
+            break
+        inside = (flights >= first) & (flights < first + size)
+        own, lost = costs[inside & (status == OK)], int(np.count_nonzero(inside & (status != OK)))
+        fits += _fits({name: blocks[name][row] for name in (*COUNTED, "lowest")}, own, lost, last, threshold)
+        first += size
+    return number, fits if first == sum(blocks["draws"]) else 0
+
+
+def _fits(block: Tree, kept: Any, lost: int, last: float, threshold: float) -> bool:
+    """One block against its kept flights; last: below this cost every flight is kept."""
+    below = int(np.count_nonzero(kept <= threshold)) + lost
+    counted = 0 <= block["failed"] <= block["violations"] <= block["draws"] - block["excluded"]
+    if last == -math.inf:  # failed flights alone fill what is kept
+        return counted and lost <= block["failed"] and not len(kept)
+    lowest = block["lowest"]
+    low = (lowest is None or lowest >= last) if not len(kept) else lowest == float(kept.min())
+    exact = threshold < last
+    agree = below == block["violations"] if exact else below <= block["violations"]
+    return counted and lost == block["failed"] and low and agree
+
+
+def _sizes(requested: int, blocks: Tree) -> Iterator[int]:
+    """The draws of each block: the requested ones, then as many as were excluded of those before, at most twice."""
+    each = limits.block(requested)
+    done, until, row = 0, requested, 0
+    while True:
+        while done < until:
+            size = min(each, until - done)
+            yield size
+            done, row = done + size, row + 1
+        missing = requested - (done - sum(blocks["excluded"][:row]))
+        until = min(until + max(missing, 0), limits.DRAWS * requested)
+        if done >= until:
+            return
+
+
+def redrawn(campaign: Any, bounds: draw.Bounds, seed: int, flights: Any) -> Any:
+    """The points (k, n) of these draws of the sample."""
+    size = len(bounds)
+    key = np.random.SeedSequence(seed, spawn_key=(limits.COUNTED,)).generate_state(2, np.uint64)
+    steps = math.ceil(size / 4)
+    numbers = [
+        np.random.Generator(np.random.Philox(key=key, counter=int(index) * steps)).random(size) for index in flights
+    ]
+    return draw.distributed(campaign, bounds).quantile(np.array(numbers).reshape(-1, size))

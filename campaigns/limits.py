@@ -30,5 +30,8 @@ CONTINUED = 2
 DRAWS = 2
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""
 
+STORED_WHOLE = 100_000
+"""A larger sample than this is proposed with its lowest flights stored only."""
+
 SEARCH, SEARCHED, SEARCHED_EACH = "auto", 5000, 1000
 """The search of a campaign that states none: the method, its evaluations at least, and those for each parameter."""

@@ -5,13 +5,16 @@ They are there while the stage is carried out, so that it can go on; its result 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import sqlalchemy as sa
 
+from backend.db import sizes
+from backend.db.rows import chunk_rows, lowest
 from backend.db.tables import EvaluationChunk, SampleBlock, Stage
 from campaigns.results.base import OK
 from campaigns.stored.blocks import Block, packed, unpacked
+from campaigns.stored.records import Columns
 
 
 def read(connection: sa.Connection, run_id: int, position: int) -> list[Block]:
@@ -38,16 +41,17 @@ def add(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[
     connection.execute(sa.update(Stage).where(*mine).values(**values))
 
 
-def keep(connection: sa.Connection, run_id: int, position: int, chunks: Sequence[Mapping[str, object]]) -> bool:
-    """Store the lowest evaluations, which are counted already; False if they are stored."""
+def keep(connection: sa.Connection, run_id: int, position: int, columns: Columns) -> int | None:
+    """Store the lowest evaluations, which are counted already; their size [bytes], None if they are stored."""
     mine = (Stage.run_id == run_id, Stage.position == position)
     if connection.execute(sa.select(Stage.evaluations).where(*mine)).scalar_one():
-        return False
+        return None
+    chunks, kept = chunk_rows(run_id, position, 0, columns), len(columns.status)
     for chunk in chunks:
         connection.execute(sa.insert(EvaluationChunk).values(**chunk))
-    kept = sum(int(str(chunk["count"])) for chunk in chunks)
-    connection.execute(sa.update(Stage).where(*mine).values(evaluations=kept, counted=Stage.counted - kept))
-    return True
+    values = {"evaluations": kept, "counted": Stage.counted - kept, "best_index": lowest(columns)[1]}
+    connection.execute(sa.update(Stage).where(*mine).values(**values))
+    return sum(map(sizes.of_chunk, chunks))
 
 
 def drop(connection: sa.Connection, run_id: int, position: int) -> None:

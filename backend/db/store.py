@@ -146,11 +146,10 @@ class RunStore:
         """Store the lowest evaluations of a counted stage, which are counted already; again, if it was interrupted."""
 
         def work(connection: sa.Connection) -> None:
-            chunks = chunk_rows(self._run, position, 0, columns)
-            if sample_blocks.keep(connection, self._run, position, chunks):
-                fenced(connection, self.claim, size=Run.size + sum(map(sizes.of_chunk, chunks)))
-            else:
-                fenced(connection, self.claim, state=Run.state)
+            fenced(connection, self.claim, state=Run.state)
+            more = sample_blocks.keep(connection, self._run, position, columns)
+            if more is not None:
+                sizes.grow(connection, self._run, more)
 
         self._write(work)
 

@@ -19,9 +19,10 @@ from campaigns.asked.allowance import validation
 from campaigns.asked.proposal import ranked
 from campaigns.asked.spec import MAX_EVALUATIONS, Campaign
 from campaigns.asked.stages import Certify, Search
+from campaigns.asked.values import MAX_COUNTED
 from campaigns.catalogue import MethodEntry
 from campaigns.claims.say import Part, count, listed, method, number, say
-from campaigns.limits import FINDINGS
+from campaigns.limits import FINDINGS, STORED_WHOLE
 from campaigns.results.base import Described, Result
 from campaigns.results.search import SearchResult
 from campaigns.results.verdict import Check, Statistics
@@ -197,10 +198,18 @@ def _larger_sample(check: Check, ran: Ran) -> Iterator[Remedy]:
     certify = ran.campaign.stages.certify
     if certify is None:
         statement: tuple[Part, ...] = ("with an independent sample of ", count(wanted))
-        yield _remedy(RemedyKind.SAMPLE, statement, (("stages", "certify"), {"samples": wanted}))
-    elif wanted > certify.samples:
+        value: dict[str, JsonValue] = {"samples": wanted}
+        yield _remedy(RemedyKind.SAMPLE, statement, (("stages", "certify"), value | _keeping(wanted)))
+    elif wanted > certify.samples and (certify.grid is None or wanted <= MAX_EVALUATIONS):
         statement = ("with ", count(wanted), " samples")
-        yield _remedy(RemedyKind.SAMPLE, statement, (("stages", "certify", "samples"), wanted))
+        keeping = {} if certify.grid is not None else _keeping(wanted)
+        changes = [(("stages", "certify", name), new) for name, new in ({"samples": wanted} | keeping).items()]
+        yield _remedy(RemedyKind.SAMPLE, statement, *changes)
+
+
+def _keeping(samples: int) -> dict[str, JsonValue]:
+    """What a sample of this size keeps: of a large one the lowest flights."""
+    return {"keep": "lowest"} if samples > STORED_WHOLE else {}
 
 
 def _drawn_noise(check: Check, ran: Ran) -> Iterator[Remedy]:
@@ -254,7 +263,7 @@ def needed(violations: int, samples: int, goal: float, confidence: float) -> int
     if goal <= 0.0 or (samples and violations / samples >= goal):
         return None
     size = _rounded(max(math.ceil(math.log1p(-confidence) / math.log1p(-goal)), samples, 1))
-    while size <= MAX_EVALUATIONS:
+    while size <= MAX_COUNTED:
         expected = math.ceil(violations * size / samples) if samples else 0
         if bound(expected, size, confidence) <= goal:
             return size

@@ -122,6 +122,7 @@ stage = Declared(
     most=_most,
     again=_beyond,
     draws=_drawn,
+    partly=lambda campaign: campaign.stages.certify is not None and campaign.stages.certify.keep == "lowest",
     independent=True,
     against=True,
 )

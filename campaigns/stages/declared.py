@@ -29,6 +29,8 @@ class Declared:
     draws: Callable[[Campaign, int], int] | None = None
     """Of a stage whose evaluations may draw their own noise: how many of its first ones have surely drawn it when it
     has so many, before it has a result."""
+    partly: Callable[[Campaign], bool] = lambda campaign: False
+    """Whether it stores a part of its evaluations only: a continued run makes them again."""
     independent: bool = False
     """Whether it evaluates an independent sample of the distributions: of a simulator, each by one call."""
     against: bool = False

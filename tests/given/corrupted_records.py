@@ -72,12 +72,28 @@ def certifying(samples: int, *searches: dict[str, Any], **changes: Any) -> Campa
     return load_document(document)
 
 
+def counting(samples: int, **changes: Any) -> Campaign:
+    """With a sample of which only the lowest flights are stored."""
+    document = searching(DIRECT, SQP, **(SHORT | changes)).document()
+    document["stages"] |= {"certify": {"samples": samples, "keep": "lowest"}}
+    return load_document(document)
+
+
 RUNS: dict[str, Callable[[], Campaign]] = {
     "cleared": lambda: certifying(150, uncertain=NORMAL, correlations=PAIR),
     "violated": lambda: searching(DIRECT, SQP, SAMPLE, criterion__threshold=0.94175, stages__certify=None, **SHORT),
     "inconclusive": lambda: searching(DIRECT, scenario__horizon=1.0),
     "noisy": lambda: certifying(60, **NOISE),
     "alone": lambda: certifying(60, {"method": "auto", "evaluations": 300}),
+    "counted": lambda: counting(1500, uncertain=NORMAL, correlations=PAIR),
+    "counted noise": lambda: counting(1200, **NOISE),
+    "counted exclusions": lambda: counting(
+        1100,
+        uncertain={"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}},
+        scenario__start={"x": 3.0, "y": 3.0},
+        scenario__horizon=1.0,
+        criterion__threshold=0.6,
+    ),
     "excluded": lambda: searching(
         {"method": "monte_carlo", "evaluations": 100, "options": {"interval": 0.5}},
         uncertain={"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}},
@@ -98,7 +114,8 @@ FORGED: dict[str, Callable[[], Campaign]] = {
 }
 """As a service writes it that leaves out the check `sampling`."""
 
-VERDICTS = {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
+VERDICTS = {"counted": "cleared", "counted noise": "cleared", "counted exclusions": "inconclusive"}
+VERDICTS |= {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
 
 
 @cache
@@ -149,8 +166,11 @@ def stored(folder: Path, name: str) -> sa.Engine:
         columns = memory.evaluations(position)
         assert columns is not None
         assert record.result is not None
+        if memory.counted.get(position):
+            store.count(position, memory.counted[position])
+            store.keep(position, columns)
         half = len(columns.status) // 2
-        for rows in (slice(0, half), slice(half, None)):
+        for rows in () if memory.counted.get(position) else (slice(0, half), slice(half, None)):
             part = [getattr(columns, name)[rows] for name in ("points", "costs", "status", "seconds")]
             store.append(position, rows.start, columns._replace(**dict(zip(columns._fields, part, strict=False))))
         last = record.plan.kind == "validate"

@@ -123,7 +123,8 @@ class Sampled(Part):
 
 def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[evaluations.Evaluated]]:
     """The stage with a random sample, certify preferred to a search, and its first flights."""
-    query = sa.select(Stage.position, Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.evaluations > 0)
+    whole = (Stage.evaluations > 0, Stage.counted == 0)  # the lowest flights of a sample are no sample
+    query = sa.select(Stage.position, Stage.kind, Stage.method).where(Stage.run_id == run_id, *whole)
     stages = reader.execute(query.order_by(Stage.position)).all()
     catalogue = described(reader, run_id)
     titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods if m.kind == "random"}

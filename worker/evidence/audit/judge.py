@@ -145,6 +145,8 @@ def _stored(run: Run) -> Tree:
     method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
     worst = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
     total = {"stored": len(run.status), "succeeded": len(run.costs), "violating": sum(run.below), "lowest": run.lowest}
+    beside = sum(run.ended[k]["evaluations"] - int((run.stage == k).sum()) for k in run.counted)
+    total |= {"counted": beside} if beside else {}
     stages = zip(run.plan, run.best, run.ended, strict=True)
     stops = [_stop(run, k) for k in range(len(run.plan))]
     expected: Tree = {
@@ -168,7 +170,11 @@ def _stored(run: Run) -> Tree:
         expected["evaluations"]["flaky"] = run.flaky
     if "run" in run.claims:  # the columns of the database's table of runs
         expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.stated}
-        expected["run"] |= {"evaluations": len(run.status), "failed_evaluations": run.total["failed"]}
+        made = {name: sum(ended[name] for ended in run.ended) for name in ("evaluations", "failed")}
+        expected["run"] |= {"evaluations": made["evaluations"], "failed_evaluations": made["failed"]}
+        for k in run.counted:  # of these a row has the stored ones, and how many there are beside them
+            stored = int((run.stage == k).sum())
+            expected["stages"][k] |= {"evaluations": stored, "counted": run.ended[k]["evaluations"] - stored}
         expected["run"] |= {"worst_method": method, "upper_bound": run.bound}
         if run.sealed:
             expected["run"] |= {"planned": most(run.campaign), "state": "done", "error": None}

@@ -106,7 +106,8 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
         raise CannotContinue(
             "its stages were planned by another version of Clearance; run the campaign again", RefusalCode.OTHER_PLAN
         )
-    found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if not declared()[kind].of_findings}
+    kinds = {kind for kind, stage in declared().items() if not (stage.of_findings or stage.partly(old))}
+    found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if kind in kinds}
     return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
 
 

@@ -31,6 +31,7 @@ def add(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[
     best = connection.execute(sa.select(Stage.best).where(*mine)).scalar_one()
     values: dict[str, object] = {
         "counted": Stage.counted + sum(b.draws for b in blocks),
+        "violations": Stage.violations + sum(b.violations for b in blocks),
         "failed": Stage.failed + sum(b.failed for b in blocks),
         "excluded": Stage.excluded + sum(b.excluded for b in blocks),
         "seconds": max(b.seconds for b in blocks),

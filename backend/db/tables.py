@@ -181,6 +181,8 @@ class Stage(Base):
     """Those that are stored."""
     counted: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, default=0, server_default="0")
     """Those beside them that are only counted: of a sample of which the lowest are stored."""
+    violations: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, default=0, server_default="0")
+    """Of such a sample, those that failed included."""
     failed: orm.Mapped[int] = orm.mapped_column(default=0)
     excluded: orm.Mapped[int] = orm.mapped_column(default=0)
     best: orm.Mapped[float | None]

@@ -35,7 +35,8 @@ def of(row: Any, excluded: int) -> dict[str, int]:
 def columns(schema: type[BaseModel]) -> list[Any]:
     """What is read of the stages for this schema: their evaluations are those that are stored or only counted."""
     named = {"evaluations": Stage.evaluations + Stage.counted, "stored": Stage.evaluations}
-    return [(named[name] if name in named else getattr(Stage, name)).label(name) for name in schema.model_fields]
+    read = [name for name in schema.model_fields if name != "so_far"]
+    return [(named[name] if name in named else getattr(Stage, name)).label(name) for name in read]
 
 
 def excluded(reader: sa.Connection, ids: Sequence[int]) -> dict[int, int]:

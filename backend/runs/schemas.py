@@ -12,6 +12,7 @@ from campaigns import Catalogue
 from campaigns.documents import JsonObject
 from campaigns.identity.identity import Identity
 from campaigns.results import Verdict
+from campaigns.results.sample import SoFar
 from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.runs import RunState, StageState
@@ -83,6 +84,8 @@ class StageProgress(Schema):
     seconds: float
     started: Instant | None
     finished: Instant | None
+    so_far: SoFar | None = None
+    """Of a sample of which only the lowest are stored, while it is drawn."""
 
     @computed_field  # type: ignore[prop-decorator]
     @property

@@ -10,7 +10,7 @@ from backend.db import baselines
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from backend.http.errors import RefusedError, not_found
-from backend.runs import counts, identity, listing, pace
+from backend.runs import counts, identity, listing, pace, so_far
 from backend.runs.earlier import terms_of
 from backend.runs.schemas import (
     RunBaseline,
@@ -137,7 +137,8 @@ def _ran(reader: sa.Connection, run_id: int, campaign: Campaign, verdict: Verdic
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:
     """The state of a run's stages, without their results."""
     rows = reader.execute(sa.select(*counts.columns(StageProgress)).where(Stage.run_id == run_id).order_by(Stage.position))
-    return [StageProgress.model_validate(dict(row._mapping)) for row in rows]
+    drawn = so_far.of_run(reader, run_id)
+    return [StageProgress.model_validate({**row._mapping, "so_far": drawn.get(row.position)}) for row in rows]
 
 
 def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:

@@ -69,6 +69,17 @@ class Sample(Described):
     """Of the certify stage."""
 
 
+class SoFar(Described):
+    """A sample of which only the lowest are stored, while it is drawn: nothing is decided before it is whole."""
+
+    samples: int
+    violations: int
+    upper_bound: float
+    """On P(violation), if it ended now."""
+    at_end: float
+    """If none of the others violates."""
+
+
 class GridPoint(Result):
     """An evaluation of the grid."""
 

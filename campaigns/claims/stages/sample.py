@@ -131,6 +131,15 @@ def certified(drawing: Spans, quantile: Spans, samples: int, requested: int) -> 
     return say(drawing, "; ", quantile, short if samples < requested else ())
 
 
+def so_far(violations: int, samples: int, upper: float, left: int, at_end: float) -> Spans:
+    """A sample that is being drawn: its bound if it ended now, and its bound if none of those left violates."""
+    return say(
+        *("so far ", count(violations, "violations"), " of ", count(samples, "samples"), " samples violate the criterion"),
+        *(": P(violation) is at most ", percent(upper, name="upper_bound"), " if it ended now, "),
+        *(percent(at_end, name="at_end"), " if none of the other ", count(left, "left"), " does"),
+    )
+
+
 def grid(points: int, total: int, lowest: tuple[str, float, str] | None, violations: int, failed: int) -> Spans:
     """A full grid; lowest: the criterion, its value and unit."""
     found = say("none of them could be evaluated")

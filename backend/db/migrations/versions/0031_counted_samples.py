@@ -11,6 +11,7 @@ down_revision = "0030"
 
 def upgrade() -> None:
     op.add_column("stages", sa.Column("counted", sa.BigInteger(), nullable=False, server_default="0"))
+    op.add_column("stages", sa.Column("violations", sa.BigInteger(), nullable=False, server_default="0"))
     op.create_table(
         "sample_blocks",
         sa.Column("run_id", sa.Integer(), primary_key=True),

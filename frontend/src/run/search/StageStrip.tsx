@@ -119,6 +119,7 @@ const shareOf = (stage: StageProgress): number =>
 
 function textOf(run: RunDetail, kind: StageSummary, stages: StageProgress[]): string {
   const running = stages.find((stage) => stage.state === 'running')
+  if (running?.so_far) return running.so_far.text
   if (running?.method) {
     const { title } = methodLook(running.method)
     return stages.length > 1 ? `${title}, ${stages.indexOf(running) + 1} of ${kind.description}` : title

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from campaigns.results.base import Result, Status, Stop, Values
 from campaigns.results.indices import IndexStudy
@@ -35,6 +35,14 @@ class Reevaluated(Result):
     """The noise seed with which it was evaluated; null for the realisations of the campaign."""
 
 
+class Made(NamedTuple):
+    """Evaluations of a stage, stored or not."""
+
+    evaluations: int
+    failed: int
+    excluded: int
+
+
 class StageResult(Result):
     """What all results of stages have in common; which types there are is in `campaigns.stages.found`.
 
@@ -55,6 +63,11 @@ class StageResult(Result):
     @property
     def seeds(self) -> list[int] | None:
         """The noise seeds of these evaluations, in their order; None if they follow from the seed of the sample."""
+        return None
+
+    @property
+    def made(self) -> Made | None:
+        """All of its evaluations where it stores only some of them; None if it stores all."""
         return None
 
     @property

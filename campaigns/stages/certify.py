@@ -8,7 +8,7 @@ from campaigns.asked.spec import Campaign
 from campaigns.limits import DRAWS
 from campaigns.results.base import Result, Stop
 from campaigns.results.sample import Certificate, GridResult
-from campaigns.results.stage import StageResult
+from campaigns.results.stage import Made, StageResult
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.declared import Declared
 from campaigns.stored.blocks import KEPT
@@ -67,6 +67,10 @@ class CertifyResult(Certificate, StageResult):
         return self.realisations
 
     @property
+    def made(self) -> Made | None:
+        return None if self.flights is None else Made(self.evaluations, self.failed, self.excluded)
+
+    @property
     def counted(self) -> int:
         return 0 if self.flights is None else self.evaluations - len(self.flights)
 
@@ -97,11 +101,12 @@ def _most(campaign: Campaign, planned: int) -> int:
 
 
 def _beyond(campaign: Campaign) -> int:
-    """Every stored evaluation of a closed loop is simulated on beyond the horizon; all draws where few are stored."""
-    if campaign.scenario is None:
-        return 0
+    """Every stored evaluation of a closed loop is simulated on beyond the horizon; draws that are not stored come in
+    addition."""
     certify, planned = campaign.stages.certify, sum(planned for _, planned in _planned(campaign))
-    return planned + KEPT if certify is not None and certify.keep == "lowest" else planned
+    counted = certify is not None and certify.keep == "lowest"
+    onward = 0 if campaign.scenario is None else KEPT if counted else planned
+    return onward + (DRAWS * planned if counted else 0)
 
 
 def _drawn(campaign: Campaign, evaluations: int) -> int:

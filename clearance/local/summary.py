@@ -6,6 +6,7 @@ from campaigns import Campaign
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from campaigns.results.stage import Made
 from clearance.local.failures import failures
 from worker.running.runs.store import MemoryStore
 
@@ -52,13 +53,15 @@ def _stage(store: MemoryStore, position: int) -> dict[str, object]:
     if columns is not None and status.count(OK):
         best = float(columns.costs[columns.status == OK, 0].min())
     stop = None if result is None else result.ended
+    made = None if result is None else result.made
+    if made is None:
+        failed = status.count(FAILED) + status.count(TIMEOUT)
+        made = Made(len(status), failed, status.count(EXCLUDED))
     return {
         "kind": record.plan.kind,
         "method": record.plan.method,
         "best": best,
-        "evaluations": len(status),
-        "failed": status.count(FAILED) + status.count(TIMEOUT),
-        "excluded": status.count(EXCLUDED),
+        **made._asdict(),
         "seconds": record.seconds,
         "stop": None if stop is None else stop.text,
         "minima": [m.model_dump() for m in result.minima] if isinstance(result, SearchResult) else [],

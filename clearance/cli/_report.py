@@ -17,7 +17,7 @@ from campaigns.claims.say import listed
 from campaigns.claims.spans import words
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, StageResult, ValidateResult, Verdict, verdicts
-from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from campaigns.results.base import OK
 from campaigns.results.regression import Regression, Standing
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
@@ -25,6 +25,7 @@ from clearance.cli import INCONCLUSIVE, VIOLATED
 from clearance.cli._ended import changes, code, sureness
 from clearance.local.failures import lines as failures
 from clearance.local.progress import named
+from clearance.local.summary import made
 from worker.running.runs.store import MemoryStore
 
 if TYPE_CHECKING:
@@ -90,15 +91,11 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
     for position, record in enumerate(store.stages):
         columns = store.evaluations(position)
         ok = None if columns is None else columns.costs[columns.status == OK, 0]
-        failed = 0 if columns is None else int(((columns.status == FAILED) | (columns.status == TIMEOUT)).sum())
-        excluded = 0 if columns is None else int((columns.status == EXCLUDED).sum())
         result = record.result
         table.add_row(
             named(record.plan.kind, record.plan.method),
             "" if ok is None or not len(ok) else number(float(ok.min())),
-            "0" if columns is None else count(len(columns.status)),
-            count(failed),
-            count(excluded),
+            *map(count, made(store, position)),
             f"{record.seconds:.2f}",
             _ended(result),
         )
@@ -108,9 +105,10 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
             table.add_row(escape(f"  from {_values(minimum.start or {})}"), *cells, style="dim")
     counts = verdict.evaluations or Counts(stored=0, succeeded=0, failed=0, excluded=0)
     lowest = "" if counts.lowest is None else number(counts.lowest)
+    lost = [sum(made(store, position)[k] for position in range(len(store.stages))) for k in (1, 2)]
     time = f"{sum(record.seconds for record in store.stages):.2f}"
     table.add_section()
-    table.add_row("all stages", lowest, *map(count, (counts.stored, counts.failed, counts.excluded)), time, "")
+    table.add_row("all stages", lowest, *map(count, (counts.stored + counts.counted, *lost)), time, "")
     return table
 
 

@@ -45,6 +45,15 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
     }
 
 
+def made(store: MemoryStore, position: int) -> Made:
+    """The evaluations of a stage, whether they are stored or only counted."""
+    columns, result = store.evaluations(position), store.stages[position].result
+    if result is not None and result.made is not None:
+        return result.made
+    status = [] if columns is None else columns.status.tolist()
+    return Made(len(status), status.count(FAILED) + status.count(TIMEOUT), status.count(EXCLUDED))
+
+
 def _stage(store: MemoryStore, position: int) -> dict[str, object]:
     record, columns = store.stages[position], store.evaluations(position)
     result = record.result
@@ -53,15 +62,11 @@ def _stage(store: MemoryStore, position: int) -> dict[str, object]:
     if columns is not None and status.count(OK):
         best = float(columns.costs[columns.status == OK, 0].min())
     stop = None if result is None else result.ended
-    made = None if result is None else result.made
-    if made is None:
-        failed = status.count(FAILED) + status.count(TIMEOUT)
-        made = Made(len(status), failed, status.count(EXCLUDED))
     return {
         "kind": record.plan.kind,
         "method": record.plan.method,
         "best": best,
-        **made._asdict(),
+        **made(store, position)._asdict(),
         "seconds": record.seconds,
         "stop": None if stop is None else stop.text,
         "minima": [m.model_dump() for m in result.minima] if isinstance(result, SearchResult) else [],

@@ -12,7 +12,6 @@ import sqlalchemy as sa
 from backend.db import sizes
 from backend.db.rows import chunk_rows, lowest
 from backend.db.tables import EvaluationChunk, SampleBlock, Stage
-from campaigns.results.base import OK
 from campaigns.stored.blocks import Block, packed, unpacked
 from campaigns.stored.records import Columns
 
@@ -36,9 +35,9 @@ def add(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[
         "excluded": Stage.excluded + sum(b.excluded for b in blocks),
         "seconds": max(b.seconds for b in blocks),
     }
-    found = [float(b.kept.costs[b.kept.status == OK, 0][:1].min(initial=float("inf"))) for b in blocks]
-    if min(found) < (float("inf") if best is None else best):
-        values["best"] = min(found)
+    lowest_known = [value for value in (best, *(b.lowest for b in blocks)) if value is not None]
+    if lowest_known:
+        values["best"] = min(lowest_known)
     connection.execute(sa.update(Stage).where(*mine).values(**values))
 
 

@@ -136,7 +136,9 @@ def _ran(reader: sa.Connection, run_id: int, campaign: Campaign, verdict: Verdic
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:
     """The state of a run's stages, without their results."""
-    rows = reader.execute(sa.select(*counts.columns(StageProgress)).where(Stage.run_id == run_id).order_by(Stage.position))
+    rows = reader.execute(
+        sa.select(*counts.columns(StageProgress)).where(Stage.run_id == run_id).order_by(Stage.position)
+    )
     drawn = so_far.of_run(reader, run_id)
     return [StageProgress.model_validate({**row._mapping, "so_far": drawn.get(row.position)}) for row in rows]
 
@@ -144,7 +146,9 @@ def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:
 def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
     """The stages of a run with their results, or 404."""
     require(reader, run_id)
-    rows = reader.execute(sa.select(*counts.columns(StageDetail)).where(Stage.run_id == run_id).order_by(Stage.position))
+    rows = reader.execute(
+        sa.select(*counts.columns(StageDetail)).where(Stage.run_id == run_id).order_by(Stage.position)
+    )
     with readable(f"a result of {run_name(run_id)}"):
         terms = terms_of(reader, run_id)
         return [StageDetail.model_validate(earlier.spoken(dict(row._mapping), terms)) for row in rows]

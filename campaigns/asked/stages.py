@@ -7,7 +7,17 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from campaigns import limits
-from campaigns.asked.values import AS_NUMBER, AS_WHOLE, MAX_COUNTED, MAX_EVALUATIONS, Identifier, Number, Option, Path, Strict
+from campaigns.asked.values import (
+    AS_NUMBER,
+    AS_WHOLE,
+    MAX_COUNTED,
+    MAX_EVALUATIONS,
+    Identifier,
+    Number,
+    Option,
+    Path,
+    Strict,
+)
 from campaigns.documented import UNLESS_STATED, no_default
 
 

@@ -14,7 +14,7 @@ import zlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,8 @@ from campaigns.results.base import EXCLUDED, OK
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-KEPT = 1000
-"""The lowest flights of a sample that are stored, failed ones first."""
+KEPT, FAILURES = 1000, 1000
+"""The lowest flights of a sample that are stored, and the first of those without a result."""
 BINS = 1000
 """Of the histogram, besides what is below and above it."""
 MOST, LEAST = 1024, 64
@@ -58,49 +58,62 @@ class Scale:
         return np.bincount(np.searchsorted(self.edges, costs), minlength=BINS + 2)
 
 
+class Last(NamedTuple):
+    """What a flight must be below to be kept: cost and index among those that have a cost, index among the others."""
+
+    cost: float = math.inf
+    index: int = 0
+    failed: float = math.inf
+
+
 @dataclass(frozen=True)
 class Kept:
-    """Flights by their index in the sample, those without a result first, then the lowest: indices and status (k,),
-    costs (k, criteria), NaN unless ok."""
+    """Flights by their index in the sample, the lowest first, then those without a result: indices and status (k,),
+    points (k, n), costs (k, criteria), NaN unless ok."""
 
     indices: Whole
+    points: Floats
     costs: Floats
     status: NDArray[np.uint8]
     reasons: Mapping[int, str]
     """Why one is not ok, by its index."""
 
     @staticmethod
-    def lowest(indices: Whole, costs: Floats, status: NDArray[np.uint8], reasons: Mapping[int, str]) -> Kept:
-        """The lowest of these flights by the first criterion; those without a result may be lower."""
-        rows = np.flatnonzero(status != EXCLUDED)
-        rank = np.where(status[rows] == OK, costs[rows, 0], -np.inf)
-        rows = rows[np.lexsort((indices[rows], rank))[:KEPT]]
+    def lowest(
+        indices: Whole, points: Floats, costs: Floats, status: NDArray[np.uint8], reasons: Mapping[int, str]
+    ) -> Kept:
+        """The lowest of these flights by the first criterion, and the first of those without a result."""
+        ok, lost = np.flatnonzero(status == OK), np.flatnonzero((status != OK) & (status != EXCLUDED))
+        ok = ok[np.lexsort((indices[ok], costs[ok, 0]))[:KEPT]]
+        rows = np.concatenate([ok, lost[np.argsort(indices[lost])[:FAILURES]]])
         kept = {int(i): reasons[int(i)] for i in indices[rows] if int(i) in reasons}
-        return Kept(indices[rows], costs[rows], status[rows], kept)
+        return Kept(indices[rows], points[rows], costs[rows], status[rows], kept)
 
     @property
-    def last(self) -> tuple[float, int] | None:
-        """What a flight must be below to be among the lowest, as cost and index; None while there is room."""
-        if len(self.indices) < KEPT:
-            return None
-        return (float(self.costs[-1, 0]) if self.status[-1] == OK else -math.inf), int(self.indices[-1])
+    def last(self) -> Last:
+        """What others must be below."""
+        ok = np.flatnonzero(self.status == OK)
+        failed = self.indices[len(ok) :]
+        end = math.inf if len(failed) < FAILURES else float(failed[-1])
+        if len(ok) < KEPT:
+            return Last(failed=end)
+        return Last(float(self.costs[ok[-1], 0]), int(self.indices[ok[-1]]), end)
 
-    def below(self, last: tuple[float, int] | None) -> Kept:
-        """Those that can be among the lowest."""
-        if last is None:
-            return self
-        cost, index = last
-        value = np.where(self.status == OK, self.costs[:, 0], -np.inf)
-        rows = (value < cost) | ((value == cost) & (self.indices <= index))
-        reasons = {i: why for i, why in self.reasons.items() if i in set(self.indices[rows].tolist())}
-        return Kept(self.indices[rows], self.costs[rows], self.status[rows], reasons)
+    def below(self, last: Last) -> Kept:
+        """Those that can be among the lowest of their sample, or among its first without a result."""
+        value = self.costs[:, 0]
+        lower = (value < last.cost) | ((value == last.cost) & (self.indices <= last.index))
+        rows = np.where(self.status == OK, lower | math.isinf(last.cost), self.indices <= last.failed)
+        inside = set(self.indices[rows].tolist())
+        reasons = {i: why for i, why in self.reasons.items() if i in inside}
+        return Kept(self.indices[rows], self.points[rows], self.costs[rows], self.status[rows], reasons)
 
     @staticmethod
     def joined(parts: Sequence[Kept]) -> Kept:
         """The lowest of all."""
         reasons = {index: why for part in parts for index, why in part.reasons.items()}
-        columns = (np.concatenate([getattr(p, name) for p in parts]) for name in ("indices", "costs", "status"))
-        return Kept.lowest(*columns, reasons)
+        names = "indices", "points", "costs", "status"
+        return Kept.lowest(*(np.concatenate([getattr(p, name) for p in parts]) for name in names), reasons)
 
 
 @dataclass(frozen=True)
@@ -115,8 +128,9 @@ class Block:
     total: float
     """The sum of the costs above the low end of the scale."""
     squares: float
-    highest: float | None
+    lowest: float | None
     """None if no cost is known."""
+    highest: float | None
     bins: Whole
     kept: Kept
     exclusions: Mapping[str, int]
@@ -130,13 +144,14 @@ class Block:
     def evaluated(self) -> int:
         return self.draws - self.excluded
 
-    def without(self, last: tuple[float, int] | None) -> Block:
-        """The block without the flights that cannot be among the lowest of its sample."""
+    def without(self, last: Last) -> Block:
+        """The block without the flights that its sample does not keep."""
         return replace(self, kept=self.kept.below(last))
 
 
 def counted(
     first: int,
+    points: Floats,
     costs: Floats,
     status: NDArray[np.uint8],
     reasons: Mapping[int, str],
@@ -144,7 +159,7 @@ def counted(
     threshold: float,
     seconds: float = 0.0,
 ) -> Block:
-    """Count the draws from index `first` on: costs (m, criteria), status (m,), the reasons by row."""
+    """Count the draws from index `first` on: points (m, n), costs (m, criteria), status (m,), the reasons by row."""
     ok = costs[status == OK, 0]
     excluded = int(np.count_nonzero(status == EXCLUDED))
     failed = len(status) - excluded - len(ok)
@@ -158,9 +173,10 @@ def counted(
         violations=int(np.count_nonzero(ok <= threshold)) + failed,
         total=float(above.sum()),
         squares=float((above * above).sum()),
+        lowest=float(ok.min()) if len(ok) else None,
         highest=float(ok.max()) if len(ok) else None,
         bins=scale.counts(ok),
-        kept=Kept.lowest(indices, costs, status, {first + row: why for row, why in reasons.items()}),
+        kept=Kept.lowest(indices, points, costs, status, {first + row: why for row, why in reasons.items()}),
         exclusions=Counter(reasons.get(int(row), "") for row in np.flatnonzero(status == EXCLUDED)),
         digest=digest_of(costs, status),
         seconds=seconds,
@@ -224,6 +240,10 @@ class Counted:
         return Kept.joined([block.kept for block in self.blocks])
 
     @property
+    def lowest(self) -> float | None:
+        return min((block.lowest for block in self.blocks if block.lowest is not None), default=None)
+
+    @property
     def highest(self) -> float | None:
         return max((block.highest for block in self.blocks if block.highest is not None), default=None)
 
@@ -250,7 +270,7 @@ def packed(block: Block) -> bytes:
         **{name: getattr(block, name) for name in _PLAIN},
         "bins": [filled.tolist(), block.bins[filled].tolist()],
         "exclusions": dict(block.exclusions),
-        "kept": [_text(kept.indices), _text(kept.costs), _text(kept.status), list(kept.costs.shape)],
+        "kept": [_text(kept.indices), _text(kept.points), _text(kept.costs), _text(kept.status)],
         "reasons": {str(index): why for index, why in kept.reasons.items()},
     }
     return zlib.compress(json.dumps(document).encode())
@@ -261,14 +281,16 @@ def unpacked(stored: bytes) -> Block:
     document = json.loads(zlib.decompress(stored))
     bins: Whole = np.zeros(BINS + 2, dtype=np.int64)
     bins[document["bins"][0]] = document["bins"][1]
-    indices, costs, status, shape = document["kept"]
+    indices, points, costs, status = document["kept"]
+    count = len(_array(indices, np.int64))
     return Block(
         **{name: document[name] for name in _PLAIN},
         bins=bins,
         exclusions=document["exclusions"],
         kept=Kept(
             _array(indices, np.int64),
-            _array(costs, np.float64).reshape(shape),
+            _array(points, np.float64).reshape(count, -1) if count else np.empty((0, 1)),
+            _array(costs, np.float64).reshape(count, -1) if count else np.empty((0, 1)),
             _array(status, np.uint8),
             {int(index): why for index, why in document["reasons"].items()},
         ),
@@ -276,7 +298,7 @@ def unpacked(stored: bytes) -> Block:
 
 
 _PLAIN = (
-    *("first", "draws", "failed", "excluded", "violations", "total", "squares", "highest"),
+    *("first", "draws", "failed", "excluded", "violations", "total", "squares", "lowest", "highest"),
     *("digest", "seconds"),
 )
 

@@ -108,7 +108,16 @@ def blocks(samples: int = 5000) -> list[Block]:
     status[3::40] = EXCLUDED
     scale = Scale.about(0.1, 0.5)
     return [
-        counted(at, values[at : at + 512], status[at : at + 512], {7: "it broke"}, scale, 0.1, at / 512)
+        counted(
+            at,
+            values[at : at + 512],
+            values[at : at + 512],
+            status[at : at + 512],
+            {7: "it broke"},
+            scale,
+            0.1,
+            at / 512,
+        )
         for at in range(0, samples, 512)
     ]
 
@@ -126,6 +135,7 @@ def test_a_counted_sample_goes_on_where_it_was_and_leaves_its_lowest(store: RunS
         assert one.bins.tolist() == other.bins.tolist()
         assert one.exclusions == other.exclusions
         assert one.kept.costs.tobytes() == other.kept.costs.tobytes()
+        assert one.kept.points.tobytes() == other.kept.points.tobytes()
         assert one.kept.indices.tolist() == other.kept.indices.tolist()
         assert one.kept.status.tolist() == other.kept.status.tolist()
         assert one.kept.reasons == other.kept.reasons

@@ -134,7 +134,13 @@ def certified(drawing: Spans, quantile: Spans, samples: int, requested: int) -> 
 def so_far(violations: int, samples: int, upper: float, left: int, at_end: float) -> Spans:
     """A sample that is being drawn: its bound if it ended now, and its bound if none of those left violates."""
     return say(
-        *("so far ", count(violations, "violations"), " of ", count(samples, "samples"), " samples violate the criterion"),
+        *(
+            "so far ",
+            count(violations, "violations"),
+            " of ",
+            count(samples, "samples"),
+            " samples violate the criterion",
+        ),
         *(": P(violation) is at most ", percent(upper, name="upper_bound"), " if it ended now, "),
         *(percent(at_end, name="at_end"), " if none of the other ", count(left, "left"), " does"),
     )

@@ -17,7 +17,7 @@ from campaigns.asked.stages import Certify
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as sentences
 from campaigns.limits import DRAWS
-from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.base import EXCLUDED
 from campaigns.results.draws import of_draws
 from campaigns.results.sample import GridPoint, GridResult
 from campaigns.stages.certify import Blocks, CertifyResult
@@ -95,7 +95,7 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
     sample = Sample.of_counted(found, problem, context.campaign.confidence, kind)
     quantile = sample.quantile(request.quantile, problem.quantity, problem.unit)
     drawn = sample.statement()
-    columns, flights = kept(drawing, found), np.sort(found.kept.indices)
+    columns, flights = kept(found), np.sort(found.kept.indices)
     context.store.keep(position, columns)
     context.columns[position] = columns
     own = problem.realisations.random
@@ -119,13 +119,12 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
 
 
 def _blocks(found: Counted) -> Blocks:
-    lowest = [block.kept.costs[block.kept.status == OK, 0][:1].tolist() for block in found.blocks]
     return Blocks(
         draws=[block.draws for block in found.blocks],
         violations=[block.violations for block in found.blocks],
         failed=[block.failed for block in found.blocks],
         excluded=[block.excluded for block in found.blocks],
-        lowest=[next(iter(one), None) for one in lowest],
+        lowest=[block.lowest for block in found.blocks],
         digests=[block.digest for block in found.blocks],
         totals=[block.total for block in found.blocks],
         squares=[block.squares for block in found.blocks],

@@ -102,33 +102,33 @@ def fitting(blocks: Tree, requested: int, flights: Any, costs: Any, status: Any,
         blocks["draws"]
     ):
         return number, 0
-    whole = total["evaluations"] - total["excluded"] <= limits.KEPT
-    # Where no more than these are kept, all that failed or violate at least as much as the last are among them.
-    last = math.inf if whole else max(np.where(status == OK, costs, -math.inf).tolist(), default=-math.inf)
-    if len(flights) != min(limits.KEPT, total["evaluations"] - total["excluded"]):
+    known = total["evaluations"] - total["failed"] - total["excluded"]
+    ok = status == OK
+    if (int(ok.sum()), int((~ok).sum())) != (min(limits.KEPT, known), min(limits.FAILURES, total["failed"])):
         return number, 0
+    # Below this cost every flight is kept, and every failed one where they are few.
+    last = math.inf if known <= limits.KEPT else max(costs[ok].tolist())
+    every = total["failed"] <= limits.FAILURES
     first, fits = 0, 0
     for row, size in enumerate(_sizes(requested, blocks)):
         if row >= number or blocks["draws"][row] != size:
             break
         inside = (flights >= first) & (flights < first + size)
         own, lost = costs[inside & (status == OK)], int(np.count_nonzero(inside & (status != OK)))
-        fits += _fits({name: blocks[name][row] for name in (*COUNTED, "lowest")}, own, lost, last, threshold)
+        block = {name: blocks[name][row] for name in (*COUNTED, "lowest")}
+        fits += _fits(block, own, last, threshold) and (
+            lost == block["failed"] or (not every and lost < block["failed"])
+        )
         first += size
     return number, fits if first == sum(blocks["draws"]) else 0
 
 
-def _fits(block: Tree, kept: Any, lost: int, last: float, threshold: float) -> bool:
-    """One block against its kept flights; last: below this cost every flight is kept."""
-    below = int(np.count_nonzero(kept <= threshold)) + lost
+def _fits(block: Tree, kept: Any, last: float, threshold: float) -> bool:
+    """One block against its kept flights that have a cost; last: below this cost every flight is kept."""
     counted = 0 <= block["failed"] <= block["violations"] <= block["draws"] - block["excluded"]
-    if last == -math.inf:  # failed flights alone fill what is kept
-        return counted and lost <= block["failed"] and not len(kept)
-    lowest = block["lowest"]
-    low = (lowest is None or lowest >= last) if not len(kept) else lowest == float(kept.min())
-    exact = threshold < last
-    agree = below == block["violations"] if exact else below <= block["violations"]
-    return counted and lost == block["failed"] and low and agree
+    lowest, below = block["lowest"], int(np.count_nonzero(kept <= threshold)) + block["failed"]
+    low = lowest == float(kept.min()) if len(kept) else lowest is None or lowest >= last
+    return counted and low and (below == block["violations"] if threshold < last else below <= block["violations"])
 
 
 def _sizes(requested: int, blocks: Tree) -> Iterator[int]:

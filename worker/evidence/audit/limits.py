@@ -18,9 +18,10 @@ SPOT_CHECKS, VIOLATIONS = 200, 200
 SAMPLE = 59
 TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 2
-KEPT, BINS = 1000, 1000
-"""Of a sample of which only the lowest flights are stored: how many, and the bins of its histogram."""
-COUNTED = 2**22
+KEPT, FAILURES, BINS = 1000, 1000, 1000
+"""Of a sample of which only the lowest flights are stored: how many of these, how many without a result, and the bins of
+its histogram."""
+COUNTED = 2**24
 """Its random stream."""
 
 

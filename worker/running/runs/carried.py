@@ -31,7 +31,7 @@ def _replayed(cited: Cited, records: Sequence[StageRecord]) -> list[int]:
     for position, (before, record) in enumerate(zip(cited.stages, records, strict=False)):
         if before.plan != record.plan or not _same(cited.begun, record):
             break
-        if position not in cited.evaluations or (before.result is not None and before.result.counted):
+        if position not in cited.evaluations or (before.result is not None and before.result.made is not None):
             break
         found.append(position)
     return found

@@ -10,7 +10,7 @@ import pytest
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.draws import uniform
 from campaigns.stages.certify import CertifyResult
-from campaigns.stored.blocks import KEPT, Counted, Kept, Scale, counted, size
+from campaigns.stored.blocks import FAILURES, KEPT, Counted, Kept, Scale, counted, size
 from tests.given.sampled_stages import THRESHOLD, asked, context, costs, evaluate
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import certify
@@ -51,7 +51,7 @@ def test_it_claims_what_all_flights_claim() -> None:
 @pytest.mark.parametrize("share", [0.01, 0.05, 0.5, 0.99])
 def test_a_quantile_is_never_bounded_above_that_of_all_flights(share: float) -> None:
     values, scale = expected(), Scale.about(THRESHOLD, 1.5)
-    block = counted(0, values[:, None], np.zeros(SAMPLES, np.uint8), {}, scale, THRESHOLD)
+    block = counted(0, values[:, None], values[:, None], np.zeros(SAMPLES, np.uint8), {}, scale, THRESHOLD)
     exact, binned = (
         Sample(shape, 0, 0, 0, 0.0, 0.95).quantile(share, "d_min", "m").bound
         for shape in (Ordered(np.sort(values)), Binned(Counted.of([block], scale)))
@@ -151,7 +151,10 @@ def test_blocks_of_any_division_show_the_same() -> None:
     status[5::211] = EXCLUDED
     one, many = (
         Counted.of(
-            [counted(a, values[a : a + n, None], status[a : a + n], {}, scale, THRESHOLD) for a in range(0, SAMPLES, n)],
+            [
+                counted(a, values[a : a + n, None], values[a : a + n, None], status[a : a + n], {}, scale, THRESHOLD)
+                for a in range(0, SAMPLES, n)
+            ],
             scale,
         )
         for n in (SAMPLES, 64)
@@ -164,13 +167,25 @@ def test_blocks_of_any_division_show_the_same() -> None:
 
 def test_a_missing_block_is_refused() -> None:
     scale = Scale.about(THRESHOLD, None)
-    blocks = [counted(a, np.ones((64, 1)), np.zeros(64, np.uint8), {}, scale, THRESHOLD) for a in (0, 128)]
+    blocks = [
+        counted(a, np.ones((64, 1)), np.ones((64, 1)), np.zeros(64, np.uint8), {}, scale, THRESHOLD) for a in (0, 128)
+    ]
     with pytest.raises(ValueError, match="draw 64 is expected, given that of draw 128"):
         Counted.of(blocks, scale)
 
 
-def test_the_lowest_are_those_without_a_result_then_by_cost() -> None:
+def test_those_without_a_result_are_kept_beside_the_lowest() -> None:
     at, low = np.arange(4), np.array([[3.0], [np.nan], [1.0], [0.5]])
-    kept = Kept.lowest(at, low, np.array([OK, FAILED, OK, EXCLUDED], np.uint8), {1: "broke"})
-    assert kept.indices.tolist() == [1, 2, 0]
+    kept = Kept.lowest(at, low, low, np.array([OK, FAILED, OK, EXCLUDED], np.uint8), {1: "broke"})
+    assert kept.indices.tolist() == [2, 0, 1]
     assert kept.reasons == {1: "broke"}
+
+
+def test_many_failures_displace_no_violation() -> None:
+    of, found = ran(flown=evaluate(failing=lambda x: x[:, 0] > 0.9))
+    columns, points = of.store.evaluations(0), uniform(1, STREAM, 0, SAMPLES, 2)
+    assert columns is not None
+    ok = costs(points[points[:, 0] <= 0.9])
+    assert found.sample.lowest == ok.min() == columns.costs[columns.status == OK, 0].min()
+    assert ((columns.status == OK).sum(), (columns.status == FAILED).sum()) == (KEPT, FAILURES)
+    assert columns.costs[columns.status == OK, 0].max() == np.sort(ok)[KEPT - 1]

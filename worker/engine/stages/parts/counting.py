@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from campaigns.limits import DRAWS
-from campaigns.results.base import OK
 from campaigns.results.draws import of_draws, uniform
 from campaigns.stored.blocks import Block, Counted, Kept, Scale, counted, size
 from worker.engine.problem.problem import Problem
@@ -23,7 +22,7 @@ from worker.engine.stages.parts.base import Cancelled, Context, Tally
 from worker.engine.stages.parts.store import Columns
 from worker.engine.systems.base import Floats, Seeds, System
 
-STREAM = 2**22
+STREAM = 2**24
 """Index of the random stream; that of a sample which is stored whole is another."""
 SAVED = 1.0
 """Time between two writes [s]."""
@@ -132,7 +131,14 @@ class Counting:
             whys = {at - row: why for at, why in reasons.items() if row <= at < row + draws.count}
             threshold = self.context.problem.threshold
             yield counted(
-                draws.first, batch.costs[rows], batch.status[rows], whys, self.scale, threshold, since + ended
+                draws.first,
+                points[rows],
+                batch.costs[rows],
+                batch.status[rows],
+                whys,
+                self.scale,
+                threshold,
+                since + ended,
             )
             row += draws.count
 
@@ -146,9 +152,8 @@ class Counting:
         tally.failed += block.failed
         tally.excluded += block.excluded
         tally.seconds = max(tally.seconds, block.seconds)
-        for row in np.flatnonzero(block.kept.status == OK)[:1]:
-            if tally.best is None or block.kept.costs[row, 0] < tally.best:
-                tally.best, tally.best_index = float(block.kept.costs[row, 0]), int(block.kept.indices[row])
+        if block.lowest is not None and (tally.best is None or block.lowest < tally.best):
+            tally.best = block.lowest
         return block
 
     def _save(self, unsaved: list[Block]) -> float:
@@ -159,13 +164,10 @@ class Counting:
         return time.perf_counter()
 
 
-def kept(drawing: Drawing, sample: Counted) -> Columns:
-    """The lowest flights as evaluations of the stage, in the order of their draws."""
+def kept(sample: Counted) -> Columns:
+    """The flights that are kept as evaluations of the stage, in the order of their draws."""
     found = sample.kept
     order = np.argsort(found.indices)
-    indices = found.indices[order]
-    points = [drawing.points(Draws(int(index), 1)) for index in indices]
-    seconds = np.full(len(indices), max((block.seconds for block in sample.blocks), default=0.0))
-    reasons = {row: found.reasons[int(i)] for row, i in enumerate(indices) if int(i) in found.reasons}
-    shape = np.empty((0, drawing.problem.dimension))
-    return Columns(np.concatenate([shape, *points]), found.costs[order], found.status[order], seconds, reasons)
+    seconds = np.full(len(order), max((block.seconds for block in sample.blocks), default=0.0))
+    reasons = {row: found.reasons[int(i)] for row, i in enumerate(found.indices[order]) if int(i) in found.reasons}
+    return Columns(found.points[order], found.costs[order], found.status[order], seconds, reasons)

@@ -107,7 +107,7 @@ class Binned:
 
     @property
     def lowest(self) -> float | None:
-        return float(self._lowest[0]) if len(self._lowest) else None
+        return self.counted.lowest
 
     @property
     def moments(self) -> tuple[float | None, float | None]:

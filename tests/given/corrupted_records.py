@@ -74,7 +74,7 @@ def certifying(samples: int, *searches: dict[str, Any], **changes: Any) -> Campa
 
 def counting(samples: int, **changes: Any) -> Campaign:
     """With a sample of which only the lowest flights are stored."""
-    document = searching(DIRECT, SQP, **(SHORT | changes)).document()
+    document = searching(DIRECT, *(() if "uncertain" in changes else (SQP,)), **(SHORT | changes)).document()
     document["stages"] |= {"certify": {"samples": samples, "keep": "lowest"}}
     return load_document(document)
 
@@ -85,8 +85,9 @@ RUNS: dict[str, Callable[[], Campaign]] = {
     "inconclusive": lambda: searching(DIRECT, scenario__horizon=1.0),
     "noisy": lambda: certifying(60, **NOISE),
     "alone": lambda: certifying(60, {"method": "auto", "evaluations": 300}),
-    "counted": lambda: counting(1500, uncertain=NORMAL, correlations=PAIR),
+    "counted": lambda: counting(1500),
     "counted noise": lambda: counting(1200, **NOISE),
+    "counted correlations": lambda: counting(1100, uncertain=NORMAL, correlations=PAIR),
     "counted exclusions": lambda: counting(
         1100,
         uncertain={"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}},
@@ -114,7 +115,7 @@ FORGED: dict[str, Callable[[], Campaign]] = {
 }
 """As a service writes it that leaves out the check `sampling`."""
 
-VERDICTS = {"counted": "cleared", "counted noise": "cleared", "counted exclusions": "inconclusive"}
+VERDICTS = {"counted": "cleared", "counted correlations": "inconclusive", "counted noise": "cleared", "counted exclusions": "inconclusive"}
 VERDICTS |= {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
 
 

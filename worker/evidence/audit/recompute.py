@@ -221,11 +221,12 @@ class Run:
         found |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
         found |= {"excluded_fraction": found["excluded"] / max(draws, 1)}
         found |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
-        if self.sealed:
+        if blocks is not None:
+            found |= counted.moments(blocks) | {"histogram": counted.histogram(blocks)}
+        elif self.sealed:
             found["deviation"] = float(costs.std(ddof=1)) if len(costs) > 1 else None
             found["histogram"] = histogram(costs)
-            if blocks is not None:
-                found |= counted.moments(blocks) | {"histogram": counted.histogram(blocks)}
+        if self.sealed:
             found |= {"looks": None, "quantile": None}
         if self.random:
             own = certify and self.claims["results"][k]["drawn_realisations"] == (len(drawn) if blocks else draws)

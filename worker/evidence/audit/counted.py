@@ -27,6 +27,12 @@ def ended(blocks: Tree) -> Tree:
     return {"evaluations": sum(blocks["draws"]), **{name: sum(blocks[name]) for name in ("failed", "excluded")}}
 
 
+def scale(threshold: float, nominal: float) -> Tree:
+    """The bins: from as far below the threshold as the nominal value is above it to twice as far above that."""
+    span = nominal - threshold if nominal > threshold else abs(threshold) or 1.0
+    return {"low": threshold - span, "width": 4.0 * span / limits.BINS}
+
+
 def edges(blocks: Tree) -> Any:
     """Of the bins, those below the first and above the last are open."""
     return blocks["low"] + blocks["width"] * np.arange(limits.BINS + 1)

@@ -21,9 +21,10 @@ from campaigns.claims.spans import Quantity, Spans, values, words
 from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
+from campaigns.results.draws import of_draws
 from campaigns.results.verdict import SCOPE
 from campaigns.stages.plan import most
-from worker.evidence.audit import charts, limits
+from worker.evidence.audit import charts, counted, limits
 from worker.evidence.audit.agreement import agreement, apart, family
 from worker.evidence.audit.points import grid, required
 from worker.evidence.audit.recompute import Run, Tree
@@ -281,7 +282,17 @@ def _stage(run: Run, k: int) -> Tree:
     found: Tree = {"sample": told} | of_stage(run, k, told, (run.claims["results"][k] or {}).get("stop"))
     if run.plan[k].kind == "certify":
         found |= run.ended[k] | {"grid": grid(run, k) if run.grid(k) else None}
+        found |= _blocks(run, k)
     return found
+
+
+def _blocks(run: Run, k: int) -> Tree:
+    """What a sample of which only the lowest are stored states of its blocks and of the noise of its flights."""
+    certify, result = run.campaign.stages.certify, run.claims["results"][k]
+    if certify is None or certify.keep == "all":
+        return {"blocks": None, "flights": None, "realisations": None}
+    seeds = [int(of_draws(int(result["seed"]), flight, 1)[0]) for flight in result["flights"]] if run.random else None
+    return {"blocks": counted.scale(run.threshold, run.nominal), "realisations": seeds}
 
 
 def _nominal(run: Run, stated: Tree) -> Tree:
@@ -437,8 +448,9 @@ def _probability(run: Run) -> dict[str, bool]:
     if run.random:
         realisations = campaign.given_scenario.realisations
         checks["noise"] = noise == "drawn" and not (realisations.combine == "mean" and len(realisations.seeds) > 1)
-    if excluded:
-        checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= limits.EXCLUDED
+    drawn = sample["excluded_fraction"] if sample else 0.0
+    if excluded or drawn:
+        checks["exclusions"] = max(drawn, excluded) <= limits.EXCLUDED
     checks["sample"] = _sampled(run)
     if run.outside():
         checks["outside the bounds"] = run.outside() <= limits.CEILING

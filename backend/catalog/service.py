@@ -172,7 +172,7 @@ def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> flo
     ]
     steps = document["scenario"]["horizon"].as_float() / document["scenario"]["step"].as_float()
     totals = (
-        sa.select(sa.func.sum(Stage.evaluations * steps), sa.func.sum(Stage.seconds))
+        sa.select(sa.func.sum((Stage.evaluations + Stage.counted) * steps), sa.func.sum(Stage.seconds))
         .select_from(runs)
         .join(CampaignRow, CampaignRow.digest == runs.c.campaign_digest)
         .join(Stage, Stage.run_id == runs.c.id)

@@ -41,6 +41,9 @@ from backend.db.tables_launched import SweepRun as SweepRun
 from campaigns.documents import JsonObject
 from campaigns.runs import RunState, StageState
 
+COUNT = sa.BigInteger().with_variant(sa.Integer, "sqlite")
+"""Of evaluations that need not be stored; SQLite's integers have 64 bits."""
+
 
 class Campaign(Base):
     """A submitted campaign, immutable, by its digest."""
@@ -124,9 +127,9 @@ class Run(Base):
     nominal_cost: orm.Mapped[float | None]
     worst_cost: orm.Mapped[float | None]
     worst_method: orm.Mapped[str | None] = orm.mapped_column(sa.String(60))
-    evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
-    planned: orm.Mapped[int] = orm.mapped_column(default=0)
-    failed_evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
+    evaluations: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
+    planned: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
+    failed_evaluations: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
     size: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, default=0, server_default="0")
     """Of its campaign, its evaluations with their reasons, its traces and its original text [bytes]; see
     `backend.db.sizes`."""
@@ -176,15 +179,15 @@ class Stage(Base):
     state: orm.Mapped[StageState] = orm.mapped_column(default=StageState.WAITING)
     started: orm.Mapped[float | None]
     finished: orm.Mapped[float | None]
-    planned: orm.Mapped[int] = orm.mapped_column(default=0)
+    planned: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
     evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
     """Those that are stored."""
-    counted: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, default=0, server_default="0")
+    counted: orm.Mapped[int] = orm.mapped_column(COUNT, default=0, server_default="0")
     """Those beside them that are only counted: of a sample of which the lowest are stored."""
-    violations: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, default=0, server_default="0")
+    violations: orm.Mapped[int] = orm.mapped_column(COUNT, default=0, server_default="0")
     """Of such a sample, those that failed included."""
-    failed: orm.Mapped[int] = orm.mapped_column(default=0)
-    excluded: orm.Mapped[int] = orm.mapped_column(default=0)
+    failed: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
+    excluded: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
     best: orm.Mapped[float | None]
     best_index: orm.Mapped[int | None]
     seconds: orm.Mapped[float] = orm.mapped_column(default=0.0)
@@ -243,7 +246,7 @@ class SampleBlock(Base):
     __tablename__ = "sample_blocks"
     run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
-    first: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, primary_key=True)
+    first: orm.Mapped[int] = orm.mapped_column(COUNT, primary_key=True)
     """Index of its first draw."""
     data: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """See `campaigns.stored.blocks`."""

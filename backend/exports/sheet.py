@@ -5,8 +5,8 @@ Each block of chunks is read in its own transaction, so that a slow download doe
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import starmap
 from typing import Any, NamedTuple
 
@@ -55,13 +55,16 @@ class Block(NamedTuple):
     costs: list[Floats]
     """NaN where the status is not ok."""
     values: list[Floats]
+    draws: list[int | None] | None
+    """Which draw of a sample each is of which only a part is stored; None of a run without such a sample."""
 
     def rows(self) -> list[list[Any]]:
         """The evaluations one by one; missing values are None."""
         status = [STATUS[code] for code in self.status.tolist()]
         values = [column.tolist() for column in self.values]
         reasons = map(self.reasons.get, self.indices)
-        columns = (self.indices, status, reasons, self.seconds.tolist(), *map(finite_all, self.costs), *values)
+        draws = [] if self.draws is None else [self.draws]
+        columns = (self.indices, status, reasons, self.seconds.tolist(), *map(finite_all, self.costs), *values, *draws)
         return list(map(list, zip(*columns, strict=True)))
 
 
@@ -78,11 +81,14 @@ class Sheet:
     parameters: list[tuple[str, str]]
     """Path and unit of each parameter."""
     limits: Bounds
+    draws: Mapping[int, Sequence[int]] = field(default_factory=dict)
+    """By the position of a stage of which only a part is stored: which draw of its sample each evaluation is."""
 
     @property
     def columns(self) -> list[str]:
         """The headers of the evaluations; `index` counts from 0 within the stage."""
-        return ["index", "status", "reason", "seconds [s]", *starmap(headed, [*self.criteria, *self.parameters])]
+        named = starmap(headed, [*self.criteria, *self.parameters])
+        return ["index", "status", "reason", "seconds [s]", *named, *(["draw"] if self.draws else [])]
 
     def blocks(self, engine: sa.Engine, stage: Evaluated) -> Iterator[Block]:
         """The evaluations of one stage."""
@@ -94,11 +100,12 @@ class Sheet:
                 return
             for chunk in chunks:
                 if chunk.first < stage.evaluations:
-                    yield self._block(chunk)
+                    yield self._block(stage.position, chunk)
             done = chunks[-1].first + chunks[-1].count
 
-    def _block(self, chunk: Any) -> Block:
-        columns = as_columns(chunk)
+    def _block(self, position: int, chunk: Any) -> Block:
+        columns, draws = as_columns(chunk), self.draws.get(position)
+        known: list[int | None] = [None] * chunk.count if draws is None else [*draws[chunk.first : chunk.first + chunk.count]]
         turned = [0.0 - c if turn else c for c, turn in zip(columns.costs.T, self.turned, strict=False)]
         return Block(
             indices=range(chunk.first, chunk.first + chunk.count),
@@ -110,6 +117,7 @@ class Sheet:
                 cube.natural(columns.points[:, k], *self.limits[path]) if path in self.limits else columns.points[:, k]
                 for k, (path, _) in enumerate(self.parameters)
             ],
+            draws=known if self.draws else None,
         )
 
 
@@ -127,7 +135,13 @@ def sheet(reader: sa.Connection, run_id: int, campaign: Campaign) -> Sheet:
         turned=[c.worse == "high" for c in criterion_list],
         parameters=[(path, units.get(path, "") if path in limits else SHARE) for path in campaign.uncertain],
         limits=limits,
+        draws=_draws(reader, run_id),
     )
+
+
+def _draws(reader: sa.Connection, run_id: int) -> dict[int, list[int]]:
+    query = sa.select(Stage.position, Stage.result["flights"].label("flights"))
+    return {row.position: row.flights for row in reader.execute(query.where(Stage.run_id == run_id, Stage.counted > 0))}
 
 
 def headings(criterion_list: list[CriterionOut]) -> list[tuple[str, str]]:

@@ -9,7 +9,7 @@ from pydantic import Field
 from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Given, Schema
 from backend.scenes.base.address import FLIGHT, KEY
-from campaigns.asked.spec import MAX_SEED
+from campaigns.asked.scenario import MAX_REALISATION
 from campaigns.results.base import Status
 from campaigns.results.trace import TraceColumn, TraceHead
 
@@ -25,7 +25,7 @@ class FlightRequest(Given):
     """{path: value} of any parameters of the scenario, within their components' limits; others as `like`."""
     like: Annotated[str, Field(pattern=rf"^({FLIGHT})$")] = "nominal"
     """`nominal`, or the label of a finding: omitted parameters have its values."""
-    seed: Annotated[int, Field(ge=0, lt=MAX_SEED)] | None = None
+    seed: Annotated[int, Field(ge=0, lt=MAX_REALISATION)] | None = None
     """One noise realisation; if omitted, that of the finding if it has its own, else those of the campaign."""
     view: Uuid | None = None
     """The key of an open 3D view of this visitor: the flight is drawn there as the what-if."""

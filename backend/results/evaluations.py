@@ -54,7 +54,9 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
         criteria(run_campaign.document(), catalogue),
     )
     drawn = noise.drawn(reader, run_id, run_campaign)
-    query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations, Stage.failed, Stage.excluded)
+    timeouts = Stage.result["blocks", "beside", "timeouts"].as_integer().label("timeouts")
+    columns = (Stage.position, Stage.kind, Stage.method, Stage.evaluations, Stage.counted, Stage.failed, Stage.excluded)
+    query = sa.select(*columns, timeouts)
     query = query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
     if position is not None:
         query = query.where(Stage.position == position)
@@ -137,9 +139,10 @@ class _Read:
             position=stage.position,
             kind=stage.kind,
             method=stage.method,
-            total=stage.evaluations,
+            total=stage.evaluations + stage.counted,
+            stored=stage.evaluations,
             failed=stage.failed,
-            timeouts=costs.timeouts,
+            timeouts=costs.timeouts + (stage.timeouts or 0),
             excluded=stage.excluded,
             index=chosen.tolist(),
             seconds=columns.seconds.tolist(),

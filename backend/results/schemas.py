@@ -25,6 +25,8 @@ class EvaluationSeries(Schema):
     kind: str
     method: str | None
     total: int
+    """Stored or, of a sample of which only a part is stored, only counted."""
+    stored: int
     failed: int
     """Includes timeouts."""
     timeouts: int

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 
 from backend.db.access import Visitor
-from backend.db.tables import Run
+from backend.db.tables import Run, Stage
 from backend.http.errors import RefusedError
 from campaigns.runs import ACTIVE
 
@@ -36,8 +36,11 @@ def refuse_beyond(reader: sa.Connection, quota: Quota, visitor: Visitor, more: i
             f"{visitor.account} has {active:,} {noun} not ended, and {more:,} more would exceed the limit of "
             f"{quota.active:,} for one user: wait for some to end, or cancel some",
         )
-    sums = sa.select(sa.func.sum(Run.evaluations), sa.func.sum(Run.size)).where(mine, Run.purged.is_(None))
-    stored, size = (int(value or 0) for value in reader.execute(sums).one())
+    kept = (mine, Run.purged.is_(None))
+    sums = sa.select(sa.func.sum(Run.evaluations), sa.func.sum(Run.size)).where(*kept)
+    made, size = (int(value or 0) for value in reader.execute(sums).one())
+    counted = sa.select(sa.func.sum(Stage.counted)).join(Run, Run.id == Stage.run_id).where(*kept)
+    stored = made - int(reader.scalar(counted) or 0)
     for what, used, most, setting in (
         ("stored evaluations", stored, quota.evaluations, "CLEARANCE_MAX_EVALUATIONS_EACH"),
         ("bytes of campaigns, evaluations and trajectories", size, quota.size, "CLEARANCE_MAX_BYTES_EACH"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
@@ -25,7 +27,7 @@ def of_run(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
     return {row.position: _shown(row, confidence) for row in rows if row.counted > row.excluded}
 
 
-def _shown(row: sa.Row[tuple[int, int, int, int, int]], confidence: float) -> SoFar:
+def _shown(row: Any, confidence: float) -> SoFar:
     samples = row.counted - row.excluded
     whole = max(row.planned, samples)
     now, end = (bound(row.violations, size, confidence) for size in (samples, whole))

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 
 from campaigns.asked.reading import repeated
-from campaigns.asked.scenario import MAX_SEED
+from campaigns.asked.scenario import MAX_REALISATION
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, Name, Number, Path, Strict
 
 FailOn = Literal["violation", "new_violation", "new", "worse", "not_compared"]
@@ -55,7 +55,7 @@ class BaselineCase(Strict):
     cost: Number
     difference: Annotated[float, Field(ge=0), AS_NUMBER] = 0.0
     """The largest difference between its integrations, or between its evaluations, in the criterion's unit."""
-    realisation: Annotated[int, Field(ge=0, lt=MAX_SEED), AS_WHOLE] | None = None
+    realisation: Annotated[int, Field(ge=0, lt=MAX_REALISATION), AS_WHOLE] | None = None
     """The noise seed drawn for it; null if it simulated those of its campaign."""
 
 

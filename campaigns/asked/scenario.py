@@ -10,6 +10,8 @@ from campaigns.asked.values import AS_NUMBER, AS_WHOLE, Identifier, Strict, Valu
 
 MAX_STEPS = 2_000_000
 MAX_SEED = 2**20
+MAX_REALISATION = 2**40
+"""Noise seeds that a sample of any size draws; those that a campaign states are below `MAX_SEED`."""
 
 
 class Part(Strict):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 from campaigns.results.base import Result, Status, Stop, Values
 from campaigns.results.indices import IndexStudy
@@ -35,12 +35,20 @@ class Reevaluated(Result):
     """The noise seed with which it was evaluated; null for the realisations of the campaign."""
 
 
-class Made(NamedTuple):
-    """Evaluations of a stage, stored or not."""
+class Beside(Result):
+    """Evaluations of a stage that are counted and not stored."""
 
-    evaluations: int
-    failed: int
-    excluded: int
+    evaluations: int = 0
+    failed: int = 0
+    timeouts: int = 0
+    """Among those that failed."""
+    excluded: int = 0
+    violating: int = 0
+    """Those that failed not among them."""
+    flaky: int = 0
+    """Succeeded only when a failed call was tried again."""
+    exclusions: Mapping[str, int] = {}
+    """How many were excluded for each reason."""
 
 
 class StageResult(Result):
@@ -66,14 +74,9 @@ class StageResult(Result):
         return None
 
     @property
-    def made(self) -> Made | None:
-        """All of its evaluations where it stores only some of them; None if it stores all."""
-        return None
-
-    @property
-    def counted(self) -> int:
-        """How many evaluations it made beside those that are stored."""
-        return 0
+    def beside(self) -> Beside:
+        """Its evaluations beside those that are stored."""
+        return Beside()
 
     @property
     def at_nominal(self) -> NominalCase | None:

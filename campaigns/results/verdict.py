@@ -89,9 +89,10 @@ class NominalCost(Result):
 
 
 class Counts(Result):
-    """All stored evaluations of the run."""
+    """All evaluations of the run; those that have a cost succeeded."""
 
     stored: int
+    """The others are `counted`."""
     succeeded: int
     failed: int
     excluded: int
@@ -100,7 +101,12 @@ class Counts(Result):
     flaky: Annotated[int, UNLESS_EMPTY] = 0
     """Succeeded only when a call of a simulator that had failed was tried again; omitted if there are none."""
     counted: Annotated[int, UNLESS_EMPTY] = 0
-    """Made beside these: of a sample of which only the lowest are stored; omitted if there are none."""
+    """Not stored, of a sample of which only a part is; omitted if there are none."""
+
+    @property
+    def made(self) -> int:
+        """Stored or only counted."""
+        return self.stored + self.counted
 
 
 class Provenance(Versions):

@@ -8,7 +8,7 @@ from campaigns.asked.spec import Campaign
 from campaigns.limits import DRAWS
 from campaigns.results.base import Result, Stop
 from campaigns.results.sample import Certificate, GridResult
-from campaigns.results.stage import Made, StageResult
+from campaigns.results.stage import Beside, StageResult
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.declared import Declared
 from campaigns.stored.blocks import KEPT
@@ -34,6 +34,8 @@ class Blocks(Result):
     """The bins that are not empty, from the open one below on."""
     counts: list[int]
     highest: float | None
+    beside: Beside
+    """What is not stored."""
 
 
 class CertifyResult(Certificate, StageResult):
@@ -67,12 +69,8 @@ class CertifyResult(Certificate, StageResult):
         return self.realisations
 
     @property
-    def made(self) -> Made | None:
-        return None if self.flights is None else Made(self.evaluations, self.failed, self.excluded)
-
-    @property
-    def counted(self) -> int:
-        return 0 if self.flights is None else self.evaluations - len(self.flights)
+    def beside(self) -> Beside:
+        return Beside() if self.blocks is None else self.blocks.beside
 
     @property
     def sample_seed(self) -> SampleSeed | None:

@@ -14,22 +14,25 @@ import zlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.base import EXCLUDED, FLAKY, OK, TIMEOUT
+from campaigns.results.stage import Beside
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-KEPT, FAILURES = 1000, 1000
-"""The lowest flights of a sample that are stored, and the first of those without a result."""
+KEPT, FAILURES, FIRST = 1000, 1000, 1024
+"""What is stored of a sample: its lowest flights, the first of those without a result, and of its first draws all that
+are not excluded, which are a sample as the whole is."""
 BINS = 1000
 """Of the histogram, besides what is below and above it."""
-MOST, LEAST = 1024, 64
-"""The most blocks of a sample without exclusions, and the fewest draws of one."""
+MOST = 1024
+"""The most blocks of a sample without exclusions."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ class Scale:
     @property
     def edges(self) -> Floats:
         """(BINS + 1,)"""
-        return self.low + self.width * np.arange(BINS + 1)
+        return np.asarray(self.low + self.width * np.arange(BINS + 1), dtype=np.float64)
 
     def counts(self, costs: Floats) -> Whole:
         """How many costs are in each bin (BINS + 2,): at or below the first edge, above one and at or below the next,
@@ -59,17 +62,17 @@ class Scale:
 
 
 class Last(NamedTuple):
-    """What a flight must be below to be kept: cost and index among those that have a cost, index among the others."""
+    """What a flight must not be above to be kept: cost and index of those that have a cost, index of the others."""
 
     cost: float = math.inf
-    index: int = 0
+    flight: int = 0
     failed: float = math.inf
 
 
 @dataclass(frozen=True)
 class Kept:
-    """Flights by their index in the sample, the lowest first, then those without a result: indices and status (k,),
-    points (k, n), costs (k, criteria), NaN unless ok."""
+    """Flights in the order of their index in the sample: indices and status (k,), points (k, n), costs (k, criteria),
+    NaN unless ok."""
 
     indices: Whole
     points: Floats
@@ -79,41 +82,49 @@ class Kept:
     """Why one is not ok, by its index."""
 
     @staticmethod
-    def lowest(
+    def chosen(
         indices: Whole, points: Floats, costs: Floats, status: NDArray[np.uint8], reasons: Mapping[int, str]
     ) -> Kept:
-        """The lowest of these flights by the first criterion, and the first of those without a result."""
+        """What is kept of these flights."""
         ok, lost = np.flatnonzero(status == OK), np.flatnonzero((status != OK) & (status != EXCLUDED))
-        ok = ok[np.lexsort((indices[ok], costs[ok, 0]))[:KEPT]]
-        rows = np.concatenate([ok, lost[np.argsort(indices[lost])[:FAILURES]]])
-        kept = {int(i): reasons[int(i)] for i in indices[rows] if int(i) in reasons}
-        return Kept(indices[rows], points[rows], costs[rows], status[rows], kept)
+        lowest = ok[np.lexsort((indices[ok], costs[ok, 0]))[:KEPT]]
+        failed = lost[np.argsort(indices[lost])[:FAILURES]]
+        rows = np.unique(np.concatenate([lowest, failed, np.flatnonzero((indices < FIRST) & (status != EXCLUDED))]))
+        rows = rows[np.argsort(indices[rows])]
+        whys = {int(i): reasons[int(i)] for i in indices[rows] if int(i) in reasons}
+        return Kept(indices[rows], points[rows], costs[rows], status[rows], whys)
+
+    @property
+    def lowest(self) -> Floats:
+        """The first costs of the lowest flights, sorted."""
+        return np.sort(self.costs[self.status == OK, 0])[:KEPT]
 
     @property
     def last(self) -> Last:
-        """What others must be below."""
-        ok = np.flatnonzero(self.status == OK)
-        failed = self.indices[len(ok) :]
-        end = math.inf if len(failed) < FAILURES else float(failed[-1])
+        """What others must not be above."""
+        ok, lost = np.flatnonzero(self.status == OK), self.indices[self.status != OK]
+        end = float(lost[FAILURES - 1]) if len(lost) >= FAILURES else math.inf
         if len(ok) < KEPT:
             return Last(failed=end)
-        return Last(float(self.costs[ok[-1], 0]), int(self.indices[ok[-1]]), end)
+        row = ok[np.lexsort((self.indices[ok], self.costs[ok, 0]))[KEPT - 1]]
+        return Last(float(self.costs[row, 0]), int(self.indices[row]), end)
 
     def below(self, last: Last) -> Kept:
-        """Those that can be among the lowest of their sample, or among its first without a result."""
+        """Those that can be among the lowest of their sample, its first without a result, or its first draws."""
         value = self.costs[:, 0]
-        lower = (value < last.cost) | ((value == last.cost) & (self.indices <= last.index))
-        rows = np.where(self.status == OK, lower | math.isinf(last.cost), self.indices <= last.failed)
+        lower = (value < last.cost) | ((value == last.cost) & (self.indices <= last.flight)) | math.isinf(last.cost)
+        rows = np.where(self.status == OK, lower, self.indices <= last.failed) | (self.indices < FIRST)
         inside = set(self.indices[rows].tolist())
         reasons = {i: why for i, why in self.reasons.items() if i in inside}
         return Kept(self.indices[rows], self.points[rows], self.costs[rows], self.status[rows], reasons)
 
     @staticmethod
     def joined(parts: Sequence[Kept]) -> Kept:
-        """The lowest of all."""
+        """What is kept of all of them."""
         reasons = {index: why for part in parts for index, why in part.reasons.items()}
-        names = "indices", "points", "costs", "status"
-        return Kept.lowest(*(np.concatenate([getattr(p, name) for p in parts]) for name in names), reasons)
+        columns = [(p.indices, p.points, p.costs, p.status) for p in parts]
+        indices, points, costs, status = map(np.concatenate, zip(*columns, strict=True))
+        return Kept.chosen(indices, points, costs, status, reasons)
 
 
 @dataclass(frozen=True)
@@ -123,6 +134,7 @@ class Block:
     first: int
     draws: int
     failed: int
+    timeouts: int
     excluded: int
     violations: int
     total: float
@@ -135,6 +147,8 @@ class Block:
     kept: Kept
     exclusions: Mapping[str, int]
     """Excluded draws by their reason."""
+    flaky: int
+    """Those that succeeded only when a failed call was tried again."""
     digest: str
     """Of costs and status in the order of the draws, 32 hexadecimal digits."""
     seconds: float
@@ -169,6 +183,7 @@ def counted(
         first=first,
         draws=len(status),
         failed=failed,
+        timeouts=int(np.count_nonzero(status == TIMEOUT)),
         excluded=excluded,
         violations=int(np.count_nonzero(ok <= threshold)) + failed,
         total=float(above.sum()),
@@ -176,8 +191,9 @@ def counted(
         lowest=float(ok.min()) if len(ok) else None,
         highest=float(ok.max()) if len(ok) else None,
         bins=scale.counts(ok),
-        kept=Kept.lowest(indices, points, costs, status, {first + row: why for row, why in reasons.items()}),
+        kept=Kept.chosen(indices, points, costs, status, {first + row: why for row, why in reasons.items()}),
         exclusions=Counter(reasons.get(int(row), "") for row in np.flatnonzero(status == EXCLUDED)),
+        flaky=sum(int(status[row]) == OK and why.startswith(FLAKY) for row, why in reasons.items()),
         digest=digest_of(costs, status),
         seconds=seconds,
     )
@@ -191,7 +207,7 @@ def digest_of(costs: Floats, status: NDArray[np.uint8]) -> str:
 
 def size(samples: int) -> int:
     """Draws of a block: a power of two, so that blocks of a sample are at most `MOST`."""
-    return max(LEAST, 1 << max(0, -(-samples // MOST) - 1).bit_length())
+    return 1 << max(0, -(-samples // MOST) - 1).bit_length()
 
 
 @dataclass(frozen=True)
@@ -235,9 +251,25 @@ class Counted:
     def exclusions(self) -> Counter[str]:
         return sum((Counter(block.exclusions) for block in self.blocks), Counter())
 
-    @property
+    @cached_property
     def kept(self) -> Kept:
         return Kept.joined([block.kept for block in self.blocks])
+
+    def beside(self, threshold: float) -> Beside:
+        """What is not kept."""
+        kept, costs = self.kept, self.kept.costs[self.kept.status == OK, 0]
+        states = zip(kept.indices.tolist(), kept.status.tolist(), strict=True)
+        again = sum(state == OK and kept.reasons.get(i, "").startswith(FLAKY) for i, state in states)
+        lost = len(kept.status) - len(costs)
+        return Beside(
+            evaluations=self.draws - len(kept.status),
+            failed=self.failed - lost,
+            timeouts=sum(block.timeouts for block in self.blocks) - int(np.count_nonzero(kept.status == TIMEOUT)),
+            excluded=self.excluded,
+            violating=self.violations - self.failed - int(np.count_nonzero(costs <= threshold)),
+            flaky=sum(block.flaky for block in self.blocks) - again,
+            exclusions=dict(self.exclusions),
+        )
 
     @property
     def lowest(self) -> float | None:
@@ -249,7 +281,7 @@ class Counted:
 
     @property
     def bins(self) -> Whole:
-        return np.sum([block.bins for block in self.blocks], axis=0)
+        return np.asarray(np.sum([block.bins for block in self.blocks], axis=0), dtype=np.int64)
 
     @property
     def moments(self) -> tuple[float, float] | None:
@@ -298,8 +330,8 @@ def unpacked(stored: bytes) -> Block:
 
 
 _PLAIN = (
-    *("first", "draws", "failed", "excluded", "violations", "total", "squares", "lowest", "highest"),
-    *("digest", "seconds"),
+    *("first", "draws", "failed", "timeouts", "excluded", "violations", "total", "squares", "lowest", "highest"),
+    *("flaky", "digest", "seconds"),
 )
 
 

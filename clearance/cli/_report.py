@@ -105,10 +105,9 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
             table.add_row(escape(f"  from {_values(minimum.start or {})}"), *cells, style="dim")
     counts = verdict.evaluations or Counts(stored=0, succeeded=0, failed=0, excluded=0)
     lowest = "" if counts.lowest is None else number(counts.lowest)
-    lost = [sum(made(store, position)[k] for position in range(len(store.stages))) for k in (1, 2)]
     time = f"{sum(record.seconds for record in store.stages):.2f}"
     table.add_section()
-    table.add_row("all stages", lowest, *map(count, (counts.stored + counts.counted, *lost)), time, "")
+    table.add_row("all stages", lowest, *map(count, (counts.made, counts.failed, counts.excluded)), time, "")
     return table
 
 

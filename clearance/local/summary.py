@@ -6,7 +6,7 @@ from campaigns import Campaign
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
-from campaigns.results.stage import Made
+from campaigns.results.stage import Beside
 from clearance.local.failures import failures
 from worker.running.runs.store import MemoryStore
 
@@ -45,13 +45,13 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
     }
 
 
-def made(store: MemoryStore, position: int) -> Made:
-    """The evaluations of a stage, whether they are stored or only counted."""
+def made(store: MemoryStore, position: int) -> tuple[int, int, int]:
+    """The evaluations of a stage, stored or only counted, and how many of them failed and were excluded."""
     columns, result = store.evaluations(position), store.stages[position].result
-    if result is not None and result.made is not None:
-        return result.made
     status = [] if columns is None else columns.status.tolist()
-    return Made(len(status), status.count(FAILED) + status.count(TIMEOUT), status.count(EXCLUDED))
+    beside = Beside() if result is None else result.beside
+    failed = status.count(FAILED) + status.count(TIMEOUT) + beside.failed
+    return len(status) + beside.evaluations, failed, status.count(EXCLUDED) + beside.excluded
 
 
 def _stage(store: MemoryStore, position: int) -> dict[str, object]:
@@ -66,7 +66,7 @@ def _stage(store: MemoryStore, position: int) -> dict[str, object]:
         "kind": record.plan.kind,
         "method": record.plan.method,
         "best": best,
-        **made(store, position)._asdict(),
+        **dict(zip(("evaluations", "failed", "excluded"), made(store, position), strict=True)),
         "seconds": record.seconds,
         "stop": None if stop is None else stop.text,
         "minima": [m.model_dump() for m in result.minima] if isinstance(result, SearchResult) else [],

@@ -115,7 +115,12 @@ FORGED: dict[str, Callable[[], Campaign]] = {
 }
 """As a service writes it that leaves out the check `sampling`."""
 
-VERDICTS = {"counted": "cleared", "counted correlations": "inconclusive", "counted noise": "cleared", "counted exclusions": "inconclusive"}
+VERDICTS = {
+    "counted": "cleared",
+    "counted correlations": "inconclusive",
+    "counted noise": "cleared",
+    "counted exclusions": "inconclusive",
+}
 VERDICTS |= {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
 
 

@@ -47,6 +47,8 @@ def _columns(block: Block) -> Iterator[Iterable[bytes]]:
             written[i] = b""
         yield written
     yield from map(cells, block.values)
+    if block.draws is not None:
+        yield [b"" if draw is None else str(draw).encode() for draw in block.draws]
 
 
 def _text(text: str | None) -> bytes:
@@ -58,6 +60,6 @@ export = Format(
     file="evaluations.csv",
     order=2,
     media_type="text/csv",
-    words=words("Evaluations, CSV", "One row for each evaluation of every stage, parameters in their units"),
+    words=words("Evaluations, CSV", "One row for each stored evaluation of every stage, parameters in their units"),
     streamed=lambda engine, run_id: evaluations_csv(engine, run_id),
 )

@@ -62,6 +62,8 @@ def _columns(stage: Evaluated, block: Block) -> Iterator[Any]:
     yield block.seconds
     yield from block.costs
     yield from block.values
+    if block.draws is not None:
+        yield block.draws
 
 
 def _missing(values: Any) -> NDArray[np.bool_] | None:
@@ -72,10 +74,10 @@ def _missing(values: Any) -> NDArray[np.bool_] | None:
 def _schema(found: Sheet) -> pa.Schema:
     import pyarrow as pa
 
-    kinds: dict[str, Any] = {"index": pa.int64(), "status": pa.string(), "reason": pa.string()}
+    kinds: dict[str, Any] = {"index": pa.int64(), "draw": pa.int64(), "status": pa.string(), "reason": pa.string()}
     fields = [pa.field("stage", pa.int32()), pa.field("kind", pa.string()), pa.field("method", pa.string())]
-    units = ["", "", "", "s", *(unit for _, unit in [*found.criteria, *found.parameters])]
-    for name, unit in zip(found.columns, units, strict=True):
+    units = ["", "", "", "s", *(unit for _, unit in [*found.criteria, *found.parameters]), ""]
+    for name, unit in zip(found.columns, units, strict=False):
         meta = {"unit": unit} if unit else None
         fields.append(pa.field(name, kinds.get(name, pa.float64()), metadata=meta))
     return pa.schema(fields)

@@ -87,6 +87,8 @@ def _columns(block: Block) -> Iterator[Iterable[bytes]]:
         for i in np.flatnonzero(~np.isfinite(column)).tolist():
             written[i] = b"null"
         yield written
+    if block.draws is not None:
+        yield [compact(draw).encode() for draw in block.draws]
 
 
 export = Format(

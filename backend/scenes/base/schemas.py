@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from backend.http.schema import Given, Instant, Schema
 from backend.scenes.base.address import FLIGHT, Camera
-from campaigns.asked.spec import MAX_SEED
+from campaigns.asked.scenario import MAX_REALISATION
 
 Theme = Literal["light", "dark"]
 Trails = Literal["whole", "so_far"]
@@ -79,7 +79,7 @@ class ViewChange(Given):
     """Simulate the case with these uncertain parameters by path, the others nominal, and draw it as the what-if.
 
     `POST /runs/{run}/flights` also draws it, and returns its numbers."""
-    what_if_seed: Annotated[int, Field(ge=0, lt=MAX_SEED)] | None = None
+    what_if_seed: Annotated[int, Field(ge=0, lt=MAX_REALISATION)] | None = None
     """The noise seed of that flight, such as that of a finding; null for those of the campaign."""
 
     @model_validator(mode="after")

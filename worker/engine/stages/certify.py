@@ -18,7 +18,7 @@ from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as sentences
 from campaigns.limits import DRAWS
 from campaigns.results.base import EXCLUDED
-from campaigns.results.draws import of_draws
+from campaigns.results.draws import of_draws, of_indices
 from campaigns.results.sample import GridPoint, GridResult
 from campaigns.stages.certify import Blocks, CertifyResult
 from campaigns.stored.blocks import Counted, Scale
@@ -95,7 +95,7 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
     sample = Sample.of_counted(found, problem, context.campaign.confidence, kind)
     quantile = sample.quantile(request.quantile, problem.quantity, problem.unit)
     drawn = sample.statement()
-    columns, flights = kept(found), np.sort(found.kept.indices)
+    columns, flights = kept(found), found.kept.indices
     context.store.keep(position, columns)
     context.columns[position] = columns
     own = problem.realisations.random
@@ -111,14 +111,14 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
         seconds=counting.tally.seconds,
         stop=stop("rule", Ended("drawn", ends.SAMPLE, flights=found.evaluated)),
         flights=flights.tolist(),
-        realisations=[int(of_draws(seed.value, int(i), 1)[0]) for i in flights] if own else None,
-        blocks=_blocks(found),
+        realisations=of_indices(seed.value, flights).tolist() if own else None,
+        blocks=_blocks(found, problem.threshold),
         statement=sentences.certified(drawn.statement, quantile.statement, sample.size, request.samples),
     )
     return Outcome(result)
 
 
-def _blocks(found: Counted) -> Blocks:
+def _blocks(found: Counted, threshold: float) -> Blocks:
     return Blocks(
         draws=[block.draws for block in found.blocks],
         violations=[block.violations for block in found.blocks],
@@ -133,6 +133,7 @@ def _blocks(found: Counted) -> Blocks:
         places=np.flatnonzero(found.bins).tolist(),
         counts=found.bins[found.bins > 0].tolist(),
         highest=found.highest,
+        beside=found.beside(threshold),
     )
 
 

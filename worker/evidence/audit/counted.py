@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,14 @@ COUNTED = ("draws", "violations", "failed", "excluded")
 def ended(blocks: Tree) -> Tree:
     """The numbers of its evaluations by status."""
     return {"evaluations": sum(blocks["draws"]), **{name: sum(blocks[name]) for name in ("failed", "excluded")}}
+
+
+def beside(blocks: Tree, violating: int, status: Any) -> Tree:
+    """The numbers of those that are not stored; of the stored ones, how many violate, and their status (k,)."""
+    total, lost = ended(blocks), int(np.count_nonzero(status != OK))
+    rest = {"evaluations": total["evaluations"] - len(status), "failed": total["failed"] - lost}
+    violations = sum(blocks["violations"]) - total["failed"] - violating
+    return rest | {"excluded": total["excluded"], "violating": violations}
 
 
 def scale(threshold: float, nominal: float) -> Tree:
@@ -109,32 +117,57 @@ def fitting(blocks: Tree, requested: int, flights: Any, costs: Any, status: Any,
     ):
         return number, 0
     known = total["evaluations"] - total["failed"] - total["excluded"]
-    ok = status == OK
-    if (int(ok.sum()), int((~ok).sum())) != (min(limits.KEPT, known), min(limits.FAILURES, total["failed"])):
+    kept = Kept(flights, costs, status)
+    if not kept.complete(known, total["failed"]):
         return number, 0
-    # Below this cost every flight is kept, and every failed one where they are few.
-    last = math.inf if known <= limits.KEPT else max(costs[ok].tolist())
-    every = total["failed"] <= limits.FAILURES
     first, fits = 0, 0
     for row, size in enumerate(_sizes(requested, blocks)):
         if row >= number or blocks["draws"][row] != size:
             break
-        inside = (flights >= first) & (flights < first + size)
-        own, lost = costs[inside & (status == OK)], int(np.count_nonzero(inside & (status != OK)))
         block = {name: blocks[name][row] for name in (*COUNTED, "lowest")}
-        fits += _fits(block, own, last, threshold) and (
-            lost == block["failed"] or (not every and lost < block["failed"])
-        )
+        fits += kept.fits(block, first, threshold)
         first += size
     return number, fits if first == sum(blocks["draws"]) else 0
 
 
-def _fits(block: Tree, kept: Any, last: float, threshold: float) -> bool:
-    """One block against its kept flights that have a cost; last: below this cost every flight is kept."""
-    counted = 0 <= block["failed"] <= block["violations"] <= block["draws"] - block["excluded"]
-    lowest, below = block["lowest"], int(np.count_nonzero(kept <= threshold)) + block["failed"]
-    low = lowest == float(kept.min()) if len(kept) else lowest is None or lowest >= last
-    return counted and low and (below == block["violations"] if threshold < last else below <= block["violations"])
+class Kept(NamedTuple):
+    """The stored flights in the order of their indices: indices, first costs and status (k,)."""
+
+    flights: Any
+    costs: Any
+    status: Any
+
+    @property
+    def last(self) -> float:
+        """Every flight below this cost is stored."""
+        ok = np.sort(self.costs[self.status == OK])
+        return math.inf if len(ok) < limits.KEPT else float(ok[limits.KEPT - 1])
+
+    @property
+    def end(self) -> float:
+        """Every flight without a result up to this index is stored."""
+        lost = self.flights[self.status != OK]
+        return math.inf if len(lost) < limits.FAILURES else float(lost[limits.FAILURES - 1])
+
+    def complete(self, known: int, failed: int) -> bool:
+        """Whether so many are stored, and no others than the lowest, the first without a result and the first draws."""
+        ok = self.status == OK
+        stored = int(ok.sum()) >= min(limits.KEPT, known) and int((~ok).sum()) >= min(limits.FAILURES, failed)
+        called_for = np.where(ok, self.costs <= self.last, self.flights <= self.end) | (self.flights < limits.FIRST)
+        return bool(stored and called_for.all())
+
+    def fits(self, block: Tree, first: int, threshold: float) -> bool:
+        """Whether the counts of one block are those of its stored flights, as far as these say."""
+        inside = (self.flights >= first) & (self.flights < first + block["draws"])
+        ok, lost = self.costs[inside & (self.status == OK)], int(np.count_nonzero(inside & (self.status != OK)))
+        evaluated, lowest = block["draws"] - block["excluded"], block["lowest"]
+        counts = 0 <= block["failed"] <= block["violations"] <= evaluated and lost <= block["failed"]
+        counts &= lost == block["failed"] or first + block["draws"] > self.end
+        counts &= int(inside.sum()) == evaluated or first + block["draws"] > limits.FIRST
+        low = lowest == min(ok.tolist(), default=lowest) and (lowest is None or len(ok) > 0 or lowest >= self.last)
+        below = int(np.count_nonzero(ok <= threshold)) + block["failed"]
+        every = below == block["violations"] or (below < block["violations"] and threshold >= self.last)
+        return bool(counts and low and every)
 
 
 def _sizes(requested: int, blocks: Tree) -> Iterator[int]:

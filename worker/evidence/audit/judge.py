@@ -21,7 +21,7 @@ from campaigns.claims.spans import Quantity, Spans, values, words
 from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
-from campaigns.results.draws import of_draws
+from campaigns.results.draws import of_indices
 from campaigns.results.verdict import SCOPE
 from campaigns.stages.plan import most
 from worker.evidence.audit import charts, counted, limits
@@ -145,9 +145,9 @@ def _stored(run: Run) -> Tree:
     searched = [k for k in run.searches if not math.isnan(run.best[k])]
     method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
     worst = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
-    total = {"stored": len(run.status), "succeeded": len(run.costs), "violating": sum(run.below), "lowest": run.lowest}
-    beside = sum(run.ended[k]["evaluations"] - int((run.stage == k).sum()) for k in run.counted)
-    total |= {"counted": beside} if beside else {}
+    beside = run.made["evaluations"] - len(run.status)
+    total = {"stored": len(run.status), "lowest": run.lowest} | ({"counted": beside} if beside else {})
+    total |= {name: run.made[name] for name in ("succeeded", "failed", "excluded", "violating")}
     stages = zip(run.plan, run.best, run.ended, strict=True)
     stops = [_stop(run, k) for k in range(len(run.plan))]
     expected: Tree = {
@@ -157,7 +157,7 @@ def _stored(run: Run) -> Tree:
             {"kind": s.kind, "method": s.method, "best": best} | ended | stop
             for (s, best, ended), stop in zip(stages, stops, strict=True)
         ],
-        "evaluations": total | {k: run.total[k] for k in ("failed", "excluded")},
+        "evaluations": total,
         "nominal": {"cost": run.nominal, "margin": run.nominal - run.threshold},
         "worst": worst if len(run.costs) else None,
         "findings": run.findings,
@@ -171,11 +171,11 @@ def _stored(run: Run) -> Tree:
         expected["evaluations"]["flaky"] = run.flaky
     if "run" in run.claims:  # the columns of the database's table of runs
         expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.stated}
-        made = {name: sum(ended[name] for ended in run.ended) for name in ("evaluations", "failed")}
-        expected["run"] |= {"evaluations": made["evaluations"], "failed_evaluations": made["failed"]}
-        for k in run.counted:  # of these a row has the stored ones, and how many there are beside them
+        expected["run"] |= {"evaluations": run.made["evaluations"], "failed_evaluations": run.made["failed"]}
+        for k, blocks in run.counted.items():  # of these a row has the stored ones, and how many there are beside them
             stored = int((run.stage == k).sum())
             expected["stages"][k] |= {"evaluations": stored, "counted": run.ended[k]["evaluations"] - stored}
+            expected["stages"][k] |= {"violations": sum(blocks["violations"])}
         expected["run"] |= {"worst_method": method, "upper_bound": run.bound}
         if run.sealed:
             expected["run"] |= {"planned": most(run.campaign), "state": "done", "error": None}
@@ -291,8 +291,10 @@ def _blocks(run: Run, k: int) -> Tree:
     certify, result = run.campaign.stages.certify, run.claims["results"][k]
     if certify is None or certify.keep == "all":
         return {"blocks": None, "flights": None, "realisations": None}
-    seeds = [int(of_draws(int(result["seed"]), flight, 1)[0]) for flight in result["flights"]] if run.random else None
-    return {"blocks": counted.scale(run.threshold, run.nominal), "realisations": seeds}
+    flights, (_, raw, status) = np.array(result["flights"], dtype=np.int64), run.rows(k)
+    seeds = of_indices(int(result["seed"]), flights).tolist() if run.random else None
+    beside = counted.beside(run.counted[k], int(np.count_nonzero(raw[status == OK] <= run.threshold)), status)
+    return {"blocks": counted.scale(run.threshold, run.nominal) | {"beside": beside}, "realisations": seeds}
 
 
 def _nominal(run: Run, stated: Tree) -> Tree:
@@ -390,7 +392,7 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
         "minimum": bool(findings) and findings[0]["cost"] <= run.lowest and results[-1]["findings"]["complete"],
         "agreement": agreement(run),
         system: agreed and compared,
-        "evaluations": run.total["failed"] == 0,
+        "evaluations": run.made["failed"] == 0,
         "influence": run.calls.influence(run.varies, run.highest - run.lowest),
     }
     checks |= _encounter(run) if run.campaign.simulator is None else {}
@@ -444,13 +446,12 @@ def _probability(run: Run) -> dict[str, bool]:
     """The checks of the noise, of excluded evaluations, and of the bound on P(violation)."""
     campaign, sample, checks = run.campaign, run.claimed, dict[str, bool]()
     noise, bound = (sample["noise"], sample["upper_bound"]) if sample else ("stated", 1.0)
-    excluded = run.total["excluded"] / max(len(run.status), 1)
+    excluded = run.made["excluded"] / max(run.made["evaluations"], 1)
     if run.random:
         realisations = campaign.given_scenario.realisations
         checks["noise"] = noise == "drawn" and not (realisations.combine == "mean" and len(realisations.seeds) > 1)
-    drawn = sample["excluded_fraction"] if sample else 0.0
-    if excluded or drawn:
-        checks["exclusions"] = max(drawn, excluded) <= limits.EXCLUDED
+    if excluded:
+        checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= limits.EXCLUDED
     checks["sample"] = _sampled(run)
     if run.outside():
         checks["outside the bounds"] = run.outside() <= limits.CEILING
@@ -507,11 +508,11 @@ def _numbers(run: Run) -> Tree:
     verdict, sample = run.claims["verdict"], run.claimed
     numbers: Tree = {
         "threshold": None if verdict == "inconclusive" else run.threshold,
-        "evaluations": len(run.costs if verdict == "cleared" else run.raw),
+        "evaluations": run.made["succeeded" if verdict == "cleared" else "evaluations"],
         "worst": run.stated,
         "margin": run.stated - run.threshold,
-        "excluded": run.total["excluded"] or None if verdict == "cleared" else None,
-        "violating": sum(run.below) or None,
+        "excluded": run.made["excluded"] or None if verdict == "cleared" else None,
+        "violating": run.made["violating"] or None,
     }
     claimed = sample if verdict != "inconclusive" else None
     return numbers | {name: claimed and claimed[name] for name in ("violations", "samples", "upper_bound")}

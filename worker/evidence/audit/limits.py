@@ -18,9 +18,9 @@ SPOT_CHECKS, VIOLATIONS = 200, 200
 SAMPLE = 59
 TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 2
-KEPT, FAILURES, BINS = 1000, 1000, 1000
-"""Of a sample of which only the lowest flights are stored: how many of these, how many without a result, and the bins of
-its histogram."""
+KEPT, FAILURES, FIRST, BINS = 1000, 1000, 1024, 1000
+"""Of a sample of which only a part is stored: its lowest flights, those without a result, its first draws, and the bins
+of its histogram."""
 COUNTED = 2**24
 """Its random stream."""
 
@@ -31,8 +31,8 @@ def draws(requested: int, drawn: int) -> int:
 
 
 def block(requested: int) -> int:
-    """Draws of a block of such a sample: the smallest power of two, 64 at least, of which 1024 blocks suffice."""
-    size = 64
+    """Draws of a block of such a sample: the smallest power of two of which 1024 blocks suffice."""
+    size = 1
     while size * 1024 < requested:
         size *= 2
     return size

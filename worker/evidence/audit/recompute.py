@@ -87,11 +87,18 @@ class Run:
                 self.counted[k], self.ended[k] = result["blocks"], counted.ended(result["blocks"])
         self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
         self.below = [int(np.count_nonzero(ok <= self.threshold)) for ok in by_stage]
+        self.made = {name: sum(ended[name] for ended in self.ended) for name in ("evaluations", "failed", "excluded")}
+        """All evaluations, stored or only counted."""
+        self.made["succeeded"] = self.made["evaluations"] - self.made["failed"] - self.made["excluded"]
+        whole = {k: sum(blocks["violations"]) - sum(blocks["failed"]) for k, blocks in self.counted.items()}
+        self.made["violating"] = sum(whole.get(k, below) for k, below in enumerate(self.below))
+        if self.flaky is not MISSING:
+            self.flaky += sum(blocks["beside"]["flaky"] for blocks in self.counted.values())
         first = np.flatnonzero(self.stage == 0)[:1]  # a simulator has further evaluations in the first stage
         self.nominal = float(self.raw[first][0]) if (self.status[first] == OK).any() else math.nan
         self.lowest = min(self.costs.tolist(), default=math.nan)
         self.calls = Calls(self.campaign, self.claims, *self.rows(0))
-        self.highest, self.total = max(self.costs.tolist(), default=math.nan), counts(self.status)
+        self.highest = max(self.costs.tolist(), default=math.nan)
         self.varies = self.highest - self.lowest > limits.ROUNDING * max(abs(self.highest), abs(self.lowest))
         self.others = self.means()
         self.findings = [self.finding(k, recorded) for k, recorded in enumerate(self.claims["findings"], 1)]
@@ -241,6 +248,7 @@ class Run:
         if certify:
             level = self.campaign.confidence
             if blocks is not None:
+                costs = costs[: limits.KEPT]
                 found["distribution"] = counted.distribution(blocks, costs, level)
                 found["quantile"] = _of_quantile(size, certify.quantile - outside, level)
                 rank = found["quantile"]["order"]

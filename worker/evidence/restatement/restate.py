@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
 from pydantic import ValidationError
 
 from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
 from campaigns.results import Finding, Verdict
-from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.verdict import Check
 from campaigns.results.verdicts import described
 from campaigns.stages.found import stage_result
@@ -24,7 +22,7 @@ from worker.evidence.audit.record import MISSING, Missing, Record
 from worker.evidence.audit.sentences import alike
 from worker.evidence.scopes import recorded
 from worker.evidence.verdicts.conclude import conclude
-from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.evidence import Evaluated, Evidence
 from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 
@@ -86,22 +84,13 @@ def titles(record: Record) -> dict[str, tuple[Any, Any]]:
 def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sentence]:
     findings = [Finding.model_validate(found) for found in record.claims["findings"]]
     results = [stage_result(result) for result in record.claims["results"]]
-    status, ok = record.status, record.costs[record.status == OK, 0]
     rows = {k: record.stage == k for k in range(len(results))}
     stored = {k: Stored(record.costs[here], record.status[here]) for k, here in rows.items()}
-    evidence = Evidence(
-        results=[worded(problem, result, findings) for result in results],
-        finding=findings[0] if findings else None,
-        others=findings[1:],
-        evaluations=len(status),
-        failed=int(np.count_nonzero((status != OK) & (status != EXCLUDED))),
-        excluded=int(np.count_nonzero(status == EXCLUDED)),
-        lowest=float(ok.min()) if len(ok) else None,
-        violating=int(np.count_nonzero(ok <= record.campaign.criterion.threshold)),
-        exclusions=record.exclusions,
-        flaky=0 if isinstance(record.flaky, Missing) else record.flaky,
-        sureness=sureness(problem, results, stored),
-    )
+    again = 0 if isinstance(record.flaky, Missing) else record.flaky
+    evaluated = Evaluated(record.costs[:, 0], record.status, again, record.exclusions)
+    worded_results = [worded(problem, result, findings) for result in results]
+    threshold = record.campaign.criterion.threshold
+    evidence = Evidence.of(worded_results, findings, evaluated, threshold, sureness(problem, results, stored))
     verdict = conclude(problem, evidence, versions)
     return _sentences(record, verdict, evidence)
 

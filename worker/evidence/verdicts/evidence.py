@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from campaigns import rules
 from campaigns.claims.say import Part, say
 from campaigns.codes import CheckCode
 from campaigns.results import Finding, SearchResult, StageResult, ValidateResult
+from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.nominal import NominalCase
 from campaigns.results.sample import Certificate, Sample
 from campaigns.results.sureness import Sureness
@@ -21,9 +26,19 @@ P = TypeVar("P")
 R = TypeVar("R", bound=StageResult)
 
 
+class Evaluated(NamedTuple):
+    """Stored evaluations: first costs and status (m,), how many are flaky, how many were excluded for each reason."""
+
+    costs: NDArray[np.float64]
+    status: NDArray[np.uint8]
+    flaky: int
+    exclusions: Mapping[str, int]
+
+
 @dataclass(frozen=True)
 class Evidence:
-    """The results of the stages in the order of the run, the worst finding, the counts of all stored evaluations."""
+    """The results of the stages in the order of the run, the worst finding, the counts of all evaluations, stored or
+    only counted."""
 
     results: Sequence[StageResult]
     finding: Finding | None
@@ -32,9 +47,11 @@ class Evidence:
     excluded: int
     """By the criterion's precondition, or by a simulator."""
     lowest: float | None = None
-    """The lowest cost of all stored evaluations of any stage."""
+    """The lowest cost of all evaluations of any stage."""
     violating: int = 0
-    """How many stored evaluations violate the criterion."""
+    """How many evaluations violate the criterion."""
+    counted: int = 0
+    """How many of them are counted and not stored."""
     flaky: int = 0
     """How many evaluations succeeded only when a failed call was tried again."""
     exclusions: Mapping[str, int] = field(default_factory=dict)
@@ -43,6 +60,34 @@ class Evidence:
     """The findings that are not the worst."""
     sureness: Sureness | None = None
     """The estimate from the stored evaluations of the search; no check rests on it."""
+
+    @staticmethod
+    def of(
+        results: Sequence[StageResult],
+        findings: Sequence[Finding],
+        stored: Evaluated,
+        threshold: float,
+        sureness: Sureness | None,
+    ) -> Evidence:
+        """What the stored evaluations and the results show; of a counted sample the lowest flight is always stored."""
+        beside = [result.beside for result in results]
+        ok = stored.costs[stored.status == OK]
+        excluded = int(np.count_nonzero(stored.status == EXCLUDED))
+        counted = sum(one.evaluations for one in beside)
+        return Evidence(
+            results=results,
+            finding=findings[0] if findings else None,
+            others=findings[1:],
+            evaluations=len(stored.status) + counted,
+            failed=len(stored.status) - len(ok) - excluded + sum(one.failed for one in beside),
+            excluded=excluded + sum(one.excluded for one in beside),
+            lowest=float(ok.min()) if len(ok) else None,
+            violating=int(np.count_nonzero(ok <= threshold)) + sum(one.violating for one in beside),
+            counted=counted,
+            flaky=stored.flaky + sum(one.flaky for one in beside),
+            exclusions=sum((Counter(one.exclusions) for one in beside), Counter(stored.exclusions)),
+            sureness=sureness,
+        )
 
     @cached_property
     def nominal(self) -> NominalCase:

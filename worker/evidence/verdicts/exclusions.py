@@ -16,9 +16,9 @@ MOST = 3
 
 def exclusions(problem: Problem, evidence: Evidence) -> list[Check]:
     """The check of the excluded fraction, whoever excluded; empty if nothing was excluded."""
-    drawn = 0.0 if evidence.sample is None else evidence.sample.excluded_fraction
-    if not evidence.excluded and not drawn:  # of a counted sample no excluded draw is stored
+    if not evidence.excluded:
         return []
+    drawn = 0.0 if evidence.sample is None else evidence.sample.excluded_fraction
     evaluated = evidence.excluded / max(evidence.evaluations, 1)
     much, most = max(drawn, evaluated), rules.EXCLUDED.value
     of = "draws of the sample" if drawn >= evaluated else "evaluations"

@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns.asked.load import load_document
-from campaigns.asked.spec import MAX_SEED
+from campaigns.asked.scenario import MAX_REALISATION
 from campaigns.stored.replies import FieldReply, FlightReply
 from worker.engine.systems.closed_loop.field import MOST, UNITS, field
 from worker.engine.systems.closed_loop.flights import Flights
@@ -105,8 +105,8 @@ def _opened(document: Any, problems: Problems) -> Opened:
 def _realised(flights: Flights, request: Mapping[str, object]) -> Flights:
     """The flights under the requested noise realisation, by default under those of the campaign."""
     seed = request.get("seed")
-    if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < MAX_SEED):
-        raise ValueError(f"seed must be a whole number from 0 to {MAX_SEED - 1}, given {seed!r}")
+    if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < MAX_REALISATION):
+        raise ValueError(f"seed must be a whole number from 0 to {MAX_REALISATION - 1}, given {seed!r}")
     return flights.under(seed)
 
 

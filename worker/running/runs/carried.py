@@ -8,30 +8,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from campaigns.identity.identity import Identity, identity_of, unsound
+from campaigns.asked.spec import Campaign
+from campaigns.identity.identity import Identity, identity_of, simulator_of, unsound
+from campaigns.stages.found import declared
 from campaigns.stored.records import Begun, Cited, StageRecord
 from worker.engine.stages.parts.store import Store
 from worker.running.runs import identity
 
 
-def carry(store: Store, here: Identity, simulator: str, records: Sequence[StageRecord]) -> None:
-    """Store the sound evaluations of the run that this one continues; nothing if there are none.
-
-    simulator: the name of the one that both evaluate, or empty.
-    """
+def carry(store: Store, here: Identity, campaign: Campaign, records: Sequence[StageRecord]) -> None:
+    """Store the sound evaluations of the run that this one continues; nothing if there are none."""
     cited = store.cited()
-    if cited is not None and not unsound(identity_of(cited.begun.versions, simulator), here):
-        for position in _replayed(cited, records):
+    if cited is not None and not unsound(identity_of(cited.begun.versions, simulator_of(campaign)), here):
+        for position in _replayed(cited, campaign, records):
             store.append(position, 0, cited.evaluations[position])
 
 
-def _replayed(cited: Cited, records: Sequence[StageRecord]) -> list[int]:
-    """The positions of the stages that request the same points, until the first one that may not."""
+def _replayed(cited: Cited, campaign: Campaign, records: Sequence[StageRecord]) -> list[int]:
+    """The positions of the stages that request the same points, until the first one that may not, or of which a part is
+    stored."""
     found: list[int] = []
     for position, (before, record) in enumerate(zip(cited.stages, records, strict=False)):
         if before.plan != record.plan or not _same(cited.begun, record):
             break
-        if position not in cited.evaluations or (before.result is not None and before.result.made is not None):
+        if position not in cited.evaluations or declared()[record.plan.kind].partly(campaign):
             break
         found.append(position)
     return found

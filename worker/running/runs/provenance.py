@@ -31,8 +31,7 @@ def begin(store: Store, system: System, campaign: Campaign, records: Sequence[St
     """
     here = versions(campaign, system)
     store.record_versions(here, identity.code(campaign))
-    simulator = simulator_of(campaign)
-    carry(store, identity_of(here, simulator), simulator, records)
+    carry(store, identity_of(here, simulator_of(campaign)), campaign, records)
     found = added(campaign)
     if found is not None:
         store.record_sources(*found)

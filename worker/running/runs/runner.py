@@ -13,7 +13,6 @@ import numpy as np
 
 from campaigns import Campaign
 from campaigns.results import Verdict
-from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
@@ -23,7 +22,7 @@ from worker.engine.stages.parts.noise import exclusions, flaky
 from worker.engine.stages.parts.store import StagePlan, StageRecord, Store
 from worker.engine.systems.base import CampaignUnusable
 from worker.evidence.verdicts.conclude import conclude
-from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.evidence import Evaluated, Evidence
 from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
@@ -88,18 +87,11 @@ def _evidence(context: Context) -> Evidence:
     stored = dict(all_columns(context, list(range(len(context.plan)))))
     columns = list(stored.values())
     results = [context.results[at] for at in range(len(context.plan))]
-    status = np.concatenate([c.status for c in columns])
-    costs = np.concatenate([c.costs[:, 0] for c in columns])[status == OK]
-    return Evidence(
-        exclusions=sum(map(exclusions, columns), Counter[str]()),
-        results=results,
-        finding=findings[0] if findings else None,
-        others=findings[1:],
-        evaluations=len(status),
-        failed=int(np.count_nonzero((status != OK) & (status != EXCLUDED))),
-        excluded=int(np.count_nonzero(status == EXCLUDED)),
-        lowest=float(costs.min()) if len(costs) else None,
-        violating=int(np.count_nonzero(costs <= context.problem.threshold)),
+    evaluated = Evaluated(
+        costs=np.concatenate([c.costs[:, 0] for c in columns]),
+        status=np.concatenate([c.status for c in columns]),
         flaky=sum(map(flaky, columns)),
-        sureness=sureness(context.problem, results, {at: Stored.of(c) for at, c in stored.items()}),
+        exclusions=sum(map(exclusions, columns), Counter[str]()),
     )
+    estimate = sureness(context.problem, results, {at: Stored.of(c) for at, c in stored.items()})
+    return Evidence.of(results, findings, evaluated, context.problem.threshold, estimate)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from campaigns.limits import DRAWS
-from campaigns.results.draws import of_draws, uniform
+from campaigns.results.draws import of_indices, uniform
 from campaigns.stored.blocks import Block, Counted, Kept, Scale, counted, size
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import Cancelled, Context, Tally
@@ -32,7 +32,7 @@ class Draws(NamedTuple):
     """Consecutive draws of a sample."""
 
     first: int
-    count: int
+    number: int
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,14 @@ class Drawing:
     seed: int
 
     def points(self, draws: Draws) -> Floats:
-        """Their points (count, n)."""
+        """Their points (number, n)."""
         return self.problem.quantile(uniform(self.seed, STREAM, *draws, self.problem.dimension))
 
     def seeds(self, draws: Draws) -> Seeds | None:
         """The noise that each draws; None without any."""
-        return of_draws(self.seed, *draws) if self.problem.realisations.random else None
+        if not self.problem.realisations.random:
+            return None
+        return of_indices(self.seed, np.arange(draws.first, draws.first + draws.number))
 
 
 def planned(samples: int, blocks: dict[int, Block]) -> Iterator[Draws]:
@@ -59,7 +61,7 @@ def planned(samples: int, blocks: dict[int, Block]) -> Iterator[Draws]:
         while first < until:
             draws = Draws(first, min(each, until - first))
             yield draws
-            first += draws.count
+            first += draws.number
         flown = [block for at, block in blocks.items() if at < until]
         if sum(block.draws for block in flown) < until:
             return
@@ -93,8 +95,7 @@ class Counting:
             while missing := self._missing():
                 if self.context.cancelled():
                     raise Cancelled
-                for block in self._flown(missing, offset - began):
-                    unsaved.append(self._add(block))
+                unsaved += map(self._add, self._flown(missing, offset - began))
                 if time.perf_counter() - saved > SAVED:
                     saved = self._save(unsaved)
         finally:
@@ -127,8 +128,8 @@ class Counting:
         self.context.problem.system.cost = max(ended - began, 1e-6) / len(points)
         row = 0
         for draws in missing:
-            rows = slice(row, row + draws.count)
-            whys = {at - row: why for at, why in reasons.items() if row <= at < row + draws.count}
+            rows = slice(row, row + draws.number)
+            whys = {at - row: why for at, why in reasons.items() if row <= at < row + draws.number}
             threshold = self.context.problem.threshold
             yield counted(
                 draws.first,
@@ -140,7 +141,7 @@ class Counting:
                 threshold,
                 since + ended,
             )
-            row += draws.count
+            row += draws.number
 
     def _add(self, block: Block) -> Block:
         """The block as it is stored."""
@@ -167,7 +168,6 @@ class Counting:
 def kept(sample: Counted) -> Columns:
     """The flights that are kept as evaluations of the stage, in the order of their draws."""
     found = sample.kept
-    order = np.argsort(found.indices)
-    seconds = np.full(len(order), max((block.seconds for block in sample.blocks), default=0.0))
-    reasons = {row: found.reasons[int(i)] for row, i in enumerate(found.indices[order]) if int(i) in found.reasons}
-    return Columns(found.points[order], found.costs[order], found.status[order], seconds, reasons)
+    seconds = np.full(len(found.indices), max((block.seconds for block in sample.blocks), default=0.0))
+    reasons = {row: found.reasons[i] for row, i in enumerate(found.indices.tolist()) if i in found.reasons}
+    return Columns(found.points, found.costs, found.status, seconds, reasons)

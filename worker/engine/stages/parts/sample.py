@@ -79,13 +79,13 @@ class Sample:
         excluded = int(np.count_nonzero(columns.status == EXCLUDED))
         failed = len(columns.status) - excluded - len(costs)
         violations = int(np.count_nonzero(costs <= problem.threshold)) + failed
-        return Sample(Ordered(costs), violations, failed, excluded, *_stated(problem, confidence, noise))
+        return _sample(Ordered(costs), (violations, failed, excluded), problem, confidence, noise)
 
     @staticmethod
     def of_counted(counted: Counted, problem: Problem, confidence: float, noise: Noise | None = None) -> Sample:
         """The sample of which only the lowest flights are kept."""
         counts = counted.violations, counted.failed, counted.excluded
-        return Sample(Binned(counted), *counts, *_stated(problem, confidence, noise))
+        return _sample(Binned(counted), counts, problem, confidence, noise)
 
     @property
     def size(self) -> int:
@@ -150,9 +150,11 @@ class Sample:
         return self.excluded / max(self.size + self.excluded, 1)
 
 
-def _stated(problem: Problem, confidence: float, noise: Noise | None) -> tuple[float, float, Noise, bool]:
-    simulator = problem.campaign.simulator is not None
-    return problem.distributions.outside, confidence, noise or Noise.stated(problem.realisations), simulator
+def _sample(
+    shape: Shape, counts: tuple[int, int, int], problem: Problem, confidence: float, noise: Noise | None
+) -> Sample:
+    simulator, outside = problem.campaign.simulator is not None, problem.distributions.outside
+    return Sample(shape, *counts, outside, confidence, noise or Noise.stated(problem.realisations), simulator)
 
 
 def of_search(context: Context, method: Method, options: Any, columns: Columns) -> Statement:

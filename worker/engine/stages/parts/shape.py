@@ -11,7 +11,6 @@ from typing import Protocol
 
 import numpy as np
 
-from campaigns.results.base import OK
 from campaigns.results.sample import Histogram
 from campaigns.stored.blocks import Counted, Whole
 from worker.engine.systems.base import Floats
@@ -89,8 +88,7 @@ class Binned:
 
     @cached_property
     def _lowest(self) -> Floats:
-        kept = self.counted.kept
-        return kept.costs[kept.status == OK, 0]
+        return self.counted.kept.lowest
 
     @property
     def _edges(self) -> Floats:

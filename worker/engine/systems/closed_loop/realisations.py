@@ -17,6 +17,7 @@ from campaigns.asked.spec import MAX_SEED
 from campaigns.asked.spec import Realisations as Asked
 from campaigns.checked.check import SEED
 from campaigns.results.base import EXCLUDED, FAILED, OK
+from campaigns.results.draws import combined
 from worker.engine.kernels.layout import Section
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Floats, Realised, Seeds
@@ -56,7 +57,10 @@ class Realisations(Realised):
         realised = vectors.copy()
         for number, index in enumerate(self.seed_indices):
             own = np.clip(np.floor(vectors[:, index]), 0.0, OWN - 1.0)
-            realised[:, index] = (np.asarray(seed, dtype=np.float64) * INDEX + number) * OWN + own
+            seeds = np.full(len(vectors), seed, dtype=np.int64)
+            exact = (seeds.astype(np.float64) * INDEX + number) * OWN + own
+            wide = seeds >= MAX_SEED  # those of a sample of any size; the product would not be exact
+            realised[:, index] = np.where(wide, combined(seeds, number, own), exact) if wide.any() else exact
         return realised
 
     def only(self, seed: int) -> Realisations:

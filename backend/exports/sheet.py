@@ -105,7 +105,9 @@ class Sheet:
 
     def _block(self, position: int, chunk: Any) -> Block:
         columns, draws = as_columns(chunk), self.draws.get(position)
-        known: list[int | None] = [None] * chunk.count if draws is None else [*draws[chunk.first : chunk.first + chunk.count]]
+        known: list[int | None] = (
+            [None] * chunk.count if draws is None else [*draws[chunk.first : chunk.first + chunk.count]]
+        )
         turned = [0.0 - c if turn else c for c, turn in zip(columns.costs.T, self.turned, strict=False)]
         return Block(
             indices=range(chunk.first, chunk.first + chunk.count),

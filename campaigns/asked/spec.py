@@ -7,6 +7,7 @@ validates units and the components' own limits against the catalogue.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
@@ -219,6 +220,21 @@ class Campaign(Strict):
             raise ValueError("criterion.result: a simulator's result is required, by name")
         if self.scenario is not None and self.criterion.result is not None:
             raise ValueError("criterion.result: only a simulator has results; a scenario needs criterion.component")
+        return self
+
+    @model_validator(mode="after")
+    def _attainable(self) -> Campaign:
+        certify, target = self.stages.certify, self.target_probability
+        if certify is None or certify.until == "samples":
+            return self
+        if target is None:
+            raise ValueError("stages.certify.until: target needs a target_probability")
+        least = math.ceil(math.log1p(-self.confidence) / math.log1p(-target) - 1e-9)
+        if certify.samples < least:
+            raise ValueError(
+                f"stages.certify.samples: {certify.samples:,} samples cannot show a probability of {target:g} with "
+                f"{100 * self.confidence:g} % confidence; give at least {least:,}"
+            )
         return self
 
     @field_validator("tags")

@@ -67,10 +67,15 @@ class Grid(Strict):
 
 
 Kept = Literal["all", "lowest"]
+Until = Literal["samples", "target"]
 
 
 def _all(keep: str) -> bool:
     return keep == "all"
+
+
+def _samples(until: str) -> bool:
+    return until == "samples"
 
 
 class Certify(Strict):
@@ -83,8 +88,11 @@ class Certify(Strict):
     quantile: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] = 0.05
     grid: Grid | None = None
     keep: Annotated[Kept, Field(exclude_if=_all, json_schema_extra=no_default)] = "all"
-    """The evaluations that are stored: all, at most 10,000,000; or of a sample of any size the lowest 1,000 with counts
-    of all, each of which can be flown again by its index. Omitted from the canonical form if all."""
+    """The evaluations that are stored: all, at most 10,000,000; or of a sample of any size the lowest 1,000, the first
+    1,024 and counts of all, each of which can be flown again by its index. Omitted from the canonical form if all."""
+    until: Annotated[Until, Field(exclude_if=_samples, json_schema_extra=no_default)] = "samples"
+    """When it ends: with its samples, or earlier, when more of them violate than the campaign's target probability
+    allows. Omitted from the canonical form if samples."""
 
     @model_validator(mode="after")
     def _stored(self) -> Certify:
@@ -92,6 +100,8 @@ class Certify(Strict):
             raise ValueError(f"at most {MAX_EVALUATIONS:,} samples are stored whole; give keep: lowest for more")
         if self.keep == "lowest" and self.grid is not None:
             raise ValueError("a grid is stored whole; give keep: all, or leave the grid out")
+        if self.until == "target" and self.keep == "all":
+            raise ValueError("a sample that ends by its target is counted in blocks; give keep: lowest")
         return self
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
+from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Result, Values
 
 Noise = Literal["none", "drawn", "stated"]
@@ -63,10 +64,12 @@ class Sample(Described):
     histogram: Histogram | None = None
     looks: int | None = None
     """The number of interim analyses of a sample that may stop early; each spends a part of the error."""
+    bound_samples: Annotated[int | None, UNLESS_NONE] = None
+    """How many samples the bound counts, if not all: of a sample that ended early, those before its last block."""
     quantile: QuantileBound | None = None
-    """Of the certify stage."""
+    """Of a certify stage that did not end early."""
     distribution: Distribution | None = None
-    """Of the certify stage."""
+    """Of a certify stage that did not end early."""
 
 
 class SoFar(Described):

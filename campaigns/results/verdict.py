@@ -62,6 +62,8 @@ class Statistics(Described):
     excluded_fraction: float | None = None
     confidence: float
     upper_bound: float
+    bound_samples: Annotated[int | None, UNLESS_NONE] = None
+    """As of the sample."""
     noise: Noise | None = None
     quantile: QuantileBound | None = None
     source: Literal["search", "certify"] = "certify"

@@ -72,10 +72,10 @@ def certifying(samples: int, *searches: dict[str, Any], **changes: Any) -> Campa
     return load_document(document)
 
 
-def counting(samples: int, **changes: Any) -> Campaign:
+def counting(samples: int, until: str = "samples", **changes: Any) -> Campaign:
     """With a sample of which only the lowest flights are stored."""
     document = searching(DIRECT, *(() if "uncertain" in changes else (SQP,)), **(SHORT | changes)).document()
-    document["stages"] |= {"certify": {"samples": samples, "keep": "lowest"}}
+    document["stages"] |= {"certify": {"samples": samples, "keep": "lowest", "until": until}}
     return load_document(document)
 
 
@@ -88,6 +88,7 @@ RUNS: dict[str, Callable[[], Campaign]] = {
     "counted": lambda: counting(1500),
     "counted noise": lambda: counting(1200, **NOISE),
     "counted correlations": lambda: counting(1100, uncertain=NORMAL, correlations=PAIR),
+    "counted target": lambda: counting(3000, "target", target_probability=0.001, criterion__threshold=0.942),
     "counted exclusions": lambda: counting(
         1100,
         uncertain={"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}},
@@ -120,6 +121,7 @@ VERDICTS = {
     "counted correlations": "inconclusive",
     "counted noise": "cleared",
     "counted exclusions": "inconclusive",
+    "counted target": "violated",
 }
 VERDICTS |= {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
 

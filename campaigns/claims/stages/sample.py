@@ -125,6 +125,16 @@ def interim(statement: Spans, looks: int, level: float) -> Spans:
     )
 
 
+def curtailed(statement: Spans, allowed: int, target: float, samples: int, counted: int) -> Spans:
+    """The statement of a sample that ended when too many violated; counted: the samples before its last block."""
+    return say(
+        statement,
+        *("; it ended early, because at most ", count(allowed, "allowed"), " of ", count(samples, "requested")),
+        *(" samples may violate for a bound of ", percent(target, 4, "target"), ", and this bound counts the "),
+        *(count(counted, "bound_samples"), " samples before the last block"),
+    )
+
+
 def certified(drawing: Spans, quantile: Spans, samples: int, requested: int) -> Spans:
     """The sentence of a sample with its quantile, and how many samples are missing."""
     short = say("; only ", count(samples), " of ", count(requested), " samples were not excluded")

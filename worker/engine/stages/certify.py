@@ -13,18 +13,21 @@ from typing import Any
 
 import numpy as np
 
+from campaigns import rules
 from campaigns.asked.stages import Certify
+from campaigns.claims.spans import Spans
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as sentences
 from campaigns.limits import DRAWS
 from campaigns.results.base import EXCLUDED
 from campaigns.results.draws import of_draws, of_indices
 from campaigns.results.sample import GridPoint, GridResult
+from campaigns.results.sample import Sample as Statement
 from campaigns.stages.certify import Blocks, CertifyResult
 from campaigns.stored.blocks import Counted, Scale
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Ended, Floats
-from worker.engine.stages.parts import noise
+from worker.engine.stages.parts import claims, noise
 from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, drive
 from worker.engine.stages.parts.counting import Counting, Drawing, kept
 from worker.engine.stages.parts.ended import stop
@@ -63,12 +66,10 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     own = problem.realisations.random
     kind = DRAWN if own else Noise.of_calls(context, single=True)
     sample = Sample.of(some(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
-    quantile = sample.quantile(request.quantile, problem.quantity, problem.unit)
-    drawing = sample.statement()
-    statement = sentences.certified(drawing.statement, quantile.statement, sample.size, request.samples)
+    stated, statement = _whole(sample, context, request)
     tally = driven.tally
     result = CertifyResult(
-        sample=drawing.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
+        sample=stated,
         grid=_grid(context, request.grid.points, driven.columns, drawn.draws) if request.grid is not None else None,
         seed=seed.value,
         drawn_at_launch=not seed.stated,
@@ -89,18 +90,18 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
     single = slotted(problem.system).single() if noise.noisy(context) else None
     drawing = Drawing(problem, seed.value)
     scale = Scale.about(problem.threshold, context.nominal_cost)
-    counting = Counting(context, position, request.samples, drawing, single, scale)
+    allowed = _allowed(context, request)
+    counting = Counting(context, position, request.samples, drawing, single, scale, allowed)
     found = counting.fly()
     kind = DRAWN if problem.realisations.random else Noise.of_calls(context, single=True)
     sample = Sample.of_counted(found, problem, context.campaign.confidence, kind)
-    quantile = sample.quantile(request.quantile, problem.quantity, problem.unit)
-    drawn = sample.statement()
     columns, flights = kept(found), found.kept.indices
     context.store.keep(position, columns)
     context.columns[position] = columns
-    own = problem.realisations.random
+    own, early = problem.realisations.random, allowed is not None and found.violations > allowed
+    stated, statement = _early(sample, found, context, request) if early else _whole(sample, context, request)
     result = CertifyResult(
-        sample=drawn.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
+        sample=stated,
         grid=None,
         seed=seed.value,
         drawn_at_launch=not seed.stated,
@@ -109,13 +110,39 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
         failed=found.failed,
         excluded=found.excluded,
         seconds=counting.tally.seconds,
-        stop=stop("rule", Ended("drawn", ends.SAMPLE, flights=found.evaluated)),
+        stop=stop("rule", Ended("drawn", ends.TARGET if early else ends.SAMPLE, flights=found.evaluated)),
         flights=flights.tolist(),
         realisations=of_indices(seed.value, flights).tolist() if own else None,
         blocks=_blocks(found, problem.threshold),
-        statement=sentences.certified(drawn.statement, quantile.statement, sample.size, request.samples),
+        statement=statement,
     )
     return Outcome(result)
+
+
+def _allowed(context: Context, request: Certify) -> int | None:
+    """The violations that the target allows among all samples; None if the sample does not end by it."""
+    if request.until == "samples":
+        return None
+    most = rules.required(context.campaign.target_probability) - context.problem.distributions.outside
+    allowed = claims.allowed(request.samples, most, context.campaign.confidence)
+    return None if allowed < 0 else allowed
+
+
+def _whole(sample: Sample, context: Context, request: Certify) -> tuple[Statement, Spans]:
+    """What a whole sample shows, and the sentence of its stage."""
+    problem, drawing = context.problem, sample.statement()
+    quantile = sample.quantile(request.quantile, problem.quantity, problem.unit)
+    statement = sentences.certified(drawing.statement, quantile.statement, sample.size, request.samples)
+    return drawing.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}), statement
+
+
+def _early(sample: Sample, found: Counted, context: Context, request: Certify) -> tuple[Statement, Spans]:
+    """The same of one that ended early: its size follows from what came out, so it bounds P(violation) only."""
+    counted, allowed = found.evaluated - found.blocks[-1].evaluated, _allowed(context, request)
+    assert allowed is not None
+    drawing, target = sample.statement(counted=counted), rules.required(context.campaign.target_probability)
+    statement = sentences.curtailed(drawing.statement, allowed, target, request.samples, counted)
+    return drawing.model_copy(update={"statement": statement}), statement
 
 
 def _blocks(found: Counted, threshold: float) -> Blocks:

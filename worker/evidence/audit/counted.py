@@ -15,6 +15,7 @@ import numpy as np
 from campaigns.documents import JsonObject
 from campaigns.results.base import OK
 from worker.evidence.audit import draw, limits
+from worker.evidence.audit.binomial import upper_bound
 
 Tree = JsonObject
 LOWEST, STEPS, PARTS = 100, 400, 40
@@ -33,6 +34,21 @@ def beside(blocks: Tree, violating: int, status: Any) -> Tree:
     rest = {"evaluations": total["evaluations"] - len(status), "failed": total["failed"] - lost}
     violations = sum(blocks["violations"]) - total["failed"] - violating
     return rest | {"excluded": total["excluded"], "violating": violations}
+
+
+def early(blocks: Tree, requested: int, most: float, confidence: float) -> tuple[int, int | None]:
+    """How many of the requested samples may violate for a bound of at most `most`, -1 if none; and of a sample that
+    ended because more do, the samples before its last block."""
+    allowed, beyond = -1, requested
+    while beyond - allowed > 1:
+        middle = (allowed + beyond) // 2
+        fits = upper_bound(middle, requested, confidence) <= most
+        allowed, beyond = (middle, beyond) if fits else (allowed, middle)
+    violations, total = blocks["violations"], ended(blocks)
+    if allowed < 0 or not sum(violations[:-1]) <= allowed < sum(violations):
+        return allowed, None
+    evaluated = total["evaluations"] - total["excluded"]
+    return allowed, evaluated - (blocks["draws"][-1] - blocks["excluded"][-1])
 
 
 def scale(threshold: float, nominal: float) -> Tree:

@@ -244,7 +244,11 @@ class Run:
             found["looks"] = look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
             level = 1.0 - (1.0 - level) / (look * (look + 1))
         independent = options.get("sampling", "plain") == "plain" and not options.get("continued")
-        found["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None
+        _, before = self.early(k)
+        bounding = size if before is None else before
+        found["upper_bound"] = min(1.0, upper_bound(violations, bounding, level) + outside) if independent else None
+        if certify and before is not None:
+            return found | {"bound_samples": before, "quantile": None, "distribution": None}
         if certify:
             level = self.campaign.confidence
             if blocks is not None:
@@ -264,6 +268,14 @@ class Run:
             ):  # an excluded draw is repeated, so often
                 found["samples"] = certify.samples
         return found
+
+    def early(self, k: int) -> tuple[int, int | None]:
+        """How many of the samples of a stage may violate, and how many its bound counts if it ended because more do."""
+        certify, target = self.campaign.stages.certify, self.campaign.target_probability
+        if k not in self.counted or certify is None or certify.until == "samples" or target is None:
+            return -1, None
+        most = min(target, limits.CEILING) - self.outside()
+        return counted.early(self.counted[k], certify.samples, most, self.campaign.confidence)
 
     def outside(self) -> float:
         """The probability that unbounded normal draws lie beyond the bounds; the sum of tails where correlated."""

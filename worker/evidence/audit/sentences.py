@@ -16,6 +16,7 @@ from campaigns.claims.say import count, say
 from campaigns.claims.spans import Quantity, Span, Spans, values, words
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as templates
+from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import Missing
 
@@ -66,6 +67,10 @@ def of_sample(run: Run, k: int, sample: Tree) -> Tree:
     if sample.get("looks"):
         level = 1.0 - (1.0 - run.campaign.confidence) / (sample["looks"] * (sample["looks"] + 1))
         statement = templates.interim(statement, sample["looks"], level)
+    allowed, before = run.early(k)
+    if before is not None and certify is not None:
+        target = min(run.campaign.target_probability or 1.0, limits.CEILING)
+        statement = templates.curtailed(statement, allowed, target, certify.samples, before)
     found: Tree = {"statement": statement}
     if sample.get("quantile"):
         quantile = sample["quantile"]
@@ -83,9 +88,9 @@ def of_stage(run: Run, k: int, sample: Tree | None, stop: Any) -> Tree:
         return found
     certify = run.campaign.stages.certify
     if run.plan[k].kind == "certify" and sample is not None and certify is not None and "statement" in sample:
-        size = run.draws(k) - sample["excluded"]
-        told = (sample["statement"], sample["quantile"]["statement"], size, certify.samples)
-        found["statement"] = templates.certified(*told)
+        size, quantile = run.draws(k) - sample["excluded"], sample["quantile"]
+        whole = quantile and templates.certified(sample["statement"], quantile["statement"], size, certify.samples)
+        found["statement"] = whole or sample["statement"]
     if (
         k in run.searches
         and run.ended[k]["evaluations"] >= run.plan[k].planned

@@ -30,6 +30,7 @@ def statistics(evidence: Evidence) -> Statistics | None:
         excluded_fraction=sample.excluded_fraction,
         confidence=sample.confidence,
         upper_bound=sample.upper_bound,
+        bound_samples=sample.bound_samples,
         noise=sample.noise,
         quantile=sample.quantile,
         source="search" if evidence.certificate is None else "certify",

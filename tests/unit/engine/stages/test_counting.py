@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 import pytest
 
+from campaigns.asked.problem import CampaignError
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.draws import uniform
 from campaigns.stages.certify import CertifyResult
@@ -14,7 +16,7 @@ from campaigns.stored.blocks import FAILURES, FIRST, KEPT, Counted, Kept, Scale,
 from tests.given.sampled_stages import THRESHOLD, asked, context, costs, evaluate
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import certify
-from worker.engine.stages.parts import counting
+from worker.engine.stages.parts import claims, counting
 from worker.engine.stages.parts.base import Cancelled, Context
 from worker.engine.stages.parts.counting import STREAM
 from worker.engine.stages.parts.sample import Sample
@@ -140,6 +142,63 @@ def test_a_sample_that_excludes_nearly_all_ends_at_twice_its_draws() -> None:
     assert found.evaluations == 2000
     assert found.sample.samples == 2000 - found.excluded < 1000
     assert "only" in found.text
+
+
+def ending(low: float, samples: int = 30_000) -> tuple[Context, CertifyResult]:
+    """Until a target of 0.001, with a flight that is lower than the threshold with this probability."""
+
+    def flown(points: Floats) -> tuple[Batch, dict[int, str]]:
+        batch, reasons = evaluate()(points)
+        return batch._replace(costs=np.where(points[:, :1] < low, THRESHOLD - 0.1, THRESHOLD + 1.0)), reasons
+
+    requested = {"samples": samples, "keep": "lowest", "until": "target"}
+    of = context(asked({"certify": requested}, target_probability=0.001), flown, seed=1)
+    return of, certify.run(of, 0).result
+
+
+def test_a_sample_ends_with_the_block_that_has_more_violations_than_its_target_allows() -> None:
+    _, found = ending(0.01)
+    allowed = claims.allowed(30_000, 0.001, 0.95)
+    assert claims.bound(allowed, 30_000, 0.95) <= 0.001 < claims.bound(allowed + 1, 30_000, 0.95)
+    assert found.blocks is not None
+    *before, last = found.blocks.violations
+    assert sum(before) <= allowed < sum(before) + last
+    bounding = sum(found.blocks.draws[:-1])
+    assert (found.sample.bound_samples, found.sample.quantile, found.sample.distribution) == (bounding, None, None)
+    assert found.sample.upper_bound == claims.bound(found.sample.violations, bounding, 0.95)
+    assert f"at most {allowed} of 30\u202f000 samples may violate" in found.text
+    assert found.stop is not None
+    assert "more violated than the target allows" in found.stop.text
+
+
+def test_a_sample_that_meets_its_target_is_whole() -> None:
+    _, found = ending(0.0005)
+    violations = int(np.sum(uniform(1, STREAM, 0, 30_000, 2)[:, 0] < 0.0005))
+    assert (found.evaluations, found.sample.violations, found.sample.bound_samples) == (30_000, violations, None)
+    assert found.sample.upper_bound is not None
+    assert found.sample.upper_bound <= 0.001
+    assert found.sample.quantile is not None
+
+
+@pytest.mark.parametrize(("chance", "allowed"), [(0.002, 0), (0.004, 0), (0.004, 3), (0.02, 20), (0.1, 20)])
+def test_a_bound_holds_where_a_sample_ends_early(chance: float, allowed: int) -> None:
+    """As often as stated, whether it ends early or not: of 4,000 samples of 2,016 in blocks of 32."""
+    random, missed, samples, each = np.random.default_rng(allowed), 0, 2016, 32
+    for _ in range(4000):
+        violations = np.cumsum(random.binomial(each, chance, samples // each))
+        beyond = np.flatnonzero(violations > allowed)
+        last = int(beyond[0]) if len(beyond) else len(violations) - 1
+        bounding = last * each if len(beyond) else samples
+        missed += claims.bound(int(violations[last]), bounding, 0.95) < chance
+    assert missed / 4000 < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 4000)
+
+
+def test_a_target_needs_enough_samples() -> None:
+    few = {"certify": {"samples": 2994, "keep": "lowest", "until": "target"}}
+    with pytest.raises(CampaignError, match="give at least 2,995"):
+        asked(few, target_probability=0.001)
+    with pytest.raises(CampaignError, match="needs a target_probability"):
+        asked(few)
 
 
 @pytest.mark.parametrize("samples", [1, 63, 64, 65, 65_536, 65_537, 3_000_000, 10**9])

@@ -19,6 +19,15 @@ def bound(violations: int, samples: int, confidence: float) -> float:
     return float(stats.beta.ppf(confidence, violations + 1, samples - violations))
 
 
+def allowed(samples: int, most: float, confidence: float) -> int:
+    """The largest number of violations among `samples` for which `bound` is at most `most`; -1 if there is none."""
+    low, high = -1, samples
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if bound(middle, samples, confidence) <= most else (low, middle)
+    return low
+
+
 def interval(events: int, samples: int, confidence: float, unknown: int = 0) -> tuple[float, float]:
     """Two-sided Clopper-Pearson interval of a probability; `unknown` samples count as none below, as events above."""
     from scipy import stats

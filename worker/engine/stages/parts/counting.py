@@ -2,13 +2,15 @@
 
 Every point follows from the seed and its index (`campaigns.results.draws.uniform`), so that any flight can be made
 again, and a stage that was interrupted goes on with the blocks it lacks, to the same bits. How many draws follow
-depends on how many were excluded, never on what came out, so that the sample stays independent.
+depends on how many were excluded, never on what came out, so that the sample stays independent. One that ends early
+does so when more violate than may: a bound from the violations, and the samples before the last of them, still holds,
+because it is no lower than that of inverse sampling (Haldane, Biometrika 33, 1945), which counts one sample less.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -53,14 +55,21 @@ class Drawing:
         return of_indices(self.seed, np.arange(draws.first, draws.first + draws.number))
 
 
-def planned(samples: int, blocks: dict[int, Block]) -> Iterator[Draws]:
-    """The blocks of a sample as far as those that are flown decide: all draws, then those in place of excluded ones."""
-    each, first, most = size(samples), 0, DRAWS * samples
+def planned(samples: int, blocks: Mapping[int, Block], allowed: int | None = None) -> Iterator[Draws]:
+    """The blocks of a sample as far as those that are flown decide: all draws, then those in place of excluded ones.
+
+    allowed: more violations than these end it with their block; None if it is always whole.
+    """
+    each, first, most, violations = size(samples), 0, DRAWS * samples, 0
     until = samples
     while first < until:
         while first < until:
             draws = Draws(first, min(each, until - first))
             yield draws
+            if allowed is not None:
+                violations += blocks[first].violations if first in blocks else allowed + 1
+                if violations > allowed:
+                    return
             first += draws.number
         flown = [block for at, block in blocks.items() if at < until]
         if sum(block.draws for block in flown) < until:
@@ -79,6 +88,8 @@ class Counting:
     single: System | None
     """What evaluates in place of the system: one call of a noisy simulator."""
     scale: Scale
+    allowed: int | None = None
+    """How many may violate before it ends early; None if it never does."""
     blocks: dict[int, Block] = field(default_factory=dict)
     tally: Tally = field(default_factory=Tally)
     lowest: Kept | None = None
@@ -107,7 +118,7 @@ class Counting:
         cost = self.context.problem.system.cost
         room = 1 if cost is None else max(1, int(SAVED / cost / size(self.samples) / 2))
         found = []
-        for draws in planned(self.samples, self.blocks):
+        for draws in planned(self.samples, self.blocks, self.allowed):
             if draws.first not in self.blocks:
                 found.append(draws)
             if len(found) == room:

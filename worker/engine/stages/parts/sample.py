@@ -97,9 +97,13 @@ class Sample:
         numbers = self.violations, self.size, self.failed, self.excluded, self.outside, self.confidence
         return sentences.Counts(*numbers, self.noise.terms, self.simulator)
 
-    def statement(self, level: float | None = None) -> Statement:
-        """Counts, moments, histogram and the bound on P(violation), whose own `level` may be stricter."""
-        upper = min(1.0, claims.bound(self.violations, self.size, level or self.confidence) + self.outside)
+    def statement(self, level: float | None = None, counted: int | None = None) -> Statement:
+        """Counts, moments, histogram and the bound on P(violation), whose own `level` may be stricter.
+
+        counted: how many samples the bound counts, if not all.
+        """
+        size = self.size if counted is None else counted
+        upper = min(1.0, claims.bound(self.violations, size, level or self.confidence) + self.outside)
         mean, deviation = self.shape.moments
         return Statement(
             samples=self.size,
@@ -115,6 +119,7 @@ class Sample:
             mean=mean,
             deviation=deviation,
             histogram=self.shape.histogram(),
+            bound_samples=counted,
             statement=self.counts.bound(upper),
         )
 

@@ -22,8 +22,15 @@ def read(connection: sa.Connection, run_id: int, position: int) -> list[Block]:
     return [unpacked(row.data) for row in rows]
 
 
+def fresh(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[Block]) -> list[Block]:
+    """Those that are not stored; all were, if a write is repeated because its answer was lost."""
+    query = sa.select(SampleBlock.first).where(*_of(run_id, position), SampleBlock.first.in_([b.first for b in blocks]))
+    stored = set(connection.execute(query).scalars())
+    return [block for block in blocks if block.first not in stored]
+
+
 def add(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[Block]) -> None:
-    """Store blocks that are not stored yet, and count them in the row of the stage."""
+    """Store blocks that are fresh, and count them in the row of the stage."""
     rows = [{"run_id": run_id, "position": position, "first": b.first, "data": packed(b)} for b in blocks]
     connection.execute(sa.insert(SampleBlock), rows)
     mine = (Stage.run_id == run_id, Stage.position == position)

@@ -133,11 +133,12 @@ class RunStore:
         """Store counted blocks, and update the counts and best of the stage and the run."""
 
         def work(connection: sa.Connection) -> None:
-            draws = sum(block.draws for block in blocks)
-            lost = sum(block.failed for block in blocks)
+            new = sample_blocks.fresh(connection, self._run, position, blocks)
+            draws, lost = sum(block.draws for block in new), sum(block.failed for block in new)
             totals = {"evaluations": Run.evaluations + draws, "failed_evaluations": Run.failed_evaluations + lost}
             fenced(connection, self.claim, **totals, **_PROGRESS, advanced=clock(connection))
-            sample_blocks.add(connection, self._run, position, blocks)
+            if new:
+                sample_blocks.add(connection, self._run, position, new)
 
         if blocks:
             self._write(work)

@@ -11,7 +11,7 @@ from campaigns.results.sample import Certificate, GridResult
 from campaigns.results.stage import Beside, StageResult
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.declared import Declared
-from campaigns.stored.blocks import KEPT
+from campaigns.stored.blocks import FAILURES, FIRST, KEPT
 
 
 class Blocks(Result):
@@ -95,7 +95,8 @@ def _most(campaign: Campaign, planned: int) -> int:
     certify = campaign.stages.certify
     if certify is None:
         return planned
-    return KEPT if certify.keep == "lowest" else planned + (DRAWS - 1) * certify.samples
+    drawn = planned + (DRAWS - 1) * certify.samples
+    return min(KEPT + FAILURES + FIRST, drawn) if certify.keep == "lowest" else drawn
 
 
 def _beyond(campaign: Campaign) -> int:
@@ -103,7 +104,7 @@ def _beyond(campaign: Campaign) -> int:
     addition."""
     certify, planned = campaign.stages.certify, sum(planned for _, planned in _planned(campaign))
     counted = certify is not None and certify.keep == "lowest"
-    onward = 0 if campaign.scenario is None else KEPT if counted else planned
+    onward = 0 if campaign.scenario is None else min(KEPT + FIRST, planned) if counted else planned
     return onward + (DRAWS * planned if counted else 0)
 
 

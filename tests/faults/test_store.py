@@ -127,6 +127,7 @@ def test_a_counted_sample_goes_on_where_it_was_and_leaves_its_lowest(store: RunS
     whole = blocks()
     store.count(1, whole[:4])
     store.count(1, whole[4:])
+    store.count(1, whole[2:6])  # again, as after an answer that was lost
     held = store.blocks(1)
     assert [block.first for block in held] == [block.first for block in whole]
     for one, other in zip(held, whole, strict=True):

@@ -37,6 +37,7 @@ OTHERS: dict[str, set[float]] = {
     "worker/engine/stages/parts/in_slots.py": {0.2},
     "worker/engine/stages/parts/slot_driver.py": {1e-6},
     # Distances among candidates, as fractions of every range.
+    "worker/engine/stages/parts/counting.py": {1e-6},
     "worker/engine/stages/parts/findings.py": {0.03, 0.1},
 }
 """Numbers that are equal to a limit and mean something else, by file."""

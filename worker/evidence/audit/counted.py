@@ -20,6 +20,11 @@ from worker.evidence.audit.binomial import upper_bound
 Tree = JsonObject
 LOWEST, STEPS, PARTS = 100, 400, 40
 """Points of a distribution function: the lowest values, and others; bins of a histogram that is shown, at most."""
+KEPT, FAILURES, FIRST, BINS = 1000, 1000, 1024, 1000
+"""Of a sample of which only a part is stored: its lowest flights, those without a result, its first draws, and the bins
+of its histogram."""
+STREAM = 2**24
+"""Its random stream."""
 COUNTED = ("draws", "violations", "failed", "excluded")
 
 
@@ -34,6 +39,14 @@ def beside(blocks: Tree, violating: int, status: Any) -> Tree:
     rest = {"evaluations": total["evaluations"] - len(status), "failed": total["failed"] - lost}
     violations = sum(blocks["violations"]) - total["failed"] - violating
     return rest | {"excluded": total["excluded"], "violating": violations}
+
+
+def block(requested: int) -> int:
+    """Draws of a block of such a sample: the smallest power of two of which 1024 blocks suffice."""
+    size = 1
+    while size * 1024 < requested:
+        size *= 2
+    return size
 
 
 def early(blocks: Tree, requested: int, most: float, confidence: float) -> tuple[int, int | None]:
@@ -54,17 +67,17 @@ def early(blocks: Tree, requested: int, most: float, confidence: float) -> tuple
 def scale(threshold: float, nominal: float) -> Tree:
     """The bins: from as far below the threshold as the nominal value is above it to twice as far above that."""
     span = nominal - threshold if nominal > threshold else abs(threshold) or 1.0
-    return {"low": threshold - span, "width": 4.0 * span / limits.BINS}
+    return {"low": threshold - span, "width": 4.0 * span / BINS}
 
 
 def edges(blocks: Tree) -> Any:
     """Of the bins, those below the first and above the last are open."""
-    return blocks["low"] + blocks["width"] * np.arange(limits.BINS + 1)
+    return blocks["low"] + blocks["width"] * np.arange(BINS + 1)
 
 
 def through(blocks: Tree) -> Any:
     """How many costs are in each bin and below it (BINS + 2,)."""
-    bins = np.zeros(limits.BINS + 2, dtype=np.int64)
+    bins = np.zeros(BINS + 2, dtype=np.int64)
     bins[blocks["places"]] = blocks["counts"]
     return np.cumsum(bins)
 
@@ -157,19 +170,19 @@ class Kept(NamedTuple):
     def last(self) -> float:
         """Every flight below this cost is stored."""
         ok = np.sort(self.costs[self.status == OK])
-        return math.inf if len(ok) < limits.KEPT else float(ok[limits.KEPT - 1])
+        return math.inf if len(ok) < KEPT else float(ok[KEPT - 1])
 
     @property
     def end(self) -> float:
         """Every flight without a result up to this index is stored."""
         lost = self.flights[self.status != OK]
-        return math.inf if len(lost) < limits.FAILURES else float(lost[limits.FAILURES - 1])
+        return math.inf if len(lost) < FAILURES else float(lost[FAILURES - 1])
 
     def complete(self, known: int, failed: int) -> bool:
         """Whether so many are stored, and no others than the lowest, the first without a result and the first draws."""
         ok = self.status == OK
-        stored = int(ok.sum()) >= min(limits.KEPT, known) and int((~ok).sum()) >= min(limits.FAILURES, failed)
-        called_for = np.where(ok, self.costs <= self.last, self.flights <= self.end) | (self.flights < limits.FIRST)
+        stored = int(ok.sum()) >= min(KEPT, known) and int((~ok).sum()) >= min(FAILURES, failed)
+        called_for = np.where(ok, self.costs <= self.last, self.flights <= self.end) | (self.flights < FIRST)
         return bool(stored and called_for.all())
 
     def fits(self, block: Tree, first: int, threshold: float) -> bool:
@@ -179,7 +192,7 @@ class Kept(NamedTuple):
         evaluated, lowest = block["draws"] - block["excluded"], block["lowest"]
         counts = 0 <= block["failed"] <= block["violations"] <= evaluated and lost <= block["failed"]
         counts &= lost == block["failed"] or first + block["draws"] > self.end
-        counts &= int(inside.sum()) == evaluated or first + block["draws"] > limits.FIRST
+        counts &= int(inside.sum()) == evaluated or first + block["draws"] > FIRST
         low = lowest == min(ok.tolist(), default=lowest) and (lowest is None or len(ok) > 0 or lowest >= self.last)
         below = int(np.count_nonzero(ok <= threshold)) + block["failed"]
         every = below == block["violations"] or (below < block["violations"] and threshold >= self.last)
@@ -188,7 +201,7 @@ class Kept(NamedTuple):
 
 def _sizes(requested: int, blocks: Tree) -> Iterator[int]:
     """The draws of each block: the requested ones, then as many as were excluded of those before, at most twice."""
-    each = limits.block(requested)
+    each = block(requested)
     done, until, row = 0, requested, 0
     while True:
         while done < until:
@@ -204,7 +217,7 @@ def _sizes(requested: int, blocks: Tree) -> Iterator[int]:
 def redrawn(campaign: Any, bounds: draw.Bounds, seed: int, flights: Any) -> Any:
     """The points (k, n) of these draws of the sample."""
     size = len(bounds)
-    key = np.random.SeedSequence(seed, spawn_key=(limits.COUNTED,)).generate_state(2, np.uint64)
+    key = np.random.SeedSequence(seed, spawn_key=(STREAM,)).generate_state(2, np.uint64)
     steps = math.ceil(size / 4)
     numbers = [
         np.random.Generator(np.random.Philox(key=key, counter=int(index) * steps)).random(size) for index in flights

@@ -18,21 +18,8 @@ SPOT_CHECKS, VIOLATIONS = 200, 200
 SAMPLE = 59
 TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 2
-KEPT, FAILURES, FIRST, BINS = 1000, 1000, 1024, 1000
-"""Of a sample of which only a part is stored: its lowest flights, those without a result, its first draws, and the bins
-of its histogram."""
-COUNTED = 2**24
-"""Its random stream."""
 
 
 def draws(requested: int, drawn: int) -> int:
     """The most draws of the version that made so many; earlier ones made up to 20 for each requested sample."""
     return (DRAWS if drawn <= DRAWS * requested else 20) * requested
-
-
-def block(requested: int) -> int:
-    """Draws of a block of such a sample: the smallest power of two of which 1024 blocks suffice."""
-    size = 1
-    while size * 1024 < requested:
-        size *= 2
-    return size

@@ -18,7 +18,7 @@ from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from worker.evidence.audit import counted, limits
-from worker.evidence.audit.binomial import cumulative, upper_bound
+from worker.evidence.audit.binomial import cumulative, least, upper_bound
 from worker.evidence.audit.calls import Calls
 from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
@@ -36,11 +36,12 @@ def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) 
 
 def _of_quantile(size: int, fraction: float, confidence: float) -> Tree:
     most = min(size - 1, math.ceil(size * fraction))
-    below = cumulative(most, size, fraction) if size and fraction > 0 else np.empty(0)
+    first = least(size, fraction) if fraction > 0 else 0
+    below = cumulative(most, size, fraction, first) if size and fraction > 0 else np.empty(0)
     r = int(np.count_nonzero(below <= math.log1p(-confidence)))
     if not r:
         return dict.fromkeys(("order", "bound", "confidence"))
-    return {"order": r, "bound": None, "confidence": -math.expm1(below[r - 1])}
+    return {"order": first + r, "bound": None, "confidence": -math.expm1(below[r - 1])}
 
 
 def counts(status: Any) -> Tree:
@@ -252,7 +253,7 @@ class Run:
         if certify:
             level = self.campaign.confidence
             if blocks is not None:
-                costs = costs[: limits.KEPT]
+                costs = costs[: counted.KEPT]
                 found["distribution"] = counted.distribution(blocks, costs, level)
                 found["quantile"] = _of_quantile(size, certify.quantile - outside, level)
                 rank = found["quantile"]["order"]

@@ -87,7 +87,8 @@ def test_an_interrupted_sample_goes_on_to_the_same_bits(interrupted: int, monkey
     with pytest.raises(Cancelled):
         certify.run(of, 0)
     blocks = of.store.blocks(0)
-    assert len(blocks) == interrupted
+    assert whole.blocks is not None
+    assert 0 < len(blocks) < len(whole.blocks.draws)
     of.cancelled = lambda: False
     again = certify.run(of, 0).result
     untimed = {"seconds": 0.0}

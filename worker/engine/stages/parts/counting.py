@@ -20,14 +20,17 @@ from campaigns.limits import DRAWS
 from campaigns.results.draws import of_indices, uniform
 from campaigns.stored.blocks import Block, Counted, Kept, Scale, counted, size
 from worker.engine.problem.problem import Problem
+from worker.engine.search.base import Batch
 from worker.engine.stages.parts.base import Cancelled, Context, Tally
 from worker.engine.stages.parts.store import Columns
-from worker.engine.systems.base import Floats, Seeds, System
+from worker.engine.systems.base import Floats, Seeds, System, slots
 
 STREAM = 2**24
 """Index of the random stream; that of a sample which is stored whole is another."""
 SAVED = 1.0
 """Time between two writes [s]."""
+LANES, SLOTS = 16, 4
+"""A call has so many blocks of lanes at least, or so many evaluations for each slot, however slow they are."""
 
 
 class Draws(NamedTuple):
@@ -115,9 +118,7 @@ class Counting:
 
     def _missing(self) -> list[Draws]:
         """The next blocks to fly in one call, as many as take about the time between two writes."""
-        cost = self.context.problem.system.cost
-        room = 1 if cost is None else max(1, int(SAVED / cost / size(self.samples) / 2))
-        found = []
+        room, found = max(1, self._room() // size(self.samples)), []
         for draws in planned(self.samples, self.blocks, self.allowed):
             if draws.first not in self.blocks:
                 found.append(draws)
@@ -130,13 +131,8 @@ class Counting:
         points = np.concatenate([self.drawing.points(draws) for draws in missing])
         drawn = [self.drawing.seeds(draws) for draws in missing]
         seeds = np.concatenate([own for own in drawn if own is not None]) if drawn[0] is not None else None
-        began = time.perf_counter()
-        if self.single is not None:
-            batch, reasons = self.single.evaluate(self.context.problem.vectors(points))
-        else:
-            batch, reasons = self.context.evaluate(points, *([] if seeds is None else [seeds]))
+        batch, reasons = self._evaluated(points, seeds)
         ended = time.perf_counter()
-        self.context.problem.system.cost = max(ended - began, 1e-6) / len(points)
         row = 0
         for draws in missing:
             rows = slice(row, row + draws.number)
@@ -153,6 +149,35 @@ class Counting:
                 since + ended,
             )
             row += draws.number
+
+    def _evaluated(self, points: Floats, seeds: Seeds | None) -> tuple[Batch, dict[int, str]]:
+        """In pieces that take about the time between two writes; raises `Cancelled` before one."""
+        batches, reasons, done = [], dict[int, str](), 0
+        while done < len(points):
+            if self.context.cancelled():
+                raise Cancelled
+            piece = slice(done, done + self._room())
+            batch, whys = self._piece(points[piece], None if seeds is None else seeds[piece])
+            batches.append(batch)
+            reasons |= {done + row: why for row, why in whys.items()}
+            done += len(batch.status)
+        costs, status = zip(*batches, strict=True)
+        return Batch(np.concatenate(costs), np.concatenate(status)), reasons
+
+    def _piece(self, points: Floats, seeds: Seeds | None) -> tuple[Batch, Mapping[int, str]]:
+        began = time.perf_counter()
+        if self.single is not None:
+            found = self.single.evaluate(self.context.problem.vectors(points))
+        else:
+            found = self.context.evaluate(points, *([] if seeds is None else [seeds]))
+        self.context.problem.system.cost = max(time.perf_counter() - began, 1e-6) / len(points)
+        return found
+
+    def _room(self) -> int:
+        """Evaluations in about half the time between two writes."""
+        system = self.context.problem.system
+        least = max(LANES * (system.settings.lanes or 0), SLOTS * slots(system), 1)
+        return least if system.cost is None else max(least, int(SAVED / system.cost / 2))
 
     def _add(self, block: Block) -> Block:
         """The block as it is stored."""

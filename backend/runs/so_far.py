@@ -8,7 +8,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
-from campaigns.claims.stages.sample import so_far
+from campaigns.claims.stages.sample import Drawn, so_far
 from campaigns.limits import CONFIDENCE
 from campaigns.results.remedies import bound
 from campaigns.results.sample import SoFar
@@ -23,13 +23,17 @@ def of_run(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
     if not rows:
         return {}
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
-    confidence = float(reader.execute(of).scalar_one().get("confidence", CONFIDENCE))
-    return {row.position: _shown(row, confidence) for row in rows if row.counted > row.excluded}
+    document = reader.execute(of).scalar_one()
+    confidence = float(document.get("confidence", CONFIDENCE))
+    # What lies beyond the bounds is part of the bound of the stage; here it is left out, and said to be.
+    beyond = any((u.get("distribution") or {}).get("kind") == "normal" for u in document["uncertain"].values())
+    return {row.position: _shown(row, confidence, beyond) for row in rows if row.counted > row.excluded}
 
 
-def _shown(row: Any, confidence: float) -> SoFar:
+def _shown(row: Any, confidence: float, beyond: bool) -> SoFar:
     samples = row.counted - row.excluded
     whole = max(row.planned, samples)
     now, end = (bound(row.violations, size, confidence) for size in (samples, whole))
-    statement = so_far(row.violations, samples, now, whole - samples, end)
+    drawn = Drawn(row.violations, samples, confidence, beyond)
+    statement = so_far(drawn, now, whole - samples, end)
     return SoFar(samples=samples, violations=row.violations, upper_bound=now, at_end=end, statement=statement)

@@ -66,6 +66,8 @@ class StageProgress(Answer):
     """waiting, running, done"""
     planned: int
     evaluations: int
+    """Those of a sample of which only the lowest are stored included."""
+    stored: int | None = None
     failed: int
     excluded: int | None = None
     best: float | None

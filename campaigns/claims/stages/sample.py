@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from campaigns.claims.say import count, listed, number, percent, say, symbol
 from campaigns.claims.spans import Spans, words
@@ -108,6 +109,15 @@ class Counts:
         return say(", of which ", percent(self.outside, name="outside"), beyond)
 
 
+class Drawn(NamedTuple):
+    """What is known of a sample while it is drawn; beyond: whether a distribution has a part beyond the bounds."""
+
+    violations: int
+    samples: int
+    confidence: float
+    beyond: bool
+
+
 def violate(failed: int) -> Spans:
     """The verb of violations, which states how many of them are failed evaluations, if any."""
     if not failed:
@@ -141,18 +151,14 @@ def certified(drawing: Spans, quantile: Spans, samples: int, requested: int) -> 
     return say(drawing, "; ", quantile, short if samples < requested else ())
 
 
-def so_far(violations: int, samples: int, upper: float, left: int, at_end: float) -> Spans:
+def so_far(counts: Drawn, upper: float, left: int, at_end: float) -> Spans:
     """A sample that is being drawn: its bound if it ended now, and its bound if none of those left violates."""
+    where = " within the bounds" if counts.beyond else ""
     return say(
-        *(
-            "so far ",
-            count(violations, "violations"),
-            " of ",
-            count(samples, "samples"),
-            " samples violate the criterion",
-        ),
-        *(": P(violation) is at most ", percent(upper, name="upper_bound"), " if it ended now, "),
-        *(percent(at_end, name="at_end"), " if none of the other ", count(left, "left"), " does"),
+        *("so far ", count(counts.violations, "violations"), " of ", count(counts.samples, "samples")),
+        *(f" samples violate the criterion: P(violation){where} is at most ", number(upper, "", "upper_bound", 3)),
+        *(" with ", percent(counts.confidence, 6, "confidence"), " confidence if it ended now, "),
+        *(number(at_end, "", "at_end", 3), " if none of the other ", count(left, "left"), " does"),
     )
 
 

@@ -11,6 +11,8 @@ export interface Setting {
   empty?: string
   /** Left empty, it alone is removed, not its stage or study. */
   alone?: true
+  /** What may be chosen, the default first. */
+  choices?: { value: string; label: string }[]
 }
 
 export const SIMULATION: Setting[] = [
@@ -51,7 +53,16 @@ export const STAGES: Group[] = [
     title: 'Certify',
     field: 'stages.certify',
     digest: ({ stages: { certify } }) =>
-      certify ? `${words(certify.samples ?? 3000, 'random samples')}${certify.grid ? ', full grid' : ''}` : 'none: not cleared',
+      certify
+        ? [
+            words(certify.samples ?? 3000, 'random samples'),
+            certify.keep === 'lowest' && 'the lowest stored',
+            certify.until === 'target' && 'until the target',
+            certify.grid && 'full grid',
+          ]
+            .filter(Boolean)
+            .join(', ')
+        : 'none: not cleared',
     settings: [
       {
         at: ['stages', 'certify', 'samples'],
@@ -63,6 +74,24 @@ export const STAGES: Group[] = [
         at: ['stages', 'certify', 'quantile'],
         label: 'Certify quantile',
         text: 'Fraction of the samples whose value is bounded from below',
+      },
+      {
+        at: ['stages', 'certify', 'keep'],
+        label: 'Stored flights',
+        text: 'Of a large sample, the lowest and the first, with counts of all: any of them can be flown again',
+        choices: [
+          { value: 'all', label: 'All' },
+          { value: 'lowest', label: 'The lowest 1 000 and the first 1 024' },
+        ],
+      },
+      {
+        at: ['stages', 'certify', 'until'],
+        label: 'It ends',
+        text: 'Early only if the lowest are stored and there is a target for P(violation)',
+        choices: [
+          { value: 'samples', label: 'With its last sample' },
+          { value: 'target', label: 'When more violate than the target allows' },
+        ],
       },
       {
         at: ['stages', 'certify', 'grid', 'points'],

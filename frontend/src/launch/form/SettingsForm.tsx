@@ -1,7 +1,7 @@
 // The other stages and the settings of the verdict, collapsed with a summary of each.
 import type { Campaign } from '../../api/campaign'
 import { Card } from '../../ui/Card'
-import { NumberField } from '../fields/Field'
+import { Choice, Labelled, NumberField } from '../fields/Field'
 import { Fold } from '../fields/Fold'
 import type { SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
@@ -39,6 +39,19 @@ interface SettingFieldsProps extends SettingsFormProps {
 export function SettingFields({ campaign, set, settings }: SettingFieldsProps) {
   return settings.map((setting) => {
     const field = setting.at.join('.')
+    if (setting.choices) {
+      return (
+        <Labelled key={field} field={field} label={setting.label} text={setting.text}>
+          <Choice
+            field={field}
+            aria-label={setting.label}
+            data={setting.choices}
+            value={String(settingOf(campaign, setting) ?? setting.choices[0]?.value)}
+            onChange={(value) => set(setting.at, value)}
+          />
+        </Labelled>
+      )
+    }
     return (
       <NumberField
         key={field}

@@ -2,9 +2,9 @@
 import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoader } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { isLive } from '../../api/queries'
-import type { RunDetail, StageProgress, StageSummary } from '../../client'
+import type { RunDetail, SoFar, StageProgress, StageSummary } from '../../client'
 import { lossesOf } from '../../format/counts'
-import { count, decimalsFor, fixed, plain } from '../../format/numbers'
+import { count, decimalsFor, duration, fixed, plain } from '../../format/numbers'
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import icons from '../../ui/icons.module.css'
@@ -19,6 +19,8 @@ interface Step {
   /** Evaluations without a value. */
   losses: string
   text: string
+  /** The same in full. */
+  whole?: string | undefined
   share: number
 }
 
@@ -39,7 +41,7 @@ export function StageStrip({ run }: { run: RunDetail }) {
               )}
             </span>
           </div>
-          <div className={styles.dt} title={step.text}>
+          <div className={styles.dt} title={step.whole ?? step.text}>
             {step.text}
           </div>
           <Progress
@@ -104,6 +106,7 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
           : 'not started',
     losses: lossesOf(stages),
     text: textOf(run, kind, stages),
+    whole: stages.find((stage) => stage.so_far)?.so_far?.text,
     share,
   }
 }
@@ -119,7 +122,7 @@ const shareOf = (stage: StageProgress): number =>
 
 function textOf(run: RunDetail, kind: StageSummary, stages: StageProgress[]): string {
   const running = stages.find((stage) => stage.state === 'running')
-  if (running?.so_far) return running.so_far.text
+  if (running?.so_far) return boundSoFar(running, running.so_far)
   if (running?.method) {
     const { title } = methodLook(running.method)
     return stages.length > 1 ? `${title}, ${stages.indexOf(running) + 1} of ${kind.description}` : title
@@ -128,6 +131,13 @@ function textOf(run: RunDetail, kind: StageSummary, stages: StageProgress[]): st
   // A stage of a single evaluation shows its cost.
   if (stages.length === 1 && only?.state === 'done' && only.planned === 1 && only.best !== null) return costText(run, only.best)
   return kind.description
+}
+
+/** The bound of a sample as it falls, and where it will be when the sample is drawn. */
+export function boundSoFar({ evaluations, planned, seconds }: StageProgress, { violations, upper_bound, at_end }: SoFar): string {
+  const seen = violations > 0 ? `${count(violations)} ${violations === 1 ? 'violation' : 'violations'}, ` : ''
+  const left = (Math.max(0, planned - evaluations) * seconds) / Math.max(1, evaluations)
+  return `${seen}P ≤ ${plain(upper_bound, 2)}, ${plain(at_end, 2)} in ${duration(left)}`
 }
 
 function costText({ threshold, unit }: RunDetail, cost: number): string {

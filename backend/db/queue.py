@@ -11,7 +11,7 @@ Start reading at `Queue.claim`.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ from backend.db.tables import Run, RunRequirement, Stage
 from backend.db.tables_installed import WebhookDelivery
 from campaigns.asked.requirements import question
 from campaigns.asked.spec import Campaign
+from campaigns.asked.stages import Certify
 from campaigns.catalogue import Catalogue
 from campaigns.runs import HELD, RunState, StageState
 from campaigns.sample_seed import SampleSeed
@@ -181,6 +182,28 @@ class Queue:
                     return None
                 if not self._ended(connection, row, at):
                     return self._hold(connection, row, at, worker)
+        return None
+
+    def ready(self, simulators: Sequence[str] = (), installation: str = "") -> bool:
+        """Whether there is a run to claim for such a worker."""
+        return self._any_ready(_able(simulators, installation))
+
+    def shared(
+        self, worker: str, simulators: Sequence[str] = (), installation: str = "", without: Collection[int] = ()
+    ) -> Claim | None:
+        """The claim under which another worker holds a run that it shares: a sample of which blocks are left to fly.
+
+        Whoever writes under it stops when its holder loses it. without: runs that are left out. None if there is none.
+        """
+        drawing = (Stage.run_id == Run.id, Stage.state == StageState.RUNNING, Stage.counted > 0)
+        left = sa.select(Stage.run_id).where(*drawing, Stage.counted < Stage.planned).exists()
+        held = (Run.state == RunState.RUNNING, Run.worker != worker, Run.id.not_in(without), left)
+        query = sa.select(*_CLAIMED, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+        with read(self.engine) as connection:
+            query = query.where(*held, Run.lease_until >= now(connection), _able(simulators, installation))
+            for row in connection.execute(query.order_by(Run.priority.desc(), Run.id)):
+                if Certify.model_validate(row.document["stages"]["certify"]).shared:
+                    return Claim(row.id, row.fence, row.attempts, row.max_attempts, worker, row.document)
         return None
 
     def beat(self, claim: Claim) -> bool:

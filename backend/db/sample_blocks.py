@@ -5,21 +5,40 @@ They are there while the stage is carried out, so that it can go on; its result 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import sqlalchemy as sa
 
 from backend.db import sizes
 from backend.db.rows import chunk_rows, lowest
-from backend.db.tables import EvaluationChunk, SampleBlock, Stage
+from backend.db.tables import EvaluationChunk, SampleBlock, SampleShare, Stage
 from campaigns.stored.blocks import Block, packed, unpacked
 from campaigns.stored.records import Columns
 
 
-def read(connection: sa.Connection, run_id: int, position: int) -> list[Block]:
-    """Those of a stage, by their first draw."""
-    rows = connection.execute(sa.select(SampleBlock.data).where(*_of(run_id, position)).order_by(SampleBlock.first))
-    return [unpacked(row.data) for row in rows]
+def read(connection: sa.Connection, run_id: int, position: int, known: Collection[int] = ()) -> list[Block]:
+    """Those of a stage, by their first draw, but the known ones."""
+    of = _of(run_id, position)
+    firsts = connection.execute(sa.select(SampleBlock.first).where(*of)).scalars()
+    new = [first for first in firsts if first not in known]
+    query = sa.select(SampleBlock.data).where(*of, SampleBlock.first.in_(new)).order_by(SampleBlock.first)
+    return [unpacked(row.data) for row in connection.execute(query)] if new else []
+
+
+def take(
+    connection: sa.Connection, run_id: int, position: int, worker: str, firsts: Sequence[int], most: int, others: bool
+) -> list[int]:
+    """Note which blocks the worker flies from now on, in place of those before; see `RunStore.take`."""
+    mine = (SampleShare.run_id == run_id, SampleShare.position == position)
+    connection.execute(sa.delete(SampleShare).where(*mine, SampleShare.worker == worker))
+    stored = set(connection.execute(sa.select(SampleBlock.first).where(*_of(run_id, position))).scalars())
+    taken = set(connection.execute(sa.select(SampleShare.first).where(*mine)).scalars())
+    left = [first for first in firsts if first not in stored]
+    free = [first for first in left if first not in taken][:most]
+    if free:
+        rows = [{"run_id": run_id, "position": position, "first": first, "worker": worker} for first in free]
+        connection.execute(sa.insert(SampleShare), rows)
+    return free or (left[:most] if others else [])
 
 
 def fresh(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[Block]) -> list[Block]:
@@ -64,6 +83,7 @@ def keep(connection: sa.Connection, run_id: int, position: int, columns: Columns
 def drop(connection: sa.Connection, run_id: int, position: int) -> None:
     """Forget the blocks of a stage that has ended."""
     connection.execute(sa.delete(SampleBlock).where(*_of(run_id, position)))
+    connection.execute(sa.delete(SampleShare).where(SampleShare.run_id == run_id, SampleShare.position == position))
 
 
 def _of(run_id: int, position: int) -> tuple[sa.ColumnElement[bool], ...]:

@@ -6,7 +6,7 @@ lease writes nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from backend.db import codes, continuation, evaluations_ahead, sample_blocks, si
 from backend.db.convergence import extended
 from backend.db.digest import current_digest
 from backend.db.engine import Result, clock, now, read, write
-from backend.db.queue import Claim, fenced
+from backend.db.queue import Claim, LostLease, fenced
 from backend.db.rows import chunk_rows, failed, finding_row, lowest, plain, stored_columns, trace_row
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
@@ -124,15 +124,27 @@ class RunStore:
         if len(columns.status) or ahead is not None:
             self._write(lambda connection: self._append(connection, position, first, columns, ahead))
 
-    def blocks(self, position: int) -> list[Block]:
-        """The counted blocks of a stage that is under way and stores its lowest evaluations only, in their order."""
+    def blocks(self, position: int, known: Collection[int] = ()) -> list[Block]:
+        """The counted blocks of a stage that is under way and of which only a part is stored, in their order, without
+        the known ones."""
         with read(self.engine) as connection:
-            return sample_blocks.read(connection, self._run, position)
+            return sample_blocks.read(connection, self._run, position, known)
+
+    def take(self, position: int, firsts: Sequence[int], most: int, others: bool) -> list[int]:
+        """Of the blocks with these first draws at most so many, which nobody has stored or taken; others: if there are
+        none of these, those that others have taken and may have lost."""
+
+        def work(connection: sa.Connection) -> list[int]:
+            self._under_way(connection, position)
+            return sample_blocks.take(connection, self._run, position, self.claim.worker, firsts, most, others)
+
+        return self._write(work)
 
     def count(self, position: int, blocks: Sequence[Block]) -> None:
         """Store counted blocks, and update the counts and best of the stage and the run."""
 
         def work(connection: sa.Connection) -> None:
+            self._under_way(connection, position)
             new = sample_blocks.fresh(connection, self._run, position, blocks)
             draws, lost = sum(block.draws for block in new), sum(block.failed for block in new)
             totals = {"evaluations": Run.evaluations + draws, "failed_evaluations": Run.failed_evaluations + lost}
@@ -142,6 +154,13 @@ class RunStore:
 
         if blocks:
             self._write(work)
+
+    def _under_way(self, connection: sa.Connection, position: int) -> None:
+        """Lock the run; raises `LostLease` if the stage has ended, of which another worker may have flown the rest."""
+        fenced(connection, self.claim, state=Run.state)
+        of = (Stage.run_id == self._run, Stage.position == position)
+        if connection.execute(sa.select(Stage.state).where(*of)).scalar_one() != StageState.RUNNING:
+            raise LostLease(f"stage {position} of run {self._run} has ended; nothing was written")
 
     def keep(self, position: int, columns: Columns) -> None:
         """Store the lowest evaluations of a counted stage, which are counted already; again, if it was interrupted."""

@@ -255,6 +255,19 @@ class SampleBlock(Base):
     )
 
 
+class SampleShare(Base):
+    """A block that a worker is flying; others fly other ones."""
+
+    __tablename__ = "sample_shares"
+    run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    first: orm.Mapped[int] = orm.mapped_column(COUNT, primary_key=True)
+    worker: orm.Mapped[str] = orm.mapped_column(sa.String(80))
+    __table_args__ = (
+        sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
+    )
+
+
 class Finding(Base):
     """One distinct worst case; parameters at full precision."""
 

@@ -18,6 +18,7 @@ from backend.db.tables import (
     Run,
     RunSources,
     SampleBlock,
+    SampleShare,
     Stage,
     Trace,
 )
@@ -27,7 +28,7 @@ from campaigns.runs import RunState, run_name
 from campaigns.stages.plan import most
 
 CONTINUED = "It was continued as {run}."
-_RESULTS = (EvaluationAhead, EvaluationChunk, SampleBlock, Stage, Finding, Trace, RunSources)
+_RESULTS = (EvaluationAhead, EvaluationChunk, SampleBlock, SampleShare, Stage, Finding, Trace, RunSources)
 
 
 def restart(writer: sa.Connection, run_id: int) -> bool:

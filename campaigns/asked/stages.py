@@ -94,6 +94,11 @@ class Certify(Strict):
     """When it ends: with its samples, or earlier, when more of them violate than the campaign's target probability
     allows. Omitted from the canonical form if samples."""
 
+    @property
+    def shared(self) -> bool:
+        """Whether several workers may fly it: each block decides whether one that ends early goes on."""
+        return self.keep == "lowest" and self.until == "samples"
+
     @model_validator(mode="after")
     def _stored(self) -> Certify:
         if self.keep == "all" and self.samples > MAX_EVALUATIONS:

@@ -122,7 +122,8 @@ class Kept:
     def joined(parts: Sequence[Kept]) -> Kept:
         """What is kept of all of them."""
         reasons = {index: why for part in parts for index, why in part.reasons.items()}
-        columns = [(p.indices, p.points, p.costs, p.status) for p in parts]
+        some = [part for part in parts if len(part.indices)] or parts[:1]  # a part without any has no dimensions
+        columns = [(p.indices, p.points, p.costs, p.status) for p in some]
         indices, points, costs, status = map(np.concatenate, zip(*columns, strict=True))
         return Kept.chosen(indices, points, costs, status, reasons)
 

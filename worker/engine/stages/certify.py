@@ -85,13 +85,9 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
 
 
 def _counted(context: Context, position: int, request: Certify) -> Outcome[CertifyResult]:
-    """Draw and simulate a sample of which the lowest flights are stored, and the counts of all."""
-    problem, seed = context.problem, context.sample_seed
-    single = slotted(problem.system).single() if noise.noisy(context) else None
-    drawing = Drawing(problem, seed.value)
-    scale = Scale.about(problem.threshold, context.nominal_cost)
-    allowed = _allowed(context, request)
-    counting = Counting(context, position, request.samples, drawing, single, scale, allowed)
+    """Draw and simulate a sample of which a part is stored, and the counts of all."""
+    problem, seed, allowed = context.problem, context.sample_seed, _allowed(context, request)
+    counting = _counting(context, position, request)
     found = counting.fly()
     kind = DRAWN if problem.realisations.random else Noise.of_calls(context, single=True)
     sample = Sample.of_counted(found, problem, context.campaign.confidence, kind)
@@ -117,6 +113,22 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
         statement=statement,
     )
     return Outcome(result)
+
+
+def _counting(context: Context, position: int, request: Certify) -> Counting:
+    problem = context.problem
+    single = slotted(problem.system).single() if noise.noisy(context) else None
+    drawing, scale = Drawing(problem, context.sample_seed.value), Scale.about(problem.threshold, context.nominal_cost)
+    return Counting(context, position, request.samples, drawing, single, scale, _allowed(context, request))
+
+
+def assist(context: Context, position: int) -> None:
+    """Fly blocks of a sample that another worker draws; none of one that may end early, of which each decides on the
+    next."""
+    request = context.campaign.stages.certify
+    assert request is not None
+    if request.shared:
+        _counting(context, position, request).assist()
 
 
 def _allowed(context: Context, request: Certify) -> int | None:
@@ -215,4 +227,4 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
     )
 
 
-stage = Stage("certify", run)
+stage = Stage("certify", run, assist)

@@ -21,8 +21,10 @@ import logging
 import math
 import os
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, TextIO
 
@@ -31,7 +33,7 @@ import sqlalchemy as sa
 from backend.db import workers
 from backend.db.engine import connect, write
 from backend.db.outages import DatabaseOutage, worded
-from backend.db.queue import Claim, LostLease
+from backend.db.queue import Claim, LostLease, Queue
 from backend.db.store import RunStore
 from campaigns import Campaign, CampaignError, Catalogue, logs
 from campaigns.runs import run_name
@@ -43,6 +45,9 @@ from worker.running.runs import pulse
 Execute = Callable[[Campaign, Store], Any]
 
 log = logging.getLogger("clearance.worker")
+
+POLL = 0.5
+"""Interval at which a worker that flies a share of another's run looks for one of its own [s]."""
 
 
 def main() -> None:
@@ -81,6 +86,7 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
     """Execute one claim after another; each gets an answer with its outcome, never an exception.
 
     The request `{"fresh": true}` checks whether the loaded code still equals the files. If not, no claim is executed.
+    `{"assist": claim}` flies a share of a run that another worker holds.
     """
     for line in requests:
         request = json.loads(line)
@@ -88,10 +94,45 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
             send(answers, {"fresh": not sources.stale()})
         elif sources.stale():
             send(answers, {"outcome": "stale", "text": ""})
+        elif "assist" in request:
+            claim = Claim(**request["assist"])
+            logs.present["run"] = run_name(claim.run_id)
+            send(answers, assist(engine, components, claim))
         else:
             claim = Claim(**request)
             logs.present["run"] = run_name(claim.run_id)
             send(answers, perform(execute, engine, components, claim))
+
+
+def assist(engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
+    """Fly a share of a run that another worker holds, until nothing is left of it or a run waits; outcomes as of
+    `perform`, `cancelled` among them."""
+    from worker.engine.stages.parts.base import Cancelled
+    from worker.running.runs import runner
+
+    waiting = Waiting(Queue(engine), [s.version for s in components.simulators])
+
+    def share(campaign: Campaign, store: Store) -> bool:
+        with suppress(Cancelled):
+            runner.assist(campaign, store, waiting)
+        return True
+
+    return perform(share, engine, components, claim)
+
+
+@dataclass
+class Waiting:
+    """Whether a run waits that this worker could begin; asked for at most once in `POLL`."""
+
+    queue: Queue
+    simulators: Sequence[str]
+    asked: float = -math.inf
+
+    def __call__(self) -> bool:
+        if time.monotonic() < self.asked + POLL:
+            return False
+        self.asked = time.monotonic()
+        return self.queue.ready(self.simulators, sources.LOADED.digest)
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:

@@ -13,6 +13,7 @@ import socket
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import sqlalchemy as sa
@@ -52,6 +53,9 @@ MOST_FAILURES = 3
 
 SETTLE = 60.0
 """Time for which writing the end of an attempt is retried while the database is unavailable; then its lease expires."""
+
+REST = 5.0
+"""Time after which a worker assists a run again that had nothing left for it, or failed in its process [s]."""
 
 PUT_OFF = 5.0
 """Time after which a run is tried again that a database out of order has ended [s]."""
@@ -107,6 +111,8 @@ class Supervisor:
         """Whether the last heartbeat of a run could not be stored."""
         self._next_beat = 0.0
         self._failures = 0
+        self._resting: dict[int, float] = {}
+        """Until when this worker does not assist a run again [s of the monotonic clock]."""
 
     def run(self) -> int:
         """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal, or 0 once it is drained."""
@@ -136,7 +142,8 @@ class Supervisor:
             return
         claim = self.queue.claim(self.name, self.simulators, self.installation)
         if claim is None:
-            self._wakeup.wait(POLL)
+            if not self._assist(child):
+                self._wakeup.wait(POLL)
             return
         logs.present["run"] = run_name(claim.run_id)
         log.info("run %d: attempt %d of %d", claim.run_id, claim.attempt, claim.max_attempts)
@@ -146,6 +153,32 @@ class Supervisor:
         log.info("run %d: %s%s", claim.run_id, ending.outcome, ending.text and f" ({ending.text})")
         self._settle(claim, ending)
         logs.present |= {"run": None, "stage": None}
+
+    def _assist(self, child: Child) -> bool:
+        """Fly a share of a run that another worker holds; false if there is none. The run never suffers from it."""
+        at = time.monotonic()
+        self._resting = {run_id: until for run_id, until in self._resting.items() if until > at}
+        claim = self.queue.shared(self.name, self.simulators, self.installation, [*self._resting])
+        if claim is None:
+            return False
+        log.info("run %d: assisting", claim.run_id)
+        child.pulse.enter("")
+        still, answer = Standstill(child.pulse, self._floor), None
+        try:
+            child.send({"assist": claim.as_json()})
+            while answer is None and self._wakeup.signal is None and not self.drained and not still.look():
+                answer = child.receive(WATCH)
+                if time.monotonic() >= self._next_beat:
+                    self._next_beat = time.monotonic() + self.queue.lease / 5
+                    self._despite_outage(partial(self._beat, claim.run_id))
+        except ChildEndedError as ended:
+            answer, self.child = {"outcome": "died", "text": f"the worker process {ended}"}, None
+        if answer is None or answer["outcome"] in ("failed", "spent"):
+            self._drop_child()
+        self._resting[claim.run_id] = time.monotonic() + REST
+        self._next_beat = 0.0
+        log.info("run %d: assisted: %s", claim.run_id, answer or "stopped")
+        return True
 
     def _watch(self, child: Child, claim: Claim) -> Ending:
         """Send heartbeats while the child works; returns how the attempt ended."""

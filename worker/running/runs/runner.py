@@ -13,6 +13,7 @@ import numpy as np
 
 from campaigns import Campaign
 from campaigns.results import Verdict
+from campaigns.runs import StageState
 from campaigns.stages.plan import plan
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
@@ -27,7 +28,7 @@ from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
 from worker.running.opening import opened
-from worker.running.runs import pulse, repeated
+from worker.running.runs import identity, pulse, repeated
 from worker.running.runs.provenance import begin, versions
 
 __all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
@@ -66,6 +67,29 @@ def execute(
         verdict = conclude(problem, _evidence(context), versions(campaign, problem.system))
         store.conclude(verdict)
         return verdict
+    finally:
+        evaluate.close()
+        problem.system.close()
+
+
+def assist(campaign: Campaign, store: Store, cancelled: Callable[[], bool] = lambda: False) -> None:
+    """Fly a share of the stage that another worker is carrying out, as far as it can be shared.
+
+    Raises what `execute` does; whatever it is, the run goes on without this worker.
+    """
+    problem = opened.problem(campaign)
+    problem.system.warm()
+    records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
+    store.record_versions(versions(campaign, problem.system), identity.code(campaign))
+    evaluate, planned = InProcess(problem), [record.plan for record in records]
+    context = Context(campaign, problem, evaluate, store, cancelled, plan=planned, methods=methods())
+    context.results |= {at: record.result for at, record in enumerate(records) if record.result is not None}
+    try:
+        for position, record in enumerate(records):
+            share = stages()[record.plan.kind].assist
+            if record.state == StageState.RUNNING and share is not None:
+                pulse.own.enter(record.plan.kind)
+                share(context, position)
     finally:
         evaluate.close()
         problem.system.close()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -66,8 +66,11 @@ class MemoryStore:
             waiting = [*self.waiting.get(position, []), ahead]
             self.waiting[position] = [_behind(a, first + len(columns.status)) for a in waiting]
 
-    def blocks(self, position: int) -> list[Block]:
-        return list(self.counted.get(position, []))
+    def blocks(self, position: int, known: Collection[int] = ()) -> list[Block]:
+        return [block for block in self.counted.get(position, []) if block.first not in known]
+
+    def take(self, position: int, firsts: Sequence[int], most: int, others: bool) -> list[int]:
+        return list(firsts[:most])
 
     def count(self, position: int, blocks: Sequence[Block]) -> None:
         self.counted.setdefault(position, []).extend(blocks)

@@ -26,3 +26,11 @@ def upgrade() -> None:
         sa.Column("data", sa.LargeBinary(), nullable=False),
         sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
     )
+    op.create_table(
+        "sample_shares",
+        sa.Column("run_id", sa.Integer(), primary_key=True),
+        sa.Column("position", sa.Integer(), primary_key=True),
+        sa.Column("first", COUNT, primary_key=True),
+        sa.Column("worker", sa.String(80), nullable=False),
+        sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
+    )

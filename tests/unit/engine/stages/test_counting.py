@@ -12,7 +12,7 @@ from campaigns.asked.problem import CampaignError
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.draws import uniform
 from campaigns.stages.certify import CertifyResult
-from campaigns.stored.blocks import FAILURES, FIRST, KEPT, Counted, Kept, Scale, counted, size
+from campaigns.stored.blocks import FAILURES, FIRST, KEPT, Counted, Kept, Scale, counted, packed, size, unpacked
 from tests.given.sampled_stages import THRESHOLD, asked, context, costs, evaluate
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import certify
@@ -258,7 +258,7 @@ def test_what_is_kept_of_blocks_is_what_is_kept_of_all(each: int) -> None:
         rows = slice(at, at + each)
         block = counted(at, values[rows], values[rows], status[rows], {}, scale, 0.1)
         known = block.kept if known is None else Kept.joined([known, block.kept])
-        blocks.append(block.without(known.last))
+        blocks.append(unpacked(packed(block.without(known.last))))
     whole = Kept.chosen(np.arange(len(values)), values, values, status, {})
     kept = Counted.of(blocks, scale).kept
     assert kept.indices.tolist() == whole.indices.tolist()

@@ -1,10 +1,11 @@
 """Flies an independent sample of any size, of which only blocks are stored: their counts and the lowest flights.
 
 Every point follows from the seed and its index (`campaigns.results.draws.uniform`), so that any flight can be made
-again, and a stage that was interrupted goes on with the blocks it lacks, to the same bits. How many draws follow
-depends on how many were excluded, never on what came out, so that the sample stays independent. One that ends early
-does so when more violate than may: a bound from the violations, and the samples before the last of them, still holds,
-because it is no lower than that of inverse sampling (Haldane, Biometrika 33, 1945), which counts one sample less.
+again, a stage that was interrupted goes on with the blocks it lacks, to the same bits, and others fly blocks of it. How
+many draws follow depends on how many were excluded, never on what came out, so that the sample stays independent. One
+that ends early does so when more violate than may: a bound from the violations, and the samples before the last of
+them, still holds, because it is no lower than that of inverse sampling (Haldane, Biometrika 33, 1945), which counts one
+sample less.
 """
 
 from __future__ import annotations
@@ -99,32 +100,50 @@ class Counting:
     """Of all blocks so far: what is not among them is not stored with a block."""
 
     def fly(self) -> Counted:
-        """All blocks that are not stored; raises `Cancelled`."""
-        for block in self.context.store.blocks(self.position):
-            self._add(block)
+        """The whole sample, of which others may fly blocks meanwhile; raises `Cancelled`."""
+        self._fly(others=True)
+        return Counted.of([*self.blocks.values()], self.scale)
+
+    def assist(self) -> None:
+        """Fly blocks that nobody else has taken, until there are none; raises `Cancelled`."""
+        self._fly(others=False)
+
+    def _fly(self, others: bool) -> None:
+        self._join()
         offset, began = self.tally.seconds, time.perf_counter()
         unsaved: list[Block] = []
         saved = began
         try:
-            while missing := self._missing():
+            while missing := self._missing(others):
                 if self.context.cancelled():
                     raise Cancelled
                 unsaved += map(self._add, self._flown(missing, offset - began))
                 if time.perf_counter() - saved > SAVED:
                     saved = self._save(unsaved)
+                    self._join()
         finally:
             self._save(unsaved)
-        return Counted.of([*self.blocks.values()], self.scale)
 
-    def _missing(self) -> list[Draws]:
-        """The next blocks to fly in one call, as many as take about the time between two writes."""
-        room, found = max(1, self._room() // size(self.samples)), []
-        for draws in planned(self.samples, self.blocks, self.allowed):
-            if draws.first not in self.blocks:
-                found.append(draws)
-            if len(found) == room:
-                break
-        return found
+    def _join(self) -> None:
+        """Add the blocks that others have stored."""
+        for block in self.context.store.blocks(self.position, self.blocks.keys()):
+            self._add(block)
+
+    def _missing(self, others: bool) -> list[Draws]:
+        """The next blocks to fly in one call, as many as take about the time between two writes.
+
+        others: also those that others have taken, if there are no more; flown twice they are the same.
+        """
+        room = max(1, self._room() // size(self.samples))
+        while True:
+            known = len(self.blocks)
+            left = {d.first: d for d in planned(self.samples, self.blocks, self.allowed) if d.first not in self.blocks}
+            taken = self.context.store.take(self.position, [*left], room, others) if left else []
+            if taken or not others:
+                return [left[first] for first in taken]
+            self._join()  # all that is left may be stored by now, and more draws may follow from that
+            if len(self.blocks) == known:
+                return []
 
     def _flown(self, missing: list[Draws], since: float) -> Iterator[Block]:
         """Blocks that need not be neighbours, evaluated in one call."""

@@ -24,7 +24,9 @@ class Outcome(Generic[R]):
 
 @dataclass(frozen=True)
 class Stage:
-    """A kind of stage, as `campaigns.stages` declares it, and the function that runs it at a position."""
+    """A kind of stage, as `campaigns.stages` declares it; the functions that run it at a position, and a share of it while
+    another worker runs it."""
 
     kind: str
     run: Callable[[Context, int], Outcome[StageResult]]
+    assist: Callable[[Context, int], None] | None = None

@@ -7,7 +7,7 @@ plain records (`campaigns.stored.records`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
 from campaigns.capsules.sources import Sources
@@ -73,8 +73,13 @@ class Store(Protocol):
         ahead: further ones, not stored before, which an earlier one is missing for; None for a stage without them.
         """
 
-    def blocks(self, position: int) -> list[Block]:
-        """The counted blocks of a stage that stores its lowest evaluations only, in any order."""
+    def blocks(self, position: int, known: Collection[int] = ()) -> list[Block]:
+        """The counted blocks of a stage of which only a part is stored, in any order; known: first draws of those that
+        are left out."""
+
+    def take(self, position: int, firsts: Sequence[int], most: int, others: bool) -> list[int]:
+        """Of the blocks with these first draws at most so many, which nobody has stored or taken; others: if there are
+        none of these, those that others have taken."""
 
     def count(self, position: int, blocks: Sequence[Block]) -> None:
         """Store counted blocks, and update the counts and best of the stage and the run."""

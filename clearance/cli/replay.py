@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
     from campaigns.results import StageResult
     from worker.engine.problem.problem import Problem
-    from worker.running.runs.replay import Recorded, Replayed
+    from worker.running.runs.reflown import Reflown
+    from worker.running.runs.replay import Compared, Recorded, Replayed
 
 
 def replay(
@@ -46,6 +47,15 @@ def replay(
             show_default=False,
         ),
     ] = None,
+    blocks: Annotated[
+        int,
+        typer.Option(
+            "--blocks",
+            min=0,
+            help="Of a sample of which only a part is stored: so many of its blocks, drawn at random now, are flown "
+            "again from the seed and the indices of their draws, and the digests of all their results compared.",
+        ),
+    ] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
     data: Data = DATA,
     database: Database = "",
@@ -81,7 +91,7 @@ def replay(
     problem = opened_here(run, recorded, "" if capsule is None else permits(capsule.capsule))
     if capsule is not None:
         refuse_unused(run, capsule.capsule)
-    again = evaluated_again(run, recorded, problem, case or [])
+    again = evaluated_again(run, recorded, problem, case or [], blocks)
     apart = [] if capsule is None else changed(capsule)
     if as_json:
         answer = {"run": run, **again.document()}
@@ -106,6 +116,8 @@ class Again:
     others: list[str]
     elsewhere: list[str]
     noise: str
+    blocks: Sequence[Reflown] = ()
+    """Flown again; whether each agrees is at the end of `well`."""
 
     @property
     def agrees(self) -> bool:
@@ -114,33 +126,40 @@ class Again:
 
     def document(self) -> dict[str, object]:
         """As `--json` prints it."""
-        listed = zip(self.found, self.well, strict=True)
+        listed = zip(self.found, self.well, strict=False)
         cases = [_described(one, self.problem) | {"agrees": fine} for one, fine in listed]
-        return {"agrees": self.agrees, "differences": self.others + self.elsewhere, "cases": cases}
+        found = {"agrees": self.agrees, "differences": self.others + self.elsewhere, "cases": cases}
+        flown = zip(self.blocks, self.well[len(cases) :], strict=True)
+        return found | {"blocks": [asdict(block) | {"agrees": fine} for block, fine in flown]}
 
     def lines(self, all_of_them: bool = True) -> Iterator[str]:
         """A line for each case, or only for those that do not agree."""
-        listed = zip(self.found, self.well, strict=True)
-        return (_line(one, self.problem) for one, fine in listed if all_of_them or not fine)
+        lines = [_line(one, self.problem) for one in self.found]
+        lines += [f"{block.name}: {block.agreement}" for block in self.blocks]
+        return (line for line, fine in zip(lines, self.well, strict=True) if all_of_them or not fine)
 
     def closing(self) -> str:
         """The last sentences."""
         return _closing(self.well, self.others, self.elsewhere, self.noise)
 
 
-def evaluated_again(run: str, recorded: Recorded, problem: Problem, names: Sequence[str]) -> Again:
-    """Evaluate the cases of these names again, all findings without names, and close the problem."""
+def evaluated_again(run: str, recorded: Recorded, problem: Problem, names: Sequence[str], blocks: int = 0) -> Again:
+    """Evaluate the cases of these names again, all findings without names or blocks, so many blocks of its sample, and
+    close the problem."""
+    from worker.running.runs.reflown import reflown
     from worker.running.runs.replay import UnknownCase, agrees, cases, replayed
 
     with closing(problem.system):
         others, elsewhere = _compared(recorded, problem)
         try:
-            found = replayed(problem, cases(recorded, problem, names))
+            found = replayed(problem, cases(recorded, problem, names)) if names or not blocks else []
+            flown = reflown(recorded, problem, blocks) if blocks else []
         except UnknownCase as error:
             raise WrongInputError(f"{run} cannot be replayed: {error}", RefusalCode.NO_SUCH_CASE) from None
         noise = _noise(recorded, problem)
-    well = [agrees(one, not (others or elsewhere)) for one in found]
-    return Again(problem, found, well, others, elsewhere, noise)
+    every: list[Compared] = [*found, *flown]
+    well = [agrees(one, not (others or elsewhere)) for one in every]
+    return Again(problem, found, well, others, elsewhere, noise, flown)
 
 
 def of_folder(folder: Path) -> Recorded:
@@ -170,7 +189,8 @@ def of_folder(folder: Path) -> Recorded:
     plans = [stage.plan for stage in store.stages]
     drawn, seeds = _drawn(known)
     seed = store.sample_seed.value if store.sample_seed is not None else campaign.seed
-    return Recorded(campaign, seed, plans, chunks, typed, versions_of(folder), drawn=drawn, measured=noise, seeds=seeds)
+    here = versions_of(folder)
+    return Recorded(campaign, seed, plans, chunks, typed, here, drawn=drawn, measured=noise, seeds=seeds, results=known)
 
 
 def _drawn(results: Mapping[int, StageResult | None]) -> tuple[dict[int, int], dict[int, list[int]]]:
@@ -212,6 +232,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
         drawn,
         next((s.result.repeatability for s in stages if s.result is not None), None),
         seeds,
+        {at: stage.result for at, stage in enumerate(stages)},
     )
 
 

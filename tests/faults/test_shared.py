@@ -25,7 +25,7 @@ from tests.faults.processes import Started, kill, until, worker
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
-SAMPLES = 100_000
+SAMPLES = 50_000
 CERTIFY = 2
 """The position of the sample."""
 SEED = SampleSeed.drawn()
@@ -124,6 +124,7 @@ def test_two_workers_fly_one_sample_and_one_of_them_is_killed(database: sa.Engin
     same_as_undisturbed(runs)
 
 
+@pytest.mark.nightly
 def test_who_assists_leaves_for_a_run_that_waits(database: sa.Engine, tmp_path: Path) -> None:
     with workers(database, tmp_path) as both:
         runs = Runs(database, case(2_000_000))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from campaigns.results import Finding
 from campaigns.results.base import OK
 from campaigns.results.draws import of_draws
 from campaigns.results.measured import Measured
+from campaigns.results.stage import StageResult
 from campaigns.stages.found import declared
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
@@ -50,7 +51,9 @@ class Recorded:
     drawn: Mapping[int, int] = field(default_factory=dict)
     measured: Measured | None = None
     seeds: Mapping[int, Sequence[int]] = field(default_factory=dict)
-    """Of the first evaluations of a stage, by position, that have those of a baseline."""
+    """Of the first evaluations of a stage, by position, that have their own."""
+    results: Mapping[int, StageResult | None] = field(default_factory=dict)
+    """Of the stages, by position."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +89,14 @@ class Replayed:
         return "within 1e-9" if bool((np.abs(self.costs - self.case.costs) <= ELSEWHERE * scale).all()) else "differs"
 
 
-def agrees(found: Replayed, alike: bool) -> bool:
+class Compared(Protocol):
+    """Something that was evaluated again."""
+
+    @property
+    def agreement(self) -> Agreement: ...
+
+
+def agrees(found: Compared, alike: bool) -> bool:
     """Whether it agrees as it must on a machine of the same kind (alike), or of another."""
     return found.agreement == "same bits" or (found.agreement == "within 1e-9" and not alike)
 

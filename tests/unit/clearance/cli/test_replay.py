@@ -72,6 +72,40 @@ def test_a_sample_is_simulated_with_its_own_noise(tmp_path: Path, capsys: pytest
     assert [case["agrees"] for case in statement["cases"]] == [False] * 3 + [True] * 3
 
 
+@pytest.mark.parametrize("name", ["counted", "counted noise", "counted exclusions"])
+def test_blocks_of_a_sample_are_flown_again_from_their_indices(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    code, statement = replayed(capsys, str(folder.path), "--blocks", "5")
+    assert code == 0, statement
+    assert statement["cases"] == []
+    assert len({block["first"] for block in statement["blocks"]}) == 5
+    assert {block["agreement"] for block in statement["blocks"]} == {"same bits"}
+    (certified,) = (result for result in folder.evidence["results"] if result["stage"] == "certify")
+    blocks = certified["blocks"]
+    every = len(blocks["draws"])
+    assert sum(blocks["draws"]) == certified["evaluations"]
+    blocks["digests"] = ["0" * 32 for _ in blocks["digests"]]
+    blocks["violations"][7] += 1
+    folder.write()
+    code, statement = replayed(capsys, str(folder.path), "--blocks", "5")
+    assert code == VIOLATED  # the bits are others
+    folder.result["versions"]["cpu"]["target"] = "another"
+    folder.write()
+    code, statement = replayed(capsys, str(folder.path), "F1", "--blocks", str(10 * every))
+    assert code == VIOLATED
+    assert [block["agreement"] for block in statement["blocks"]].count("differs") == 1
+    assert len(statement["blocks"]) == every
+    assert [case["case"] for case in statement["cases"]] == ["F1"]
+
+
+def test_a_run_without_blocks_has_none_to_fly_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = written(tmp_path / "out", "violated")
+    assert invoke(["replay", str(folder), "--blocks", "1"]) == WRONG_INPUT
+    assert "no sample of which only a part is stored" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("name", "code", "statement"),
     [

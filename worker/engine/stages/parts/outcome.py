@@ -24,8 +24,8 @@ class Outcome(Generic[R]):
 
 @dataclass(frozen=True)
 class Stage:
-    """A kind of stage, as `campaigns.stages` declares it; the functions that run it at a position, and a share of it while
-    another worker runs it."""
+    """A kind of stage, as `campaigns.stages` declares it; what runs it at a position, and a share of it while another
+    worker runs it."""
 
     kind: str
     run: Callable[[Context, int], Outcome[StageResult]]

@@ -43,12 +43,11 @@ class Scale:
     width: float
 
     @staticmethod
-    def about(threshold: float, nominal: float | None) -> Scale:
-        """From one span below the threshold to two above the nominal value; the span is their distance."""
-        span = math.nan if nominal is None else nominal - threshold
-        if not span > 0.0:
-            span = abs(threshold) or 1.0
-        return Scale(threshold - span, 4.0 * span / BINS)
+    def over(costs: Floats, threshold: float) -> Scale:
+        """Of costs known before: a quarter of their range wider at both ends; about the threshold without any."""
+        low, high = (float(costs.min()), float(costs.max())) if len(costs) else (threshold, threshold)
+        span = high - low or abs(threshold) or 1.0
+        return Scale(low - 0.25 * span, 1.5 * span / BINS)
 
     @property
     def edges(self) -> Floats:

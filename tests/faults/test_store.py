@@ -106,7 +106,7 @@ def blocks(samples: int = 5000) -> list[Block]:
     values = np.random.default_rng(1).random((samples, 2))
     status = np.where(np.arange(samples) % 50 == 7, FAILED, 0).astype(np.uint8)
     status[3::40] = EXCLUDED
-    scale = Scale.about(0.1, 0.5)
+    scale = Scale.over(np.array([0.0, 1.0]), 0.1)
     return [
         counted(
             at,

@@ -19,7 +19,7 @@ from campaigns.claims.spans import Spans
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as sentences
 from campaigns.limits import DRAWS
-from campaigns.results.base import EXCLUDED
+from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.draws import of_draws, of_indices
 from campaigns.results.sample import GridPoint, GridResult
 from campaigns.results.sample import Sample as Statement
@@ -28,7 +28,7 @@ from campaigns.stored.blocks import Counted, Scale
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.stages.parts import claims, noise
-from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, drive
+from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, all_columns, drive
 from worker.engine.stages.parts.counting import Counting, Drawing, kept
 from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.outcome import Outcome, Stage
@@ -118,7 +118,9 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
 def _counting(context: Context, position: int, request: Certify) -> Counting:
     problem = context.problem
     single = slotted(problem.system).single() if noise.noisy(context) else None
-    drawing, scale = Drawing(problem, context.sample_seed.value), Scale.about(problem.threshold, context.nominal_cost)
+    before = [columns.costs[columns.status == OK, 0] for _, columns in all_columns(context, list(range(position)))]
+    scale = Scale.over(np.concatenate([np.empty(0), *before]), problem.threshold)
+    drawing = Drawing(problem, context.sample_seed.value)
     return Counting(context, position, request.samples, drawing, single, scale, _allowed(context, request))
 
 

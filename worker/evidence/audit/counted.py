@@ -64,10 +64,11 @@ def early(blocks: Tree, requested: int, most: float, confidence: float) -> tuple
     return allowed, evaluated - (blocks["draws"][-1] - blocks["excluded"][-1])
 
 
-def scale(threshold: float, nominal: float) -> Tree:
-    """The bins: from as far below the threshold as the nominal value is above it to twice as far above that."""
-    span = nominal - threshold if nominal > threshold else abs(threshold) or 1.0
-    return {"low": threshold - span, "width": 4.0 * span / BINS}
+def scale(costs: list[float], threshold: float) -> Tree:
+    """The bins, by the costs of the stages before: their range and a quarter more at both ends."""
+    low, high = min(costs, default=threshold), max(costs, default=threshold)
+    span = high - low or abs(threshold) or 1.0
+    return {"low": low - 0.25 * span, "width": 1.5 * span / BINS}
 
 
 def edges(blocks: Tree) -> Any:

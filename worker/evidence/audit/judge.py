@@ -293,8 +293,9 @@ def _blocks(run: Run, k: int) -> Tree:
         return {"blocks": None, "flights": None, "realisations": None}
     flights, (_, raw, status) = np.array(result["flights"], dtype=np.int64), run.rows(k)
     seeds = of_indices(int(result["seed"]), flights).tolist() if run.random else None
+    before = run.raw[(run.stage < k) & (run.status == OK)].tolist()
     beside = counted.beside(run.counted[k], int(np.count_nonzero(raw[status == OK] <= run.threshold)), status)
-    return {"blocks": counted.scale(run.threshold, run.nominal) | {"beside": beside}, "realisations": seeds}
+    return {"blocks": counted.scale(before, run.threshold) | {"beside": beside}, "realisations": seeds}
 
 
 def _nominal(run: Run, stated: Tree) -> Tree:

@@ -52,7 +52,7 @@ def test_it_claims_what_all_flights_claim() -> None:
 
 @pytest.mark.parametrize("share", [0.01, 0.05, 0.5, 0.99])
 def test_a_quantile_is_never_bounded_above_that_of_all_flights(share: float) -> None:
-    values, scale = expected(), Scale.about(THRESHOLD, 1.5)
+    values, scale = expected(), Scale.over(np.array([0.4, 2.0]), THRESHOLD)
     block = counted(0, values[:, None], values[:, None], np.zeros(SAMPLES, np.uint8), {}, scale, THRESHOLD)
     exact, binned = (
         Sample(shape, 0, 0, 0, 0.0, 0.95).quantile(share, "d_min", "m").bound
@@ -211,7 +211,7 @@ def test_the_number_of_blocks_is_bounded(samples: int) -> None:
 
 
 def test_blocks_of_any_division_show_the_same() -> None:
-    values, scale = expected(), Scale.about(THRESHOLD, None)
+    values, scale = expected(), Scale.over(np.empty(0), THRESHOLD)
     status = np.where(np.arange(SAMPLES) % 97 == 0, FAILED, OK).astype(np.uint8)
     status[5::211] = EXCLUDED
     one, many = (
@@ -231,7 +231,7 @@ def test_blocks_of_any_division_show_the_same() -> None:
 
 
 def test_a_missing_block_is_refused() -> None:
-    scale = Scale.about(THRESHOLD, None)
+    scale = Scale.over(np.empty(0), THRESHOLD)
     blocks = [
         counted(a, np.ones((64, 1)), np.ones((64, 1)), np.zeros(64, np.uint8), {}, scale, THRESHOLD) for a in (0, 128)
     ]
@@ -253,7 +253,7 @@ def test_what_is_kept_of_blocks_is_what_is_kept_of_all(each: int) -> None:
     random = np.random.default_rng(each)
     values = random.random((30_000, 1))
     status = random.choice(np.array([OK, FAILED, EXCLUDED], np.uint8), len(values), p=[0.8, 0.1, 0.1])
-    scale, known, blocks = Scale.about(0.1, None), None, []
+    scale, known, blocks = Scale.over(np.empty(0), 0.1), None, []
     for at in range(0, len(values), each):
         rows = slice(at, at + each)
         block = counted(at, values[rows], values[rows], status[rows], {}, scale, 0.1)

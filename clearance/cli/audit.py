@@ -61,7 +61,8 @@ def audit(
             min=0,
             metavar="N",
             help="Also evaluate N stored evaluations that are drawn anew each time, the nominal case and all findings "
-            "again, and compare the costs as `clearance replay` does.",
+            "again, and as many draws of a sample of which only a part is stored, and compare them as `clearance "
+            "replay` does.",
             show_default=False,
         ),
     ] = None,
@@ -100,12 +101,15 @@ def audit(
 
 
 def _again(run: str, place: StoredRun, rows: int) -> Again:
-    """The nominal case, all findings and so many evaluations, which whoever wrote the record could not foresee."""
+    """The nominal case, all findings, so many evaluations and blocks that have as many, which whoever wrote the record
+    could not foresee."""
+    from worker.running.runs.reflown import having
+
     recorded = place.load(replay.of_folder, replay.of_database)
     stored = [f"{at}:{k}" for at, columns in recorded.evaluations.items() for k in range(len(columns.status))]
     drawn = secrets.SystemRandom().sample(stored[1:], min(rows, len(stored) - 1))
     names = [*stored[:1], *(finding.label for finding in recorded.findings), *drawn]
-    return replay.evaluated_again(run, recorded, replay.opened_here(run, recorded), names)
+    return replay.evaluated_again(run, recorded, replay.opened_here(run, recorded), names, having(recorded, rows))
 
 
 def _print(items: list[Item]) -> None:

@@ -52,6 +52,14 @@ def reflown(recorded: Recorded, problem: Problem, number: int) -> list[Reflown]:
     return [_again(recorded, problem, *every[k]) for k in chosen]
 
 
+def having(recorded: Recorded, draws: int) -> int:
+    """The number of blocks that have so many draws; 0 of a run without such a sample."""
+    largest = max(
+        (max(_blocks(result).draws) for result in recorded.results.values() if _has_blocks(result)), default=0
+    )
+    return math.ceil(draws / largest) if largest else 0
+
+
 def _has_blocks(result: StageResult | None) -> bool:
     return isinstance(result, CertifyResult) and result.blocks is not None
 

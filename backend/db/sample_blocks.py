@@ -54,7 +54,7 @@ def add(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[
     connection.execute(sa.insert(SampleBlock), rows)
     mine = (Stage.run_id == run_id, Stage.position == position)
     best = connection.execute(sa.select(Stage.best).where(*mine)).scalar_one()
-    values: dict[str, object] = {
+    counts = {
         "counted": Stage.counted + sum(b.draws for b in blocks),
         "violations": Stage.violations + sum(b.violations for b in blocks),
         "failed": Stage.failed + sum(b.failed for b in blocks),
@@ -62,9 +62,8 @@ def add(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[
         "seconds": max(b.seconds for b in blocks),
     }
     lowest_known = [value for value in (best, *(b.lowest for b in blocks)) if value is not None]
-    if lowest_known:
-        values["best"] = min(lowest_known)
-    connection.execute(sa.update(Stage).where(*mine).values(**values))
+    known = {"best": min(lowest_known)} if lowest_known else {}
+    connection.execute(sa.update(Stage).where(*mine).values(**counts, **known))
 
 
 def keep(connection: sa.Connection, run_id: int, position: int, columns: Columns) -> int | None:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Result, Values
 
 Noise = Literal["none", "drawn", "stated"]
+
+KEPT, FAILURES, FIRST = 1000, 1000, 1024
+"""What is stored of a counted sample: its lowest flights, the first without a result, and of its first draws all that
+are not excluded, which are a sample as the whole is."""
 
 
 class Histogram(Result):
@@ -70,6 +75,46 @@ class Sample(Described):
     """Of a certify stage that did not end early."""
     distribution: Distribution | None = None
     """Of a certify stage that did not end early."""
+
+
+class Beside(Result):
+    """Evaluations of a stage that are counted and not stored."""
+
+    evaluations: int = 0
+    failed: int = 0
+    timeouts: int = 0
+    """Among those that failed."""
+    excluded: int = 0
+    violating: int = 0
+    """Those that failed not among them."""
+    flaky: int = 0
+    """Succeeded only when a failed call was tried again."""
+    exclusions: Mapping[str, int] = {}
+    """How many were excluded for each reason."""
+
+
+class Blocks(Result):
+    """The blocks of consecutive draws that a sample was flown in, from the first draw on: a list for each fact."""
+
+    draws: list[int]
+    violations: list[int]
+    failed: list[int]
+    excluded: list[int]
+    lowest: list[float | None]
+    digests: list[str]
+    """Of the costs and status of each."""
+    totals: list[float]
+    """The sums of the costs above `low`."""
+    squares: list[float]
+    low: float
+    """The histogram of all has bins of equal width from here on, an open one below and one above."""
+    width: float
+    places: list[int]
+    """The bins that are not empty, from the open one below on."""
+    counts: list[int]
+    highest: float | None
+    beside: Beside
+    """What is not stored."""
 
 
 class SoFar(Described):

@@ -9,7 +9,7 @@ from campaigns.results.base import Result, Status, Stop, Values
 from campaigns.results.indices import IndexStudy
 from campaigns.results.measured import Measured
 from campaigns.results.nominal import NominalCase
-from campaigns.results.sample import Certificate
+from campaigns.results.sample import Beside, Blocks, Certificate
 from campaigns.results.slices import Curve
 from campaigns.sample_seed import SampleSeed
 
@@ -35,22 +35,6 @@ class Reevaluated(Result):
     """The noise seed with which it was evaluated; null for the realisations of the campaign."""
 
 
-class Beside(Result):
-    """Evaluations of a stage that are counted and not stored."""
-
-    evaluations: int = 0
-    failed: int = 0
-    timeouts: int = 0
-    """Among those that failed."""
-    excluded: int = 0
-    violating: int = 0
-    """Those that failed not among them."""
-    flaky: int = 0
-    """Succeeded only when a failed call was tried again."""
-    exclusions: Mapping[str, int] = {}
-    """How many were excluded for each reason."""
-
-
 class StageResult(Result):
     """What all results of stages have in common; which types there are is in `campaigns.stages.found`.
 
@@ -74,9 +58,14 @@ class StageResult(Result):
         return None
 
     @property
+    def counted(self) -> Blocks | None:
+        """The counts of a sample of which only a part is stored."""
+        return None
+
+    @property
     def beside(self) -> Beside:
         """Its evaluations beside those that are stored."""
-        return Beside()
+        return Beside() if self.counted is None else self.counted.beside
 
     @property
     def at_nominal(self) -> NominalCase | None:

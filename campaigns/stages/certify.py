@@ -6,36 +6,11 @@ from typing import Literal
 
 from campaigns.asked.spec import Campaign
 from campaigns.limits import DRAWS
-from campaigns.results.base import Result, Stop
-from campaigns.results.sample import Certificate, GridResult
-from campaigns.results.stage import Beside, StageResult
+from campaigns.results.base import Stop
+from campaigns.results.sample import FAILURES, FIRST, KEPT, Blocks, Certificate, GridResult
+from campaigns.results.stage import StageResult
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.declared import Declared
-from campaigns.stored.blocks import FAILURES, FIRST, KEPT
-
-
-class Blocks(Result):
-    """The blocks of consecutive draws that a sample was flown in, from the first draw on: a list for each fact."""
-
-    draws: list[int]
-    violations: list[int]
-    failed: list[int]
-    excluded: list[int]
-    lowest: list[float | None]
-    digests: list[str]
-    """Of the costs and status of each."""
-    totals: list[float]
-    """The sums of the costs above `low`."""
-    squares: list[float]
-    low: float
-    """The histogram of all has bins of equal width from here on, an open one below and one above."""
-    width: float
-    places: list[int]
-    """The bins that are not empty, from the open one below on."""
-    counts: list[int]
-    highest: float | None
-    beside: Beside
-    """What is not stored."""
 
 
 class CertifyResult(Certificate, StageResult):
@@ -69,8 +44,8 @@ class CertifyResult(Certificate, StageResult):
         return self.realisations
 
     @property
-    def beside(self) -> Beside:
-        return Beside() if self.blocks is None else self.blocks.beside
+    def counted(self) -> Blocks | None:
+        return self.blocks
 
     @property
     def sample_seed(self) -> SampleSeed | None:

@@ -21,14 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.results.base import EXCLUDED, FLAKY, OK, TIMEOUT
-from campaigns.results.stage import Beside
+from campaigns.results.sample import FAILURES, FIRST, KEPT, Beside
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-KEPT, FAILURES, FIRST = 1000, 1000, 1024
-"""What is stored of a sample: its lowest flights, the first of those without a result, and of its first draws all that
-are not excluded, which are a sample as the whole is."""
 BINS = 1000
 """Of the histogram, besides what is below and above it."""
 MOST = 1024

@@ -6,7 +6,7 @@ from campaigns import Campaign
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
-from campaigns.results.stage import Beside
+from campaigns.results.sample import Beside
 from clearance.local.failures import failures
 from worker.running.runs.store import MemoryStore
 

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from campaigns import rules
 from campaigns.asked.stages import Certify
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import ends
@@ -21,9 +20,9 @@ from campaigns.claims.stages import sample as sentences
 from campaigns.limits import DRAWS
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.draws import of_draws, of_indices
-from campaigns.results.sample import GridPoint, GridResult
+from campaigns.results.sample import Blocks, GridPoint, GridResult
 from campaigns.results.sample import Sample as Statement
-from campaigns.stages.certify import Blocks, CertifyResult
+from campaigns.stages.certify import CertifyResult
 from campaigns.stored.blocks import Counted, Scale
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Ended, Floats
@@ -135,9 +134,10 @@ def assist(context: Context, position: int) -> None:
 
 def _allowed(context: Context, request: Certify) -> int | None:
     """The violations that the target allows among all samples; None if the sample does not end by it."""
-    if request.until == "samples":
+    target = context.campaign.target_probability
+    if request.until == "samples" or target is None:
         return None
-    most = rules.required(context.campaign.target_probability) - context.problem.distributions.outside
+    most = target - context.problem.distributions.outside
     allowed = claims.allowed(request.samples, most, context.campaign.confidence)
     return None if allowed < 0 else allowed
 
@@ -152,9 +152,10 @@ def _whole(sample: Sample, context: Context, request: Certify) -> tuple[Statemen
 
 def _early(sample: Sample, found: Counted, context: Context, request: Certify) -> tuple[Statement, Spans]:
     """The same of one that ended early: its size follows from what came out, so it bounds P(violation) only."""
-    counted, allowed = found.evaluated - found.blocks[-1].evaluated, _allowed(context, request)
+    counted, target = found.evaluated - found.blocks[-1].evaluated, context.campaign.target_probability
+    drawing, allowed = sample.statement(counted=counted), _allowed(context, request)
     assert allowed is not None
-    drawing, target = sample.statement(counted=counted), rules.required(context.campaign.target_probability)
+    assert target is not None
     statement = sentences.curtailed(drawing.statement, allowed, target, request.samples, counted)
     return drawing.model_copy(update={"statement": statement}), statement
 

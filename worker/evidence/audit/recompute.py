@@ -13,16 +13,15 @@ import numpy as np
 
 from campaigns import Catalogue, cube
 from campaigns.checked.check import parameters, seeded
-from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from worker.evidence.audit import counted, limits
 from worker.evidence.audit.binomial import cumulative, least, upper_bound
 from worker.evidence.audit.calls import Calls
+from worker.evidence.audit.counted import Tree as Tree
 from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
-Tree = JsonObject
 LOWEST, STEPS = 100, 400
 """Points of a distribution function: the lowest values, and evenly spaced ones."""
 
@@ -275,7 +274,7 @@ class Run:
         certify, target = self.campaign.stages.certify, self.campaign.target_probability
         if k not in self.counted or certify is None or certify.until == "samples" or target is None:
             return -1, None
-        most = min(target, limits.CEILING) - self.outside()
+        most = target - self.outside()
         return counted.early(self.counted[k], certify.samples, most, self.campaign.confidence)
 
     def outside(self) -> float:

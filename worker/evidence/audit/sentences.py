@@ -16,7 +16,6 @@ from campaigns.claims.say import count, say
 from campaigns.claims.spans import Quantity, Span, Spans, values, words
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as templates
-from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import Missing
 
@@ -69,7 +68,7 @@ def of_sample(run: Run, k: int, sample: Tree) -> Tree:
         statement = templates.interim(statement, sample["looks"], level)
     allowed, before = run.early(k)
     if before is not None and certify is not None:
-        target = min(run.campaign.target_probability or 1.0, limits.CEILING)
+        target = run.campaign.target_probability or 1.0
         statement = templates.curtailed(statement, allowed, target, certify.samples, before)
     found: Tree = {"statement": statement}
     if sample.get("quantile"):

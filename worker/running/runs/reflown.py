@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from campaigns.claims.numbers import count
-from campaigns.results.stage import StageResult
-from campaigns.stages.certify import Blocks, CertifyResult
+from campaigns.results.sample import Blocks
 from campaigns.stored.blocks import Block, Scale, counted
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.counting import Drawing, Draws
@@ -43,35 +42,27 @@ class Reflown:
 def reflown(recorded: Recorded, problem: Problem, number: int) -> list[Reflown]:
     """So many blocks that the caller of the process could not know before, all of them if there are not so many; raises
     `UnknownCase` if the run has no such sample."""
-    samples = {at: result for at, result in recorded.results.items() if _has_blocks(result)}
+    samples = _samples(recorded)
     if not samples:
         raise UnknownCase("it has no sample of which only a part is stored; name evaluations instead of blocks")
-    every = [(at, row) for at, result in samples.items() for row in range(len(_blocks(result).draws))]
+    every = [(at, row) for at, blocks in samples.items() for row in range(len(blocks.draws))]
     random = np.random.default_rng()  # not from a seed: what will be looked at cannot be prepared
     chosen = sorted(random.permutation(len(every))[:number].tolist())
-    return [_again(recorded, problem, *every[k]) for k in chosen]
+    return [_again(recorded, problem, at, samples[at], row) for at, row in (every[k] for k in chosen)]
 
 
 def having(recorded: Recorded, draws: int) -> int:
     """The number of blocks that have so many draws; 0 of a run without such a sample."""
-    largest = max(
-        (max(_blocks(result).draws) for result in recorded.results.values() if _has_blocks(result)), default=0
-    )
+    largest = max((max(blocks.draws) for blocks in _samples(recorded).values()), default=0)
     return math.ceil(draws / largest) if largest else 0
 
 
-def _has_blocks(result: StageResult | None) -> bool:
-    return isinstance(result, CertifyResult) and result.blocks is not None
+def _samples(recorded: Recorded) -> dict[int, Blocks]:
+    found = {at: result.counted for at, result in recorded.results.items() if result is not None}
+    return {at: blocks for at, blocks in found.items() if blocks is not None}
 
 
-def _blocks(result: StageResult | None) -> Blocks:
-    assert isinstance(result, CertifyResult)
-    assert result.blocks is not None
-    return result.blocks
-
-
-def _again(recorded: Recorded, problem: Problem, position: int, row: int) -> Reflown:
-    then = _blocks(recorded.results[position])
+def _again(recorded: Recorded, problem: Problem, position: int, then: Blocks, row: int) -> Reflown:
     draws = Draws(sum(then.draws[:row]), then.draws[row])
     drawing = Drawing(problem, recorded.sample_seed)
     noisy = recorded.measured is not None and not recorded.measured.identical

@@ -103,7 +103,7 @@ def test_blocks_of_a_sample_are_flown_again_from_their_indices(
 def test_a_run_without_blocks_has_none_to_fly_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = written(tmp_path / "out", "violated")
     assert invoke(["replay", str(folder), "--blocks", "1"]) == WRONG_INPUT
-    assert "no sample of which only a part is stored" in capsys.readouterr().err
+    assert refusal(capsys.readouterr().err) == RefusalCode.NO_SUCH_CASE
 
 
 @pytest.mark.parametrize(

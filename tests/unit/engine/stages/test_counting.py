@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from campaigns.asked.problem import CampaignError
+from campaigns.claims.spans import values as told_in
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.draws import uniform
+from campaigns.results.sample import FAILURES, FIRST, KEPT
 from campaigns.stages.certify import CertifyResult
-from campaigns.stored.blocks import FAILURES, FIRST, KEPT, Counted, Kept, Scale, counted, packed, size, unpacked
+from campaigns.stored.blocks import Counted, Kept, Scale, counted, packed, size, unpacked
 from tests.given.sampled_stages import THRESHOLD, asked, context, costs, evaluate
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import certify
@@ -167,9 +169,8 @@ def test_a_sample_ends_with_the_block_that_has_more_violations_than_its_target_a
     bounding = sum(found.blocks.draws[:-1])
     assert (found.sample.bound_samples, found.sample.quantile, found.sample.distribution) == (bounding, None, None)
     assert found.sample.upper_bound == claims.bound(found.sample.violations, bounding, 0.95)
-    assert f"at most {allowed} of 30\u202f000 samples may violate" in found.text
-    assert found.stop is not None
-    assert "more violated than the target allows" in found.stop.text
+    told = {"allowed": allowed, "requested": 30_000, "bound_samples": bounding, "target": 0.001}
+    assert told_in(found.statement).items() >= told.items()
 
 
 def test_a_sample_that_meets_its_target_is_whole() -> None:
@@ -196,9 +197,9 @@ def test_a_bound_holds_where_a_sample_ends_early(chance: float, allowed: int) ->
 
 def test_a_target_needs_enough_samples() -> None:
     few = {"certify": {"samples": 2994, "keep": "lowest", "until": "target"}}
-    with pytest.raises(CampaignError, match="give at least 2,995"):
+    with pytest.raises(CampaignError, match="2,995"):
         asked(few, target_probability=0.001)
-    with pytest.raises(CampaignError, match="needs a target_probability"):
+    with pytest.raises(CampaignError, match="target_probability"):
         asked(few)
 
 
@@ -235,7 +236,7 @@ def test_a_missing_block_is_refused() -> None:
     blocks = [
         counted(a, np.ones((64, 1)), np.ones((64, 1)), np.zeros(64, np.uint8), {}, scale, THRESHOLD) for a in (0, 128)
     ]
-    with pytest.raises(ValueError, match="draw 64 is expected, given that of draw 128"):
+    with pytest.raises(ValueError, match=r"draw 64 .*draw 128"):
         Counted.of(blocks, scale)
 
 

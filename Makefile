@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run check test faults soak nightly screenshots lint types bench bench-pages search-bench scoreboard reproduce wheel sbom advisories frontend library-flights library-verdicts clean distclean
+.PHONY: help install run check test faults soak nightly screenshots lint types bench bench-pages certainty-bench search-bench scoreboard reproduce wheel sbom advisories frontend library-flights library-verdicts clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-15s %s\n", part[1], $$0}' Makefile
@@ -48,6 +48,9 @@ bench: install ## measure the speed, print a table, write build/bench.json
 bench-pages: install ## measure the pages in a browser, print a table, write build/bench-pages.json
 	@tools/chromium.sh
 	@.venv/bin/python -m tests.bench.pages
+
+certainty-bench: install ## samples of any size: speed, memory, what is stored; writes build/certainty.json
+	@.venv/bin/python -m tests.bench.certainty
 
 search-bench: install ## every search method on test functions, print a table, write build/search.json and search.md
 	@.venv/bin/python -m tests.bench.search_bench

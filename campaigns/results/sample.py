@@ -93,7 +93,7 @@ class Beside(Result):
     """How many were excluded for each reason."""
 
 
-class Blocks(Result):
+class Blocks(Described):
     """The blocks of consecutive draws that a sample was flown in, from the first draw on: a list for each fact."""
 
     draws: list[int]

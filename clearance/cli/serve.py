@@ -45,7 +45,13 @@ def serve(
     data: Data = DATA,
     database: Database = "",
     number: Annotated[
-        int, typer.Option("--workers", help="Maximum number of runs at the same time.", min=0, max=256)
+        int,
+        typer.Option(
+            "--workers",
+            help="Maximum number of runs at the same time; one without a run flies blocks of another's large sample.",
+            min=0,
+            max=256,
+        ),
     ] = 1,
 ) -> None:
     """Start the service and its workers, print a login link, and stop everything on Ctrl-C."""

@@ -109,6 +109,15 @@ class Counts:
         return say(", of which ", percent(self.outside, name="outside"), beyond)
 
 
+def counted(draws: int, blocks: int, stored: int) -> Spans:
+    """What is stored of a sample of which only a part is."""
+    return say(
+        *(count(stored, "stored"), " of ", count(draws, "draws"), " draws are stored: the lowest, the first, and the "),
+        *("first without a result; all are counted in ", count(blocks, "blocks"), " blocks, which can be flown again "),
+        "from the seed of the sample",
+    )
+
+
 class Drawn(NamedTuple):
     """What is known of a sample while it is drawn; beyond: whether a distribution has a part beyond the bounds."""
 

@@ -1,7 +1,7 @@
 // What a run has to show, and how much room that needs: the conditions of the sections of its page.
 import { hasScenario } from '../api/campaign'
 import { resultOf, resultWith, independentSample, type SlicesResult } from '../api/stages'
-import type { GridResult, Sample, SearchResult, ValidateResult } from '../client'
+import type { Blocks, GridResult, Sample, SearchResult, ValidateResult } from '../client'
 import { type Best, bestOf, hasSpace, type RunData, stageOf } from './data/data'
 import { hasView } from './flight/declared'
 import { overTime } from './flight/flown'
@@ -21,6 +21,8 @@ export interface Facts {
   lowest: Best | null
   sensitivity: SlicesResult | null
   grid: GridResult | null
+  /** Of a sample of which only a part is stored. */
+  blocks: Blocks | null
   validation: ValidateResult | null
   /** The searches that found minima from their starts; null if none did. */
   minima: { position: number; search: SearchResult }[] | null
@@ -63,6 +65,7 @@ export function factsOf(data: RunData): Facts {
     lowest,
     sensitivity,
     grid: resultWith(data.stages, 'grid')?.grid ?? null,
+    blocks: resultWith(data.stages, 'blocks')?.blocks ?? null,
     validation: resultOf(stageOf(data, 'validate'), 'validate'),
     minima: minima.length > 0 ? minima : null,
     front: searches.some(({ search }) => search.front?.length),

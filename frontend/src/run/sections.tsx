@@ -141,8 +141,8 @@ const OWN: readonly Section[] = [
     of: ({ sample }) => sample,
     title: 'Sample',
     count: (_, { samples }) => samples,
-    pieces: ({ data, grid }, sample) => [
-      { height: 480, card: <SampleCard key="sample" data={data} sample={sample} grid={grid} className="" /> },
+    pieces: ({ data, grid, blocks }, sample) => [
+      { height: 480, card: <SampleCard key="sample" data={data} sample={sample} grid={grid} blocks={blocks} className="" /> },
     ],
   }),
   section({

@@ -176,6 +176,7 @@ def _blocks(found: Counted, threshold: float) -> Blocks:
         counts=found.bins[found.bins > 0].tolist(),
         highest=found.highest,
         beside=found.beside(threshold),
+        statement=sentences.counted(found.draws, len(found.blocks), len(found.kept.indices)),
     )
 
 

@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from campaigns.claims.spans import Spans
+from campaigns.claims.stages import sample as templates
 from campaigns.documents import JsonObject
 from campaigns.results.base import OK
 from worker.evidence.audit import draw, limits
@@ -39,6 +41,11 @@ def beside(blocks: Tree, violating: int, status: Any) -> Tree:
     rest = {"evaluations": total["evaluations"] - len(status), "failed": total["failed"] - lost}
     violations = sum(blocks["violations"]) - total["failed"] - violating
     return rest | {"excluded": total["excluded"], "violating": violations}
+
+
+def statement(blocks: Tree, stored: int) -> Spans:
+    """What is stored of it."""
+    return templates.counted(sum(blocks["draws"]), len(blocks["draws"]), stored)
 
 
 def block(requested: int) -> int:

@@ -295,7 +295,8 @@ def _blocks(run: Run, k: int) -> Tree:
     seeds = of_indices(int(result["seed"]), flights).tolist() if run.random else None
     before = run.raw[(run.stage < k) & (run.status == OK)].tolist()
     beside = counted.beside(run.counted[k], int(np.count_nonzero(raw[status == OK] <= run.threshold)), status)
-    return {"blocks": counted.scale(before, run.threshold) | {"beside": beside}, "realisations": seeds}
+    told = {} if run.reworded else {"statement": counted.statement(run.counted[k], len(status))}
+    return {"blocks": counted.scale(before, run.threshold) | {"beside": beside} | told, "realisations": seeds}
 
 
 def _nominal(run: Run, stated: Tree) -> Tree:

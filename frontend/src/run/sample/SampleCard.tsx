@@ -3,7 +3,7 @@
 
 import { clsx } from 'clsx'
 import { useState } from 'react'
-import type { GridResult, Sample } from '../../client'
+import type { Blocks, GridResult, Sample } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals, tickText } from '../../charts/ticks'
 import { lostOf } from '../../format/counts'
@@ -22,10 +22,11 @@ interface SampleCardProps {
   sample: Sample
   /** Simulated by the certify stage in addition to the sample. */
   grid?: GridResult | null
+  blocks?: Blocks | null
   className: string | undefined
 }
 
-export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
+export function SampleCard({ data, sample, grid, blocks, className }: SampleCardProps) {
   const { run } = data
   const [shape, setShape] = useState<'bars' | 'curve'>('bars')
   const { distribution, quantile } = sample
@@ -67,6 +68,7 @@ export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
               <Spans spans={[words(' '), ...sentence(quantile.statement)]} />
             </span>
           )}
+          {blocks && <Spans spans={[words(' '), ...sentence(blocks.statement)]} />}
           {grid && <Spans spans={[words(' '), ...sentence(grid.statement)]} />}
         </>
       }

@@ -34,6 +34,7 @@ function series(position: number, cost: (number | null)[], a: number[], status?:
     kind: 'search',
     method: `m${position}`,
     total: 100,
+    stored: 100,
     index: cost.map((_, i) => 10 * i),
     cost,
     status: status ?? cost.map(() => 'ok'),

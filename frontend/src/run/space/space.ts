@@ -46,6 +46,7 @@ export interface Space {
   seeds: (number | null)[]
   count: number
   total: number
+  stored: number
 }
 
 /** From and to on an axis, by its key. */
@@ -80,6 +81,7 @@ export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
     seeds: new Array<number | null>(count).fill(null),
     count,
     total: stages.reduce((sum, series) => sum + series.total, 0),
+    stored: stages.reduce((sum, series) => sum + series.stored, 0),
   }
   let at = 0
   stages.forEach((series, group) => {

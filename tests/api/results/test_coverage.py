@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import html
+import re
+
 import httpx
 import numpy as np
 import pytest
@@ -74,6 +77,17 @@ def test_more_evaluations_than_are_used_are_an_even_choice(service: Service, cli
     assert (found["total"], found["used"]) == (25_000, 20_000)
     assert found["statements"][0][0] == found["statements"][0][0] | {"kind": "quantity", "value": 20_000}
     assert found["possible"]["slope"] == pytest.approx(1.0, rel=1e-3)
+
+
+def test_report_and_export_state_the_same(guest: httpx.Client, run: str) -> None:
+    found = guest.get(f"/api/v1/runs/{run}/coverage").json()
+    assert guest.get(f"/api/v1/runs/{run}/exports/run.json").json()["coverage"] == found
+    text = html.unescape(re.sub(r"<[^>]+>", "", guest.get(f"/api/v1/runs/{run}/report.html").text))
+    assert "Coverage of the parameter space" in text
+    assert f"A ball with radius {found['ball']['radius']:.3g} contains none of them" in text
+    assert f"{found['pairs'][0]['touched']} of 100 equal bins have an evaluation." in text
+    assert "100 without a value (failed or excluded) count for balls and bins, and rule out no volume." in text
+    assert "Coverage is no proof" in text
 
 
 def test_a_run_without_evaluations_has_no_figures(client: httpx.Client) -> None:

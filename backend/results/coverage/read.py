@@ -69,11 +69,12 @@ def _used(reader: sa.Connection, run_id: int, dimension: int) -> Used:
         for chunk in chunks(reader, run_id, stage.position, *_COLUMNS):
             first, last = np.searchsorted(chosen, [before + chunk.first, before + chunk.first + chunk.count])
             rows = chosen[first:last] - before - chunk.first
-            ok = np.frombuffer(chunk.status, dtype=np.uint8)[rows] == OK
-            points.append(np.frombuffer(chunk.points, dtype="<f8").reshape(chunk.count, -1)[rows])
-            costs.append(
-                np.where(ok, np.frombuffer(chunk.costs, dtype="<f8").reshape(chunk.count, -1)[rows, 0], np.nan)
+            cube_points, every = (
+                np.frombuffer(data, dtype="<f8").reshape(chunk.count, -1) for data in (chunk.points, chunk.costs)
             )
+            ok = np.frombuffer(chunk.status, dtype=np.uint8) == OK
+            points.append(cube_points[rows, :dimension])
+            costs.append(np.where(ok, every[:, 0], np.nan)[rows])
         before += stage.evaluations
     return Used(np.concatenate(points), np.concatenate(costs), total)
 

@@ -13,8 +13,8 @@ LEAST = 5
 
 
 def pairs(record: Record) -> list[tuple[Markup, Markup, int]]:
-    """The least covered pairs of parameters, and their bins that have an evaluation."""
-    least = record.coverage.pairs[:LEAST]
+    """The least covered pairs of parameters, and how many of their bins have an evaluation; none if all have one."""
+    least = [pair for pair in record.coverage.pairs[:LEAST] if pair.touched < record.coverage.bins]
     return [(_symbol(record, pair.first), _symbol(record, pair.second), pair.touched) for pair in least]
 
 

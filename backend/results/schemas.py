@@ -133,10 +133,11 @@ class PossibleVolume(Schema):
     """The volume in which a violation is possible if the cost changes nowhere faster than between evaluations."""
 
     slope: float
-    """The steepest slope seen, in the criterion's unit for a whole range; not a bound."""
+    """The steepest slope seen between near evaluations, in the criterion's unit for a whole range; not a bound."""
     fraction: float
     """Of the box, estimated from random points."""
     standard_error: float
+    """0 if all random points agree, which does not show that all others do."""
     points: int
     """Number of random points."""
 
@@ -147,7 +148,7 @@ class Coverage(Schema):
     total: int
     """Evaluations of all stages."""
     used: int
-    """At most 20,000 of them, evenly spaced in their order."""
+    """At most 20,000 of them, fewer from 13 parameters on, evenly spaced in their order."""
     without_value: int
     """Used ones that failed or were excluded: they count for balls and bins, and rule out no volume."""
     ball: EmptyBall | None

@@ -35,17 +35,20 @@ def ball(radius: float, diagonal: float) -> Spans:
 
 def bins(first: Part, second: Part, touched: int, of: int) -> Spans:
     """The pair of parameters with the fewest bins that have an evaluation."""
+    if touched == of:
+        return say("Of every pair of parameters all ", count(of), " equal bins have an evaluation.")
     least = say("The least covered pair of parameters is ", first, " and ", second)
     return say(least, ": ", count(touched), " of ", count(of), " equal bins have an evaluation.")
 
 
 def volume(slope: float, unit: str, apart: float, possible: float, drawn: int, error: float) -> Spans:
     """possible: the fraction of the drawn points at which this slope leaves a violation possible."""
-    between = say("The steepest slope between evaluations at least ", percent(apart), " of a range apart is ")
+    between = say("The steepest slope between near evaluations, at least ", percent(apart), " of a range apart, is ")
     seen = say(
         between, number(slope, unit, digits=3), " for a whole range. If nothing is steeper, a violation is possible"
     )
-    if possible == 0.0:
-        return say(seen, " at none of ", count(drawn), " random points of the box.")
+    points = say(count(drawn), " random points of the box")
+    if error == 0.0:
+        return say(seen, " at ", "none" if possible == 0.0 else "all", " of ", points, ".")
     of = say(percent(possible), " of the box, with a standard error of ", percent(error, digits=2))
-    return say(seen, " in ", of, " (", count(drawn), " random points).")
+    return say(seen, " in ", of, " (", points, ").")

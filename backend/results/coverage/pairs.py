@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from backend.results.coverage.distances import Floats
+from backend.results.coverage.tree import Floats
 
 BINS = 10
 """Of each range; a pair has the square of it."""

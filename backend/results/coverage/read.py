@@ -13,7 +13,7 @@ from backend.catalog.service import bounds, described
 from backend.db.rows import chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results.coverage import ball, pairs, slopes
-from backend.results.coverage.distances import Floats
+from backend.results.coverage.tree import Floats
 from backend.results.schemas import Coverage, EmptyBall, PairCoverage, PossibleVolume
 from backend.runs.service import campaign
 from campaigns import Campaign, Catalogue, cube, thin
@@ -25,7 +25,9 @@ from campaigns.results.base import OK
 from campaigns.symbols import labels
 
 MOST = 20_000
-"""Evaluations of a run that are used, so that the work is bounded: with all of these it takes 0.4 s."""
+"""Evaluations of a run that are used, and fewer from 13 parameters on: so the work is bounded, at about 0.4 s."""
+NUMBERS = 12 * MOST
+"""Parameters of all evaluations that are used."""
 _COLUMNS = [getattr(EvaluationChunk, name) for name in ("first", "count", "points", "costs", "status")]
 
 
@@ -63,7 +65,7 @@ def _used(reader: sa.Connection, run_id: int, dimension: int) -> Used:
     query = sa.select(Stage.position, Stage.evaluations).where(Stage.run_id == run_id).order_by(Stage.position)
     stages = reader.execute(query).all()
     total = sum(stage.evaluations for stage in stages)
-    chosen, before = thin.even(total, MOST), 0
+    chosen, before = thin.even(total, min(MOST, NUMBERS // dimension)), 0
     points, costs = [np.empty((0, dimension))], [np.empty(0)]
     for stage in stages:
         for chunk in chunks(reader, run_id, stage.position, *_COLUMNS):
@@ -103,7 +105,7 @@ def _possible(points: Floats, costs: Floats, threshold: float) -> PossibleVolume
     if found is None:
         return None
     return PossibleVolume(
-        slope=found.slope, fraction=found.fraction, standard_error=found.standard_error, points=slopes.DRAWN
+        slope=found.slope, fraction=found.fraction, standard_error=found.standard_error, points=found.drawn
     )
 
 

@@ -4,7 +4,7 @@ import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { coverageQuery } from '../../api/queries'
 import type { Coverage, PairCoverage } from '../../client'
-import { decimalsFor, fixed, percent, plain } from '../../format/numbers'
+import { count, decimalsFor, fixed, percent, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Failed } from '../../page/Trouble'
 import { Button } from '../../ui/Button'
@@ -15,6 +15,7 @@ import { Table } from '../../ui/Table'
 import { useNear } from '../../ui/useNear'
 import type { RunData, UncertainParameter } from '../data/data'
 import layout from '../../ui/layout.module.css'
+import runStyles from '../run.module.css'
 import styles from './space.module.css'
 
 /** Initial number of pairs. */
@@ -43,14 +44,14 @@ export function CoverageCard({ data, coverage }: { data: Shown; coverage: Covera
   const [least] = pairs
   return (
     <Card title="Coverage" note="Of the parameter space by the evaluations of all stages; no proof" flush>
-      <div className={styles.figures}>
+      <div className={runStyles.stats}>
         <Stat name="Radius of an empty ball" value={plain(ball?.radius, 3)} exact={ball?.radius} note={ball ? `each range is 1, the diagonal ${plain(ball.diagonal, 3)}` : 'no evaluation'} />
         <Stat name="Bins of the least covered pair" value={least ? percent(least.touched / bins) : plain(null)} note={least ? `${least.touched} of ${bins} have an evaluation` : 'one parameter has no pair'} />
         <Stat
           name="Violation possible by the slopes seen"
           value={percent(possible?.fraction)}
           exact={possible?.fraction}
-          note={possible ? `of the box, ± ${percent(possible.standard_error, 2)} standard error` : 'no slope'}
+          note={possibleText(possible)}
         />
       </div>
       <div className={styles.covered}>
@@ -62,10 +63,18 @@ export function CoverageCard({ data, coverage }: { data: Shown; coverage: Covera
           ))}
         </div>
         {ball && <Centre parameters={data.parameters} centre={ball.centre} />}
-        {pairs.length > 1 && <Pairs parameters={data.parameters} pairs={pairs} bins={bins} />}
+        {least && least.touched < bins && pairs.length > 1 && <Pairs parameters={data.parameters} pairs={pairs} bins={bins} />}
       </div>
     </Card>
   )
+}
+
+/** A standard error of 0 would read as certainty. */
+function possibleText(possible: Coverage['possible']): string {
+  if (!possible) return 'no slope'
+  const { fraction, standard_error, points } = possible
+  if (standard_error > 0) return `of the box, ± ${percent(standard_error, 2)} standard error`
+  return `${fraction > 0 ? 'all' : 'none'} of ${count(points)} random points`
 }
 
 function Centre({ parameters, centre }: Shown & { centre: Readonly<Record<string, number>> }) {

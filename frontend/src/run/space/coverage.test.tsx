@@ -17,6 +17,13 @@ it('shows the three figures with what they are of', () => {
   for (const text of ['0.176', 'each range is 1, the diagonal 1.41', '34 of 100 have an evaluation', '34 %', '4 %', '± 0.3 % standard error']) expect(shown).toContain(text)
 })
 
+it('states random points instead of a standard error of 0', () => {
+  const of = (fraction: number) => card({ possible: { slope: 1, fraction, standard_error: 0, points: 256 } })
+  expect(of(0)).toContain('none of 256 random points')
+  expect(of(1)).toContain('all of 256 random points')
+  expect(of(0) + of(1)).not.toContain('standard error')
+})
+
 it('shows every sentence, and in its heading that it is no proof', () => {
   const statements = [[words('All 1000 evaluations are used.')], [words('Coverage is no proof: a violation may be smaller.')]]
   const shown = card({ statements })
@@ -39,6 +46,7 @@ it('lists the least covered pairs, a few at first', () => {
   expect(shown).not.toContain('m and J 16')
   expect(shown).toContain('Show all 9')
   expect(card()).not.toContain('least covered first')
+  expect(card({ pairs: pairs.map((pair) => ({ ...pair, touched: 100 })) })).not.toContain('least covered first')
 })
 
 it('has no figure where none was computed', () => {

@@ -68,8 +68,8 @@ def test_a_straight_cost_leaves_the_side_that_violates(threshold: float) -> None
     assert found is not None
     assert found.slope == pytest.approx(1.0, rel=1e-9)
     truth = min(max(threshold, 0.0), 1.0)
-    assert abs(found.fraction - truth) <= 4.0 * math.sqrt(truth * (1.0 - truth) / slopes.DRAWN)
-    assert found.standard_error == pytest.approx(math.sqrt(found.fraction * (1.0 - found.fraction) / slopes.DRAWN))
+    assert abs(found.fraction - truth) <= 4.0 * math.sqrt(truth * (1.0 - truth) / found.drawn)
+    assert found.standard_error == pytest.approx(math.sqrt(found.fraction * (1.0 - found.fraction) / found.drawn))
 
 
 def test_an_evaluation_rules_out_a_ball_of_its_margin_over_the_slope() -> None:
@@ -81,17 +81,30 @@ def test_an_evaluation_rules_out_a_ball_of_its_margin_over_the_slope() -> None:
     assert abs(found.fraction - truth) <= 4.0 * found.standard_error
 
 
-def test_a_jump_between_nearer_evaluations_is_no_slope() -> None:
-    points, costs = np.array([[0.5], [0.5 + 0.9 * slopes.APART]]), np.array([0.0, 100.0])
+@pytest.mark.parametrize("at", [0.5, 0.4955], ids=["in one cell", "in two cells"])
+def test_a_jump_between_nearer_evaluations_is_no_slope(at: float) -> None:
+    points, costs = np.array([[at], [at + 0.9 * slopes.APART]]), np.array([0.0, 100.0])
     assert slopes.steepest(points, costs) is None
     assert slopes.possible(points, costs, 1.0) is None
-    assert slopes.steepest(np.vstack([points, [[0.0]]]), np.append(costs, 1.0)) == pytest.approx(99.0 / 0.509)
+
+
+def test_the_steepest_slope_of_a_bent_cost_is_found() -> None:
+    points = np.linspace(0.0, 1.0, 51)[:, None]
+    assert slopes.steepest(points, points[:, 0] ** 2) == pytest.approx(1.0 + 0.98)
+
+
+def test_a_cluster_does_not_hide_the_slope_around_it() -> None:
+    cluster = 0.5 + 1e-5 * np.random.default_rng(7).standard_normal((500, 2))
+    points = np.vstack([[[0.5, 0.5]], cluster, [[0.55, 0.5]]])
+    found = slopes.steepest(points, np.append(np.zeros(501), 1.0))
+    assert found == pytest.approx(20.0, rel=1e-3)
 
 
 @pytest.mark.parametrize(("threshold", "fraction"), [(0.9, 0.0), (1.0, 1.0), (1.1, 1.0)])
 def test_a_constant_cost_is_ruled_out_everywhere_or_nowhere(threshold: float, fraction: float) -> None:
     found = slopes.possible(np.random.default_rng(5).random((50, 3)), np.ones(50), threshold)
-    assert found == (0.0, fraction * slopes.DRAWN)
+    assert found is not None
+    assert (found.slope, found.fraction, found.standard_error) == (0.0, fraction, 0.0)
 
 
 @pytest.fixture
@@ -119,6 +132,15 @@ def test_nothing_evaluated_covers_nothing(request_of_two: Campaign) -> None:
     found = covered(Used(np.empty((0, 2)), np.empty(0), 0), request_of_two, CATALOGUE)
     assert (found.used, found.ball, found.possible, [pair.touched for pair in found.pairs]) == (0, None, None, [0])
     assert words(found.statements[0]).startswith("No evaluation is stored")
+
+
+def test_sentences_state_none_and_all_without_a_standard_error(request_of_two: Campaign) -> None:
+    points = np.random.default_rng(8).random((3000, 2))
+    for costs, word in ((1.0 + 0.1 * points[:, 0], "none"), (0.4 + 0.1 * points[:, 0], "all")):
+        said = " ".join(map(words, covered(Used(points, costs, 3000), request_of_two, CATALOGUE).statements))
+        assert f"a violation is possible at {word} of 4" in said
+        assert "standard error" not in said
+        assert "Of every pair of parameters all 100 equal bins have an evaluation." in said
 
 
 def test_failures_alone_give_no_slope(request_of_two: Campaign) -> None:

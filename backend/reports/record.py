@@ -17,7 +17,8 @@ from backend.reports.plot import NOMINAL, WORST
 from backend.results import evaluations
 from backend.results import service as results
 from backend.results.coverage import read as coverage
-from backend.results.schemas import Coverage, Evaluations, FindingDetail
+from backend.results.coverage.schemas import Coverage
+from backend.results.schemas import Evaluations, FindingDetail
 from backend.runs import service as runs
 from backend.runs.components import changed
 from backend.runs.question import asked_again

@@ -11,7 +11,8 @@ from backend.http.errors import problems
 from backend.http.schema import FlightName, RunName
 from backend.results import evaluations, service
 from backend.results.coverage import read as coverage
-from backend.results.schemas import Coverage, Evaluations, FindingDetail, TraceData, TraceInfo
+from backend.results.coverage.schemas import Coverage
+from backend.results.schemas import Evaluations, FindingDetail, TraceData, TraceInfo
 from backend.runs.service import number
 
 router = APIRouter(tags=["results"])

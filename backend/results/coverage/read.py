@@ -13,8 +13,8 @@ from backend.catalog.service import bounds, described
 from backend.db.rows import chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results.coverage import ball, pairs, slopes
+from backend.results.coverage.schemas import Coverage, EmptyBall, PairCoverage, PossibleVolume
 from backend.results.coverage.tree import Floats
-from backend.results.schemas import Coverage, EmptyBall, PairCoverage, PossibleVolume
 from backend.runs.service import campaign
 from campaigns import Campaign, Catalogue, cube, thin
 from campaigns.checked.check import parameters

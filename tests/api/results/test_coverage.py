@@ -8,7 +8,11 @@ import re
 import httpx
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 
+from backend.reports import words
+from campaigns.claims.coverage import NO_PROOF
+from campaigns.claims.spans import Spans
 from campaigns.stored.records import Columns
 from tests.given.finished_runs import Work, finish, search
 from tests.given.problem_documents import problem
@@ -80,11 +84,9 @@ def test_report_and_export_state_the_same(guest: httpx.Client, run: str) -> None
     found = guest.get(f"/api/v1/runs/{run}/coverage").json()
     assert guest.get(f"/api/v1/runs/{run}/exports/run.json").json()["coverage"] == found
     text = html.unescape(re.sub(r"<[^>]+>", "", guest.get(f"/api/v1/runs/{run}/report.html").text))
-    assert "Coverage of the parameter space" in text
-    assert f"A ball with radius {found['ball']['radius']:.3g} contains none of them" in text
-    assert f"{found['pairs'][0]['touched']} of 100 equal bins have an evaluation." in text
-    assert "100 without a value (failed or excluded) count for balls and bins, and rule out no volume." in text
-    assert "Coverage is no proof" in text
+    for spans in TypeAdapter(list[Spans]).validate_python(found["statements"]):
+        assert html.unescape(re.sub(r"<[^>]+>", "", words.drawn(spans))) in text
+    assert found["statements"][-1] == [span.model_dump(mode="json") for span in NO_PROOF]
 
 
 def test_a_run_without_evaluations_has_no_figures(client: httpx.Client) -> None:

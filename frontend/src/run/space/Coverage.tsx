@@ -45,8 +45,8 @@ export function CoverageCard({ data, coverage }: { data: Shown; coverage: Covera
   return (
     <Card title="Coverage" note="Of the parameter space by the evaluations of all stages; no proof" flush>
       <div className={runStyles.stats}>
-        <Stat name="Radius of an empty ball" value={plain(ball?.radius, 3)} exact={ball?.radius} note={ball ? `each range is 1, the diagonal ${plain(ball.diagonal, 3)}` : 'no evaluation'} />
-        <Stat name="Bins of the least covered pair" value={least ? percent(least.touched / bins) : plain(null)} note={least ? `${least.touched} of ${bins} have an evaluation` : 'one parameter has no pair'} />
+        <Stat name="Radius of an empty ball" testId="radius" value={plain(ball?.radius, 3)} exact={ball?.radius} note={ball ? `each range is 1, the diagonal ${plain(ball.diagonal, 3)}` : 'no evaluation'} />
+        <Stat name="Bins of the least covered pair" testId="least" value={least ? percent(least.touched / bins) : plain(null)} note={least ? `${least.touched} of ${bins} have an evaluation` : 'one parameter has no pair'} />
         <Stat
           name="Violation possible by the slopes seen"
           value={percent(possible?.fraction)}

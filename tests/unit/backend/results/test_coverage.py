@@ -11,6 +11,8 @@ import pytest
 from backend.results.coverage import ball, pairs, slopes
 from backend.results.coverage.read import Used, covered
 from campaigns import Campaign
+from campaigns.claims import coverage as sentences
+from campaigns.claims.say import symbol
 from campaigns.claims.spans import words
 from tests.given.small_catalogue import CATALOGUE, campaign
 
@@ -125,33 +127,40 @@ def test_evaluations_without_a_value_fill_balls_and_bins_and_rule_out_no_volume(
     assert few.ball is not None
     assert few.ball.radius > 0.49
     assert (few.possible, few.without_value) == (found.possible, 0)
-    assert any("10 without a value" in words(statement) for statement in found.statements)
+    assert sentences.without_value(10) in found.statements
 
 
 def test_nothing_evaluated_covers_nothing(request_of_two: Campaign) -> None:
     found = covered(Used(np.empty((0, 2)), np.empty(0), 0), request_of_two, CATALOGUE)
     assert (found.used, found.ball, found.possible, [pair.touched for pair in found.pairs]) == (0, None, None, [0])
-    assert words(found.statements[0]).startswith("No evaluation is stored")
+    assert found.statements == [sentences.NO_EVALUATION, sentences.NO_PROOF]
 
 
-def test_sentences_state_none_and_all_without_a_standard_error(request_of_two: Campaign) -> None:
+@pytest.mark.parametrize(("least", "word"), [(1.0, "none"), (0.4, "all")])
+def test_where_all_points_agree_no_standard_error_is_stated(request_of_two: Campaign, least: float, word: str) -> None:
     points = np.random.default_rng(8).random((3000, 2))
-    for costs, word in ((1.0 + 0.1 * points[:, 0], "none"), (0.4 + 0.1 * points[:, 0], "all")):
-        said = " ".join(map(words, covered(Used(points, costs, 3000), request_of_two, CATALOGUE).statements))
-        assert f"a violation is possible at {word} of 4" in said
-        assert "standard error" not in said
-        assert "Of every pair of parameters all 100 equal bins have an evaluation." in said
+    found = covered(Used(points, least + 0.1 * points[:, 0], 3000), request_of_two, CATALOGUE)
+    *_, volume, _ = map(words, found.statements)
+    assert f"{word} of 4" in volume
+    assert "standard error" not in volume
 
 
 def test_failures_alone_give_no_slope(request_of_two: Campaign) -> None:
     found = covered(Used(np.full((3, 2), 0.5), np.full(3, np.nan), 3), request_of_two, CATALOGUE)
     assert found.possible is None
     assert found.ball is not None
-    assert "no volume is ruled out" in " ".join(map(words, found.statements))
+    assert sentences.NO_SLOPE in found.statements
 
 
-def test_the_last_sentence_says_that_it_is_no_proof(request_of_two: Campaign) -> None:
-    points = grid(np.linspace(0.0, 1.0, 4), 2)
-    for costs in (points[:, 0], np.full(16, np.nan)):
-        *_, last = covered(Used(points, costs, 16), request_of_two, CATALOGUE).statements
-        assert words(last).startswith("Coverage is no proof")
+def test_the_sentences_state_the_figures_and_last_that_they_are_no_proof(request_of_two: Campaign) -> None:
+    points = grid(np.linspace(0.0, 1.0, 5), 2)
+    found = covered(Used(points, 0.3 + points[:, 0], 50), request_of_two, CATALOGUE)
+    assert found.possible is not None
+    assert found.possible.slope == pytest.approx(1.0)
+    assert found.statements == [
+        sentences.used(25, 50),
+        sentences.ball(0.176, math.sqrt(2.0)),
+        sentences.bins(symbol("vehicle.m", "m"), symbol("vehicle.J", "J"), 25, 100),
+        sentences.volume(found.possible.slope, "m", 0.01, found.possible.fraction, 4096, found.possible.standard_error),
+        sentences.NO_PROOF,
+    ]

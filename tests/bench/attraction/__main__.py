@@ -1,7 +1,7 @@
 """Certified regions of attraction of the reversed Van der Pol oscillator beside the simulated one.
 
-`PYTHONPATH=build/clarabel python -m tests.bench.attraction [ROUNDS]` prints a table; it ends with 1 if a certificate does
-not hold in rational arithmetic. The solver: `pip install --no-deps --target build/clarabel clarabel`.
+`PYTHONPATH=build/clarabel python -m tests.bench.attraction [ROUNDS]` prints a table; it ends with 1 if a certificate
+does not hold in rational arithmetic. The solver: `pip install --no-deps --target build/clarabel clarabel`.
 """
 
 from __future__ import annotations

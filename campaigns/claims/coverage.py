@@ -43,10 +43,11 @@ def bins(first: Part, second: Part, touched: int, of: int) -> Spans:
 
 def volume(slope: float, unit: str, apart: float, possible: float, drawn: int, error: float) -> Spans:
     """possible: the fraction of the drawn points at which this slope leaves a violation possible."""
-    between = say("The steepest slope seen between near evaluations, at least ", percent(apart), " of a range apart, is ")
-    seen = say(
-        between, number(slope, unit, digits=3), " for a whole range. If nothing is steeper, a violation is possible"
+    between = say(
+        "The steepest slope seen between near evaluations, at least ", percent(apart), " of a range apart, is "
     )
+    steepest = say(between, number(slope, unit, digits=3), " for a whole range")
+    seen = say(steepest, ". If nothing is steeper, a violation is possible")
     points = say(count(drawn), " random points of the box")
     if error == 0.0:
         return say(seen, " at ", "none" if possible == 0.0 else "all", " of ", points, ".")

@@ -16,6 +16,8 @@ from backend.reports.figures import Case, Quantity
 from backend.reports.plot import NOMINAL, WORST
 from backend.results import evaluations
 from backend.results import service as results
+from backend.results.coverage import read as coverage
+from backend.results.coverage.schemas import Coverage
 from backend.results.schemas import Evaluations, FindingDetail
 from backend.runs import service as runs
 from backend.runs.components import changed
@@ -50,6 +52,7 @@ class Record:
     stages: list[StageDetail]
     findings: list[FindingDetail]
     evaluations: Evaluations
+    coverage: Coverage
     cases: list[Case]
     nominal: TraceHead | None
     """The metadata of the nominal flight; None until it is stored."""
@@ -111,6 +114,7 @@ def load(reader: sa.Connection, run_id: int) -> Record:
         stages=runs.stages(reader, run_id),
         findings=found,
         evaluations=evaluations.read(reader, run_id, 100, None),
+        coverage=coverage.read(reader, run_id),
         cases=_cases(reader, run_id, [finding.label for finding in found], _drawable(campaign, traced)),
         nominal=traced.get("nominal"),
         signoffs=signoffs.listed(reader, run_id),

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from markupsafe import Markup
 
 from backend.http.naming import named
-from backend.reports import charts, limits, sections, since, validated, words
+from backend.reports import charts, coverage, limits, sections, since, validated, words
 from backend.reports.kept import Kept, Page, key
 from backend.reports.record import Record, load
 from campaigns.claims import numbers
@@ -114,6 +114,8 @@ def _context(record: Record) -> dict[str, object]:
         "methods": sections.methods(record),
         "stages": sections.stages(record),
         "bound": most(record.campaign),
+        "centre": coverage.centre(record),
+        "least_covered": coverage.pairs(record),
         "findings": sections.findings(record),
         "since": since.changes(record),
         "validation": record.result(ValidateResult),

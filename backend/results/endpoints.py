@@ -10,6 +10,8 @@ from backend.http.deps import Reader
 from backend.http.errors import problems
 from backend.http.schema import FlightName, RunName
 from backend.results import evaluations, service
+from backend.results.coverage import read as coverage
+from backend.results.coverage.schemas import Coverage
 from backend.results.schemas import Evaluations, FindingDetail, TraceData, TraceInfo
 from backend.runs.service import number
 
@@ -25,6 +27,12 @@ def get_evaluations(
 ) -> Evaluations:
     """The evaluations of a run, thinned for charts, including every improvement of the best."""
     return evaluations.read(reader, number(run), max_points, position)
+
+
+@router.get("/runs/{run}/coverage", responses=problems("not-found", "other-version", "purged"))
+def get_coverage(run: RunName, reader: Reader) -> Coverage:
+    """How much of the box of the bounds the evaluations of a run cover; computed at every request, and no proof."""
+    return coverage.read(reader, number(run))
 
 
 @router.get("/runs/{run}/findings", responses=problems("not-found", "other-version", "purged"))

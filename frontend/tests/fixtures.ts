@@ -1,5 +1,6 @@
 // Test fixtures: complete API responses, of which each test overrides the fields that it is about.
 import type {
+  Coverage,
   FindingDetail,
   RunDetail,
   RunVerdict,
@@ -94,4 +95,10 @@ export const run = like<RunDetail>({
     agreement: 0.05, target_probability: null, confidence: 0.95, seed: 1, published: [],
   },
   criteria: [], components_digest: null, flown: null, identity: null, code: null, unidentified: [], plan: [], stages: [], summary: null, rate: null, remaining: null, waits: null, other_code: null, doing: null,
+})
+
+export const coverage = like<Coverage>({
+  total: 1000, used: 1000, without_value: 0, ball: { radius: 0.176, diagonal: 1.414, centre: { 'vehicle.m': 5.5, 'vehicle.J': 0.045 } }, bins: 100,
+  pairs: [{ first: 'vehicle.m', second: 'vehicle.J', touched: 34 }],
+  possible: { slope: 12.5, fraction: 0.04, standard_error: 0.003, points: 4096 }, statements: [[words('Coverage is no proof.')]],
 })

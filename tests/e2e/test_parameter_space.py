@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Locator, expect
 
+from campaigns.claims.coverage import NO_PROOF
+from campaigns.claims.spans import words
 from tests.e2e.browser import PATIENCE, Visit, space_of, visiting
-from tests.e2e.looking import LOOKS, within
+from tests.e2e.looking import LOOKS, api, within
 from tests.e2e.stored import served
 from tests.given.finished_runs import Work
 from tests.given.reported_runs import finish_fully
@@ -99,6 +101,22 @@ def test_it_fits_at_both_widths_in_both_themes(visit: Visit, card: Locator) -> N
         visit.shot(f"space-{width}-{theme}", of=card)
     page.set_viewport_size({"width": 1440, "height": 900})
     page.emulate_media(color_scheme="light")
+
+
+def test_the_coverage_is_below_and_is_no_proof(visit: Visit, card: Locator) -> None:
+    coverage = visit.page.locator("#coverage")
+    coverage.scroll_into_view_if_needed()
+    found = api(visit, "/runs/R-0001/coverage")
+    expect(coverage.get_by_test_id("radius")).to_have_text(str(found["ball"]["radius"]), timeout=PATIENCE)
+    expect(coverage.get_by_test_id("least")).to_have_text(f"{found['pairs'][0]['touched']}\u202f%")
+    expect(coverage.locator("p").last).to_have_text(words(NO_PROOF))
+    for width, theme in LOOKS:
+        visit.page.set_viewport_size({"width": width, "height": 900})
+        visit.page.emulate_media(color_scheme=theme)
+        within(visit.page, width)
+        visit.shot(f"coverage-{width}-{theme}", of=coverage)
+    visit.page.set_viewport_size({"width": 1440, "height": 900})
+    visit.page.emulate_media(color_scheme="light")
 
 
 def test_a_range_on_an_axis_filters_every_view(visit: Visit, card: Locator) -> None:

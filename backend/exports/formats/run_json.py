@@ -17,6 +17,7 @@ from backend.exports.format import Format, words
 from backend.exports.sheet import Block, Evaluated, Sheet, sheet
 from backend.http.written import cells, compact
 from backend.results import service as results
+from backend.results.coverage import read as coverage
 from backend.runs import service as runs
 from backend.runs.components import components
 from backend.signoffs import service as signoffs
@@ -37,6 +38,7 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
             "components": _components(reader, run_id),
             "signoffs": [s.model_dump(mode="json") for s in signoffs.listed(reader, run_id).items],
             "findings": [f.model_dump(mode="json") for f in results.findings(reader, run_id)],
+            "coverage": coverage.read(reader, run_id).model_dump(mode="json"),
         }
         stages = [s.model_dump(mode="json") for s in runs.stages(reader, run_id)]
         flights = [flight.name for flight in results.traces(reader, run_id)]
@@ -97,10 +99,10 @@ export = Format(
     media_type="application/json",
     words=words(
         "Everything, JSON",
-        "Campaign, components, stages with every evaluation, findings, flights, verdict, versions",
+        "Campaign, components, stages with every evaluation, findings, coverage, flights, verdict, versions",
         (
             "Everything, JSON",
-            "Campaign, simulator, stages with every evaluation, findings, traces, verdict, versions",
+            "Campaign, simulator, stages with every evaluation, findings, coverage, traces, verdict, versions",
         ),
     ),
     streamed=lambda engine, run_id: run_json(engine, run_id),

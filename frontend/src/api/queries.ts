@@ -107,6 +107,10 @@ export const caseInstalledQuery = (id: string) =>
 export const evaluationsQuery = (id: string) =>
   queryOptions({ queryKey: ['evaluations', id], queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2000 } })) })
 
+/** Computed at every request, so it is read once after the run has ended. */
+export const coverageQuery = (id: string) =>
+  queryOptions({ queryKey: ['coverage', id], queryFn: () => answer(sdk.getCoverage({ path: { run: id } })), staleTime: 300_000 })
+
 export const findingsQuery = (id: string) =>
   queryOptions({ queryKey: ['findings', id], queryFn: () => answer(sdk.listFindings({ path: { run: id } })) })
 

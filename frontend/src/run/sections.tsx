@@ -24,6 +24,7 @@ import { Failures } from './search/Failures'
 import { MethodsTable } from './search/MethodsTable'
 import { Minima, rowsOf } from './search/Minima'
 import { type Added, type Page, section, type Section } from './section'
+import { CoverageSection } from './space/Coverage'
 import { SpaceSection } from './space/SpaceSection'
 import { EncounterCard } from './verdict/EncounterCard'
 import { Published } from './verdict/Published'
@@ -190,6 +191,7 @@ const OWN: readonly Section[] = [
     title: 'Parameter space',
     card: ({ data, whatIf, shown, flown, flies }) => <SpaceSection data={data} whatIf={shown && (flown || !flies) ? whatIf : null} />,
   }),
+  section({ id: 'coverage', of: ({ space }) => space, card: ({ data }) => <CoverageSection data={data} /> }),
   section({
     id: 'front',
     of: ({ front }) => front,

@@ -1,0 +1,76 @@
+"""Polynomials as {exponents: coefficient}, with floats or fractions, and affine ones in the unknowns of a program."""
+
+from __future__ import annotations
+
+import itertools
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from typing import Any
+
+Monomial = tuple[int, ...]
+Polynomial = dict[Monomial, Any]
+CONSTANT = -1
+"""The key of the part of an affine polynomial without an unknown."""
+Affine = dict[int, Polynomial]
+"""{unknown: polynomial}: the sum of unknown times polynomial, and the constant part."""
+
+
+def monomials(n: int, low: int, high: int) -> list[Monomial]:
+    """Of `n` variables with degrees from low to high, by degree."""
+    every = [m for m in itertools.product(range(high + 1), repeat=n) if low <= sum(m) <= high]
+    return sorted(every, key=lambda m: (sum(m), m))
+
+
+def degree(p: Polynomial) -> int:
+    return max(sum(m) for m, c in p.items() if c != 0)
+
+
+def added(*terms: tuple[Any, Polynomial]) -> Polynomial:
+    """The sum of factor times polynomial."""
+    found: Polynomial = defaultdict(int)
+    for factor, p in terms:
+        for m, c in p.items():
+            found[m] += factor * c
+    return dict(found)
+
+
+def times(p: Polynomial, q: Polynomial) -> Polynomial:
+    found: Polynomial = defaultdict(int)
+    for (m, c), (k, d) in itertools.product(p.items(), q.items()):
+        found[tuple(map(sum, zip(m, k, strict=True)))] += c * d
+    return dict(found)
+
+
+def derivative(p: Polynomial, k: int) -> Polynomial:
+    return {(*m[:k], m[k] - 1, *m[k + 1 :]): m[k] * c for m, c in p.items() if m[k] > 0}
+
+
+def along(p: Polynomial, field: list[Polynomial]) -> Polynomial:
+    """The derivative of p along a vector field."""
+    return added(*((1, times(derivative(p, k), f)) for k, f in enumerate(field)))
+
+
+def of_gram(basis: list[Monomial], gram: Any) -> Polynomial:
+    """z' G z."""
+    found: Polynomial = defaultdict(int)
+    for (i, m), (j, k) in itertools.product(enumerate(basis), repeat=2):
+        found[tuple(map(sum, zip(m, k, strict=True)))] += gram[i][j]
+    return dict(found)
+
+
+def rational(p: Mapping[Monomial, float], bits: int) -> Polynomial:
+    """Coefficients rounded to multiples of 2^-bits."""
+    return {m: Fraction(round(float(c) * 2**bits), 2**bits) for m, c in p.items()}
+
+
+def values(p: Polynomial, points: Iterable[Any]) -> Any:
+    """p at columns of coordinates."""
+    xs = list(points)
+    total: Any = 0.0
+    for m, c in p.items():
+        term: Any = float(c)
+        for x, power in zip(xs, m, strict=True):
+            term = term * x**power
+        total = total + term
+    return total

@@ -24,7 +24,6 @@ from backend.db.tables import Run, RunRequirement, Stage
 from backend.db.tables_installed import WebhookDelivery
 from campaigns.asked.requirements import question
 from campaigns.asked.spec import Campaign
-from campaigns.asked.stages import Certify
 from campaigns.catalogue import Catalogue
 from campaigns.runs import HELD, RunState, StageState
 from campaigns.sample_seed import SampleSeed
@@ -196,13 +195,13 @@ class Queue:
         Whoever writes under it stops when its holder loses it. without: runs that are left out. None if there is none.
         """
         drawing = (Stage.run_id == Run.id, Stage.state == StageState.RUNNING, Stage.counted > 0)
-        left = sa.select(Stage.run_id).where(*drawing, Stage.counted < Stage.planned).exists()
+        left = sa.select(Stage.run_id).where(*drawing, Stage.counted - Stage.excluded < Stage.planned).exists()
         held = (Run.state == RunState.RUNNING, Run.worker != worker, Run.id.not_in(without), left)
         query = sa.select(*_CLAIMED, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         with read(self.engine) as connection:
             query = query.where(*held, Run.lease_until >= now(connection), _able(simulators, installation))
             for row in connection.execute(query.order_by(Run.priority.desc(), Run.id)):
-                if Certify.model_validate(row.document["stages"]["certify"]).shared:
+                if Campaign.model_validate(row.document).shared:
                     return Claim(row.id, row.fence, row.attempts, row.max_attempts, worker, row.document)
         return None
 

@@ -10,8 +10,10 @@ from collections.abc import Collection, Sequence
 import sqlalchemy as sa
 
 from backend.db import sizes
+from backend.db.engine import now
 from backend.db.rows import chunk_rows, lowest
-from backend.db.tables import EvaluationChunk, SampleBlock, SampleShare, Stage
+from backend.db.tables import EvaluationChunk, SampleBlock, SampleShare, Stage, Worker
+from backend.db.workers import SEEN
 from campaigns.stored.blocks import Block, packed, unpacked
 from campaigns.stored.records import Columns
 
@@ -32,10 +34,12 @@ def take(
     mine = (SampleShare.run_id == run_id, SampleShare.position == position)
     connection.execute(sa.delete(SampleShare).where(*mine, SampleShare.worker == worker))
     stored = set(connection.execute(sa.select(SampleBlock.first).where(*_of(run_id, position))).scalars())
-    taken = set(connection.execute(sa.select(SampleShare.first).where(*mine)).scalars())
+    alive = sa.select(Worker.name).where(Worker.name == SampleShare.worker, Worker.beat > now(connection) - SEEN)
+    taken = set(connection.execute(sa.select(SampleShare.first).where(*mine, alive.exists())).scalars())
     left = [first for first in firsts if first not in stored]
     free = [first for first in left if first not in taken][:most]
     if free:
+        connection.execute(sa.delete(SampleShare).where(*mine, SampleShare.first.in_(free)))  # of one that is gone
         rows = [{"run_id": run_id, "position": position, "first": first, "worker": worker} for first in free]
         connection.execute(sa.insert(SampleShare), rows)
     return free or (left[:most] if others else [])

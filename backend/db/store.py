@@ -155,6 +155,10 @@ class RunStore:
         if blocks:
             self._write(work)
 
+    def beat(self) -> None:
+        """Say that evaluations were made that are not stored yet."""
+        self._written()
+
     def _under_way(self, connection: sa.Connection, position: int) -> None:
         """Lock the run; raises `LostLease` if the stage has ended, of which another worker may have flown the rest."""
         fenced(connection, self.claim, state=Run.state)

@@ -250,6 +250,13 @@ class Campaign(Strict):
         return self.scenario
 
     @property
+    def shared(self) -> bool:
+        """Whether several workers may fly its sample, and some of it twice: a simulator could give another result then;
+        its cluster shares it among machines."""
+        certify = self.stages.certify
+        return certify is not None and certify.shared and self.simulator is None
+
+    @property
     def digest(self) -> str:
         """SHA-256 over the canonical JSON form, 64 hexadecimal digits."""
         return digest_of(self.document())

@@ -96,7 +96,7 @@ class Certify(Strict):
 
     @property
     def shared(self) -> bool:
-        """Whether several workers may fly it: each block decides whether one that ends early goes on."""
+        """Whether several workers may fly it: of one that ends early each block decides on the next."""
         return self.keep == "lowest" and self.until == "samples"
 
     @model_validator(mode="after")

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
+from pydantic import Field
+
 from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Result, Values
 
@@ -77,29 +79,32 @@ class Sample(Described):
     """Of a certify stage that did not end early."""
 
 
+Count = Annotated[int, Field(ge=0)]
+
+
 class Beside(Result):
     """Evaluations of a stage that are counted and not stored."""
 
-    evaluations: int = 0
-    failed: int = 0
-    timeouts: int = 0
+    evaluations: Count = 0
+    failed: Count = 0
+    timeouts: Count = 0
     """Among those that failed."""
-    excluded: int = 0
-    violating: int = 0
+    excluded: Count = 0
+    violating: Count = 0
     """Those that failed not among them."""
-    flaky: int = 0
+    flaky: Count = 0
     """Succeeded only when a failed call was tried again."""
-    exclusions: Mapping[str, int] = {}
+    exclusions: Mapping[str, Count] = {}
     """How many were excluded for each reason."""
 
 
 class Blocks(Described):
     """The blocks of consecutive draws that a sample was flown in, from the first draw on: a list for each fact."""
 
-    draws: list[int]
-    violations: list[int]
-    failed: list[int]
-    excluded: list[int]
+    draws: list[Count]
+    violations: list[Count]
+    failed: list[Count]
+    excluded: list[Count]
     lowest: list[float | None]
     digests: list[str]
     """Of the costs and status of each."""
@@ -109,9 +114,9 @@ class Blocks(Described):
     low: float
     """The histogram of all has bins of equal width from here on, an open one below and one above."""
     width: float
-    places: list[int]
+    places: list[Count]
     """The bins that are not empty, from the open one below on."""
-    counts: list[int]
+    counts: list[Count]
     highest: float | None
     beside: Beside
     """What is not stored."""

@@ -28,6 +28,8 @@ Whole = NDArray[np.int64]
 
 BINS = 1000
 """Of the histogram, besides what is below and above it."""
+REASONS, OTHERS = 50, "for other reasons"
+"""Why draws were excluded: so many are named, the first ones."""
 MOST = 1024
 """The most blocks of a sample without exclusions."""
 
@@ -189,11 +191,20 @@ def counted(
         highest=float(ok.max()) if len(ok) else None,
         bins=scale.counts(ok),
         kept=Kept.chosen(indices, points, costs, status, {first + row: why for row, why in reasons.items()}),
-        exclusions=Counter(reasons.get(int(row), "") for row in np.flatnonzero(status == EXCLUDED)),
+        exclusions=named(Counter(reasons.get(int(row), "") for row in np.flatnonzero(status == EXCLUDED)), REASONS),
         flaky=sum(int(status[row]) == OK and why.startswith(FLAKY) for row, why in reasons.items()),
         digest=digest_of(costs, status),
         seconds=seconds,
     )
+
+
+def named(counts: Counter[str], most: int) -> Counter[str]:
+    """The first reasons, and the others under one name: a simulator's may have numbers in them."""
+    first = [*counts][:most] if len(counts) > most else [*counts]
+    found = Counter({reason: counts[reason] for reason in first})
+    if others := counts.total() - found.total():
+        found[OTHERS] += others
+    return found
 
 
 def digest_of(costs: Floats, status: NDArray[np.uint8]) -> str:
@@ -246,7 +257,7 @@ class Counted:
 
     @property
     def exclusions(self) -> Counter[str]:
-        return sum((Counter(block.exclusions) for block in self.blocks), Counter())
+        return named(sum((Counter(block.exclusions) for block in self.blocks), Counter()), REASONS)
 
     @cached_property
     def kept(self) -> Kept:

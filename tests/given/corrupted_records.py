@@ -89,6 +89,7 @@ RUNS: dict[str, Callable[[], Campaign]] = {
     "counted noise": lambda: counting(1200, **NOISE),
     "counted correlations": lambda: counting(1100, uncertain=NORMAL, correlations=PAIR),
     "counted target": lambda: counting(3000, "target", target_probability=0.001, criterion__threshold=0.942),
+    "counted violations": lambda: counting(3000, "target", target_probability=0.05, criterion__threshold=0.95),
     "counted exclusions": lambda: counting(
         1100,
         uncertain={"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}},
@@ -122,6 +123,7 @@ VERDICTS = {
     "counted noise": "cleared",
     "counted exclusions": "inconclusive",
     "counted target": "violated",
+    "counted violations": "violated",
 }
 VERDICTS |= {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
 

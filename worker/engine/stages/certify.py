@@ -124,11 +124,10 @@ def _counting(context: Context, position: int, request: Certify) -> Counting:
 
 
 def assist(context: Context, position: int) -> None:
-    """Fly blocks of a sample that another worker draws; none of one that may end early, of which each decides on the
-    next."""
+    """Fly blocks of a sample that another worker draws, if it may be shared."""
     request = context.campaign.stages.certify
     assert request is not None
-    if request.shared:
+    if context.campaign.shared:
         _counting(context, position, request).assist()
 
 

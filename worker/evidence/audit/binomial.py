@@ -51,9 +51,11 @@ def _beyond_stirling(n: int) -> float:
 
 def upper_bound(violations: int, samples: int, confidence: float) -> float:
     """The probability p of which P(Binomial(samples, p) <= violations) is 1 - confidence, by bisection."""
-    low, high = violations / max(samples, 1), 1.0  # that of half or more is never below the fraction seen
+    if violations >= samples:
+        return 1.0
+    low, high = violations / samples, 1.0  # that of half or more is never below the fraction seen
     first = least(samples, low)
-    for _ in range(60 if violations < samples else 0):
+    for _ in range(60):
         middle = (low + high) / 2
         above = cumulative(violations, samples, middle, first)[-1] > math.log1p(-confidence)
         low, high = (middle, high) if above else (low, middle)

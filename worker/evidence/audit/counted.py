@@ -59,7 +59,10 @@ def block(requested: int) -> int:
 def early(blocks: Tree, requested: int, most: float, confidence: float) -> tuple[int, int | None]:
     """How many of the requested samples may violate for a bound of at most `most`, -1 if none; and of a sample that
     ended because more do, the samples before its last block."""
-    allowed, beyond = -1, requested
+    near, about = requested * most, 10.0 * (1.0 + math.sqrt(max(requested * most, 0.0)))
+    allowed, beyond = max(-1, math.floor(near - about)), min(requested, math.ceil(near + about))
+    if allowed >= 0 and upper_bound(allowed, requested, confidence) > most:
+        allowed = -1
     while beyond - allowed > 1:
         middle = (allowed + beyond) // 2
         fits = upper_bound(middle, requested, confidence) <= most
@@ -142,6 +145,11 @@ def value(blocks: Tree, kept: Any, rank: int) -> float | None:
 def fitting(blocks: Tree, requested: int, flights: Any, costs: Any, status: Any, threshold: float) -> tuple[int, int]:
     """The number of blocks, and of those whose place, size, and lowest flights are what they must be; the kept flights
     in the order of their indices: indices, first costs and status (k,)."""
+    rest = blocks["beside"]
+    if not 0 <= rest["timeouts"] <= rest["failed"] or not 0 <= rest["flaky"] <= rest["evaluations"]:
+        return len(blocks["draws"]), 0
+    if sum(rest["exclusions"].values()) != rest["excluded"] or min(rest["exclusions"].values(), default=1) <= 0:
+        return len(blocks["draws"]), 0
     columns = [blocks[name] for name in (*COUNTED, "lowest", "digests", "totals", "squares")]
     number = len(blocks["draws"])
     if any(len(column) != number for column in columns):
@@ -164,7 +172,8 @@ def fitting(blocks: Tree, requested: int, flights: Any, costs: Any, status: Any,
         block = {name: blocks[name][row] for name in (*COUNTED, "lowest")}
         fits += kept.fits(block, first, threshold)
         first += size
-    return number, fits if first == sum(blocks["draws"]) else 0
+    whole = first == sum(blocks["draws"]) and kept.binned(blocks, threshold) and kept.begun(blocks)
+    return number, fits if whole else 0
 
 
 class Kept(NamedTuple):
@@ -193,12 +202,38 @@ class Kept(NamedTuple):
         called_for = np.where(ok, self.costs <= self.last, self.flights <= self.end) | (self.flights < FIRST)
         return bool(stored and called_for.all())
 
+    def begun(self, blocks: Tree) -> bool:
+        """Whether of the first draws all are stored that the blocks do not count as excluded."""
+        starts = np.cumsum([0, *blocks["draws"][:-1]])
+        excluded = sum(n for n, start in zip(blocks["excluded"], starts, strict=True) if start < FIRST)
+        return bool(np.count_nonzero(self.flights < FIRST) >= min(FIRST, sum(blocks["draws"])) - excluded)
+
+    def binned(self, blocks: Tree, threshold: float) -> bool:
+        """Whether the bins are those of the stored flights as far as all are stored, and agree with the other counts."""
+        places, counts, ends = np.array(blocks["places"]), np.array(blocks["counts"]), edges(blocks)
+        if len(places) != len(counts) or np.any(np.diff(places) <= 0) or np.any(counts <= 0):
+            return False
+        if not len(places):
+            return True
+        if places[0] < 0 or places[-1] > BINS + 1:
+            return False
+        lowest, below = min(b for b in blocks["lowest"] if b is not None), through(blocks)
+        highest, ok = blocks["highest"], np.sort(self.costs[self.status == OK])
+        if [places[0], places[-1]] != np.searchsorted(ends, [lowest, highest]).tolist() or highest < ok[-1]:
+            return False
+        stored = np.searchsorted(ok, ends, side="right")  # costs at or below each edge
+        every = ends < self.last
+        low = np.all(below[:-1][every] == stored[every]) and np.all(below[:-1] >= stored)
+        violating, at = sum(blocks["violations"]) - sum(blocks["failed"]), int(np.searchsorted(ends, threshold))
+        least = 0 if at == 0 else int(below[at - 1])
+        return bool(low and least <= violating <= int(below[at]))
+
     def fits(self, block: Tree, first: int, threshold: float) -> bool:
         """Whether the counts of one block are those of its stored flights, as far as these say."""
         inside = (self.flights >= first) & (self.flights < first + block["draws"])
         ok, lost = self.costs[inside & (self.status == OK)], int(np.count_nonzero(inside & (self.status != OK)))
         evaluated, lowest = block["draws"] - block["excluded"], block["lowest"]
-        counts = 0 <= block["failed"] <= block["violations"] <= evaluated and lost <= block["failed"]
+        counts = 0 <= block["failed"] <= block["violations"] <= evaluated <= block["draws"] and lost <= block["failed"]
         counts &= lost == block["failed"] or first + block["draws"] > self.end
         counts &= int(inside.sum()) == evaluated or first + block["draws"] > FIRST
         low = lowest == min(ok.tolist(), default=lowest) and (lowest is None or len(ok) > 0 or lowest >= self.last)

@@ -80,6 +80,7 @@ class Run:
         self.every, self.raw, self.costs = costs, costs[:, 0], costs[self.status == OK, 0]
         by_stage = [self.raw[(self.stage == k) & (self.status == OK)] for k in range(len(self.plan))]
         self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
+        self._early: dict[int, tuple[int, int | None]] = {}
         self.counted: dict[int, Tree] = {}
         """The blocks of a sample of which only the lowest flights are stored, by its stage."""
         for k, result in enumerate(self.claims.get("results") or []):
@@ -274,8 +275,10 @@ class Run:
         certify, target = self.campaign.stages.certify, self.campaign.target_probability
         if k not in self.counted or certify is None or certify.until == "samples" or target is None:
             return -1, None
-        most = target - self.outside()
-        return counted.early(self.counted[k], certify.samples, most, self.campaign.confidence)
+        if k not in self._early:
+            most = target - self.outside()
+            self._early[k] = counted.early(self.counted[k], certify.samples, most, self.campaign.confidence)
+        return self._early[k]
 
     def outside(self) -> float:
         """The probability that unbounded normal draws lie beyond the bounds; the sum of tails where correlated."""

@@ -72,7 +72,7 @@ def _verdict(problem: Problem, found: Sequence[Check], evidence: Evidence) -> Ve
     # The invariant, independent of the checks.
     if cleared and (evidence.lowest is None or evidence.lowest <= problem.threshold or evidence.violating):
         raise AssertionError(
-            f"every check holds although an evaluation has {evidence.lowest}, at or below {problem.threshold}"
+            f"every check holds although a stored evaluation has {evidence.lowest}, at or below {problem.threshold}"
         )
     cases = [v for v in (evidence.validation.nominal, *(f.validation for f in evidence.findings)) if v is not None]
     cases += [best.validation for best in evidence.validation.incumbents]

@@ -110,7 +110,7 @@ def assist(engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, 
     from worker.engine.stages.parts.base import Cancelled
     from worker.running.runs import runner
 
-    waiting = Waiting(Queue(engine), [s.version for s in components.simulators])
+    waiting = Waiting(Queue(engine), claim, [s.version for s in components.simulators])
 
     def share(campaign: Campaign, store: Store) -> bool:
         with suppress(Cancelled):
@@ -122,9 +122,10 @@ def assist(engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, 
 
 @dataclass
 class Waiting:
-    """Whether a run waits that this worker could begin; asked for at most once in `POLL`."""
+    """Whether a run waits that this worker could begin, or the shared one ends; asked for at most once in `POLL`."""
 
     queue: Queue
+    claim: Claim
     simulators: Sequence[str]
     asked: float = -math.inf
 
@@ -132,7 +133,8 @@ class Waiting:
         if time.monotonic() < self.asked + POLL:
             return False
         self.asked = time.monotonic()
-        return self.queue.ready(self.simulators, sources.LOADED.digest)
+        ends = self.queue.cancel_requested(self.claim)
+        return ends or self.queue.ready(self.simulators, sources.LOADED.digest)
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:

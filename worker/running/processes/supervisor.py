@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import sqlalchemy as sa
 
@@ -54,7 +55,7 @@ MOST_FAILURES = 3
 SETTLE = 60.0
 """Time for which writing the end of an attempt is retried while the database is unavailable; then its lease expires."""
 
-REST = 5.0
+REST, LONGEST_REST = 5.0, 600.0
 """Time after which a worker assists a run again that had nothing left for it, or failed in its process [s]."""
 
 PUT_OFF = 5.0
@@ -73,6 +74,13 @@ class Ending:
 def default_name() -> str:
     """The default name of a worker: host name and process id."""
     return f"{socket.gethostname()}:{os.getpid()}"[:80]
+
+
+class Rest(NamedTuple):
+    """Until when a run is not assisted [s of the monotonic clock], and for how long [s]."""
+
+    until: float
+    pause: float
 
 
 class Supervisor:
@@ -111,8 +119,8 @@ class Supervisor:
         """Whether the last heartbeat of a run could not be stored."""
         self._next_beat = 0.0
         self._failures = 0
-        self._resting: dict[int, float] = {}
-        """Until when this worker does not assist a run again [s of the monotonic clock]."""
+        self._resting: dict[int, Rest] = {}
+        """The runs that this worker has assisted, by their numbers."""
 
     def run(self) -> int:
         """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal, or 0 once it is drained."""
@@ -156,9 +164,8 @@ class Supervisor:
 
     def _assist(self, child: Child) -> bool:
         """Fly a share of a run that another worker holds; false if there is none. The run never suffers from it."""
-        at = time.monotonic()
-        self._resting = {run_id: until for run_id, until in self._resting.items() if until > at}
-        claim = self.queue.shared(self.name, self.simulators, self.installation, [*self._resting])
+        resting = [run_id for run_id, rest in self._resting.items() if rest.until > time.monotonic()]
+        claim = self.queue.shared(self.name, self.simulators, self.installation, resting)
         if claim is None:
             return False
         log.info("run %d: assisting", claim.run_id)
@@ -171,14 +178,26 @@ class Supervisor:
                 if time.monotonic() >= self._next_beat:
                     self._next_beat = time.monotonic() + self.queue.lease / 5
                     self._despite_outage(partial(self._beat, claim.run_id))
+                published = self._files.look()
+                if published is not None:  # what waits may need one of these
+                    self.simulators = published["simulators"]
+                    break
         except ChildEndedError as ended:
             answer, self.child = {"outcome": "died", "text": f"the worker process {ended}"}, None
         if answer is None or answer["outcome"] in ("failed", "spent"):
             self._drop_child()
-        self._resting[claim.run_id] = time.monotonic() + REST
+        self._rest(claim.run_id, "" if answer is None else answer["outcome"])
         self._next_beat = 0.0
         log.info("run %d: assisted: %s", claim.run_id, answer or "stopped")
         return True
+
+    def _rest(self, run_id: int, outcome: str) -> None:
+        """Twice as long each time; for good from a run of other code, until this worker's is replaced."""
+        before = self._resting.get(run_id)
+        pause = REST if before is None else min(2 * before.pause, LONGEST_REST)
+        if outcome in ("refused", "unusable"):
+            pause = math.inf
+        self._resting[run_id] = Rest(time.monotonic() + pause, pause)
 
     def _watch(self, child: Child, claim: Claim) -> Ending:
         """Send heartbeats while the child works; returns how the attempt ended."""
@@ -317,6 +336,7 @@ class Supervisor:
 
     def _drop_child(self) -> None:
         self._files.end()
+        self._resting = {run_id: rest for run_id, rest in self._resting.items() if rest.pause < math.inf}
         if self.child is not None:
             self.child.kill()
             self.child = None

@@ -1,7 +1,8 @@
 """Flies blocks of a sample again of which only a part is stored, from the seed and the indices of their draws alone.
 
-On a machine of the same kind the digest over the bits of all costs is the same; on another, the counts and the lowest
-cost agree.
+What a block states must be what its flights show: the counts, the lowest cost and the sums; on a machine of the same
+kind the digest over the bits of all costs, too. Bins and the highest cost are stated of all blocks together, and
+compared where all of a sample are flown.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 
 from campaigns.claims.numbers import count
 from campaigns.results.sample import Blocks
-from campaigns.stored.blocks import Block, Scale, counted
+from campaigns.stored.blocks import BINS, Block, Scale, counted
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.counting import Drawing, Draws
 from worker.engine.systems.base import slotted
@@ -33,8 +34,13 @@ class Reflown:
     draws: int
     agreement: Agreement
 
+    whole: bool = False
+    """The bins and the highest cost of all of them."""
+
     @property
     def name(self) -> str:
+        if self.whole:
+            return f"the histogram of the sample of stage {self.position}"
         last = self.first + self.draws - 1
         return f"draws {count(self.first)} to {count(last)} of the sample of stage {self.position}"
 
@@ -48,7 +54,14 @@ def reflown(recorded: Recorded, problem: Problem, number: int) -> list[Reflown]:
     every = [(at, row) for at, blocks in samples.items() for row in range(len(blocks.draws))]
     random = np.random.default_rng()  # not from a seed: what will be looked at cannot be prepared
     chosen = sorted(random.permutation(len(every))[:number].tolist())
-    return [_again(recorded, problem, at, samples[at], row) for at, row in (every[k] for k in chosen)]
+    flown = {every[k]: _again(recorded, problem, every[k][0], samples[every[k][0]], every[k][1]) for k in chosen}
+    found = [Reflown(at, now.first, now.draws, _agreement(samples[at], row, now)) for (at, row), now in flown.items()]
+    for at, then in samples.items():
+        mine = [now for (position, _), now in flown.items() if position == at]
+        if len(mine) == len(then.draws):
+            agreement: Agreement = "same bits" if _same_bins(then, mine) else "differs"
+            found.append(Reflown(at, 0, sum(then.draws), agreement, whole=True))
+    return found
 
 
 def having(recorded: Recorded, draws: int) -> int:
@@ -62,7 +75,7 @@ def _samples(recorded: Recorded) -> dict[int, Blocks]:
     return {at: blocks for at, blocks in found.items() if blocks is not None}
 
 
-def _again(recorded: Recorded, problem: Problem, position: int, then: Blocks, row: int) -> Reflown:
+def _again(recorded: Recorded, problem: Problem, position: int, then: Blocks, row: int) -> Block:
     draws = Draws(sum(then.draws[:row]), then.draws[row])
     drawing = Drawing(problem, recorded.sample_seed)
     noisy = recorded.measured is not None and not recorded.measured.identical
@@ -76,19 +89,31 @@ def _again(recorded: Recorded, problem: Problem, position: int, then: Blocks, ro
         reasons |= {piece.start + at: why for at, why in whys.items()}
     scale = Scale(then.low, then.width)
     every = np.concatenate(costs), np.concatenate(status)
-    now = counted(draws.first, points, *every, reasons, scale, problem.threshold)
-    stored = (then.violations[row], then.failed[row], then.excluded[row])
-    return Reflown(position, *draws, _agreement(then.digests[row], stored, then.lowest[row], now))
+    return counted(draws.first, points, *every, reasons, scale, problem.threshold)
 
 
 def _pieces(number: int) -> Iterator[slice]:
     return (slice(first, min(first + PIECE, number)) for first in range(0, number, PIECE))
 
 
-def _agreement(digest: str, counts: Sequence[int], lowest: float | None, now: Block) -> Agreement:
-    if now.digest == digest:
-        return "same bits"
-    if (now.violations, now.failed, now.excluded) != tuple(counts) or (now.lowest is None) != (lowest is None):
+def _agreement(then: Blocks, row: int, now: Block) -> Agreement:
+    counts = then.draws[row], then.violations[row], then.failed[row], then.excluded[row]
+    stated, shown = (then.lowest[row], then.totals[row], then.squares[row]), (now.lowest, now.total, now.squares)
+    if counts != (now.draws, now.violations, now.failed, now.excluded) or not all(map(_near, stated, shown)):
         return "differs"
-    near = now.lowest is None or math.isclose(now.lowest, lowest or 0.0, rel_tol=ELSEWHERE, abs_tol=ELSEWHERE)
-    return "within 1e-9" if near else "differs"
+    return "same bits" if now.digest == then.digests[row] and stated == shown else "within 1e-9"
+
+
+def _near(stated: float | None, shown: float | None) -> bool:
+    if stated is None or shown is None:
+        return stated == shown
+    return math.isclose(stated, shown, rel_tol=ELSEWHERE, abs_tol=ELSEWHERE)
+
+
+def _same_bins(then: Blocks, blocks: Sequence[Block]) -> bool:
+    """On a machine of another kind a flight may be in the next bin: none more than one in a million is."""
+    bins = np.zeros(BINS + 2, dtype=np.int64)
+    bins[then.places] = then.counts
+    moved = np.abs(np.cumsum(bins) - np.cumsum(np.sum([block.bins for block in blocks], axis=0)))
+    highest = max((block.highest for block in blocks if block.highest is not None), default=None)
+    return bool(moved.max() <= ELSEWHERE * 1e3 * sum(then.counts)) and _near(then.highest, highest)

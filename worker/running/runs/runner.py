@@ -78,13 +78,15 @@ def assist(campaign: Campaign, store: Store, cancelled: Callable[[], bool] = lam
     Raises what `execute` does; whatever it is, the run goes on without this worker.
     """
     problem = opened.problem(campaign)
-    problem.system.warm()
-    records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
-    store.record_versions(versions(campaign, problem.system), identity.code(campaign))
-    evaluate, planned = InProcess(problem), [record.plan for record in records]
-    context = Context(campaign, problem, evaluate, store, cancelled, plan=planned, methods=methods())
-    context.results |= {at: record.result for at, record in enumerate(records) if record.result is not None}
+    evaluate = InProcess(problem)
     try:
+        pulse.own.allow(pulse.longest(problem.system))
+        problem.system.warm()
+        records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
+        store.record_versions(versions(campaign, problem.system), identity.code(campaign))
+        planned = [record.plan for record in records]
+        context = Context(campaign, problem, evaluate, store, cancelled, plan=planned, methods=methods())
+        context.results |= {at: record.result for at, record in enumerate(records) if record.result is not None}
         for position, record in enumerate(records):
             share = stages()[record.plan.kind].assist
             if record.state == StageState.RUNNING and share is not None:

@@ -75,6 +75,9 @@ class MemoryStore:
     def count(self, position: int, blocks: Sequence[Block]) -> None:
         self.counted.setdefault(position, []).extend(blocks)
 
+    def beat(self) -> None:
+        pass
+
     def keep(self, position: int, columns: Columns) -> None:
         self.chunks[position] = [columns]
 

@@ -86,8 +86,14 @@ def test_blocks_of_a_sample_are_flown_again_from_their_indices(
     blocks = certified["blocks"]
     every = len(blocks["draws"])
     assert sum(blocks["draws"]) == certified["evaluations"]
-    blocks["digests"] = ["0" * 32 for _ in blocks["digests"]]
     blocks["violations"][7] += 1
+    folder.write()
+    code, statement = replayed(capsys, str(folder.path), "--blocks", str(every))
+    assert code == VIOLATED  # although the bits are the same
+    assert [block["agreement"] for block in statement["blocks"]].count("differs") == 1
+    blocks["digests"] = ["0" * 32 for _ in blocks["digests"]]
+    blocks["counts"][0] += 1
+    blocks["counts"][-1] -= 1
     folder.write()
     code, statement = replayed(capsys, str(folder.path), "--blocks", "5")
     assert code == VIOLATED  # the bits are others
@@ -95,8 +101,9 @@ def test_blocks_of_a_sample_are_flown_again_from_their_indices(
     folder.write()
     code, statement = replayed(capsys, str(folder.path), "F1", "--blocks", str(10 * every))
     assert code == VIOLATED
-    assert [block["agreement"] for block in statement["blocks"]].count("differs") == 1
-    assert len(statement["blocks"]) == every
+    differing = [block for block in statement["blocks"] if block["agreement"] == "differs"]
+    assert [block["whole"] for block in differing] == [False, True]
+    assert len(statement["blocks"]) == every + 1
     assert [case["case"] for case in statement["cases"]] == ["F1"]
 
 

@@ -106,7 +106,10 @@ class Counting:
 
     def assist(self) -> None:
         """Fly blocks that nobody else has taken, until there are none; raises `Cancelled`."""
-        self._fly(others=False)
+        try:
+            self._fly(others=False)
+        finally:
+            self.context.store.take(self.position, [], 0, others=False)
 
     def _fly(self, others: bool) -> None:
         self._join()
@@ -180,6 +183,7 @@ class Counting:
             batches.append(batch)
             reasons |= {done + row: why for row, why in whys.items()}
             done += len(batch.status)
+            self.context.store.beat()
         costs, status = zip(*batches, strict=True)
         return Batch(np.concatenate(costs), np.concatenate(status)), reasons
 

@@ -84,6 +84,9 @@ class Store(Protocol):
     def count(self, position: int, blocks: Sequence[Block]) -> None:
         """Store counted blocks, and update the counts and best of the stage and the run."""
 
+    def beat(self) -> None:
+        """Say that evaluations were made that are not stored yet."""
+
     def keep(self, position: int, columns: Columns) -> None:
         """Store the lowest evaluations of a counted stage in place of its blocks; they are counted already."""
 

@@ -1,0 +1,86 @@
+"""Records of a service that counts falsely, and is consistent in all that follows from it: the audit finds what the
+stored flights contradict. What they do not contradict is found by flying blocks again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns.sample_seed import SampleSeed
+from campaigns.stored import blocks as stored
+from campaigns.stored.blocks import Block
+from tests.given.corrupted_records import RUNS, Folder, copied, counting, made
+from worker.engine.stages.parts import counting as engine
+from worker.engine.stages.parts import offered
+from worker.evidence.audit import judge
+from worker.evidence.audit.binomial import upper_bound
+from worker.evidence.audit.judge import closing
+from worker.evidence.audit.record import UnreadableError
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
+
+LATER = 1400
+"""The first draw of a block of which few flights are stored."""
+
+
+def excluding(block: Block) -> Block:
+    """More draws than there are."""
+    bins = block.bins.copy()
+    bins[900] += 10**9
+    return replace(block, excluded=block.excluded - 10**9, bins=bins)
+
+
+def high(block: Block) -> Block:
+    """All costs at the end of the scale."""
+    bins = np.zeros_like(block.bins)
+    bins[1000] = block.bins.sum()
+    return replace(block, bins=bins)
+
+
+def higher(block: Block) -> Block:
+    """The lower half of the costs two bins higher."""
+    bins = block.bins.copy()
+    return replace(block, bins=np.concatenate([[0, 0], bins[:-2]]))
+
+
+FALSE: dict[str, Callable[[Block], Block]] = {
+    "negative exclusions": lambda b: excluding(b) if b.first == LATER else b,
+    "all costs in one bin": high,
+    "costs in higher bins": higher,
+    "a highest cost below a stored one": lambda b: replace(b, highest=b.lowest),
+    "a higher lowest cost": lambda b: replace(b, lowest=None if b.lowest is None else b.lowest + 1e-3),
+    "more failures than violations": lambda b: replace(b, failed=b.failed + 1) if b.first == LATER else b,
+    "fewer exclusions than reasons": lambda b: replace(b, exclusions={"the start": 3}) if b.first == LATER else b,
+    "negative repeats": lambda b: replace(b, flaky=-1) if b.first == LATER else b,
+    "more timeouts than failures": lambda b: replace(b, timeouts=1) if b.first == LATER else b,
+}
+
+
+@pytest.mark.parametrize("name", FALSE)
+def test_a_false_count_is_rejected(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
+    monkeypatch.setattr(offered, "AT_MOST", 3)
+    monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, offered.AT_MOST, offered.SPOT_CHECKS))
+
+    def counted(*given: Any, **named: Any) -> Block:
+        return FALSE[name](stored.counted(*given, **named))
+
+    monkeypatch.setattr(engine, "counted", counted)
+    campaign, store = RUNS["counted"](), MemoryStore(sample_seed=SampleSeed(1, stated=False))
+    try:
+        execute(campaign, store, threads=1)
+        (tmp_path / "out").mkdir()
+        copied(made(campaign, store), tmp_path / "out")
+        assert not closing(Folder(tmp_path / "out").items())[0]
+    except (UnreadableError, ValueError):
+        return  # such a result cannot be read, or not be made
+
+
+def test_an_honest_sample_in_which_most_violate_is_accepted() -> None:
+    assert upper_bound(132, 128, 0.95) == 1.0
+    assert counting(3000, "target", target_probability=0.05).shared is False

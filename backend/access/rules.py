@@ -59,6 +59,7 @@ _READING = (
     *(f"{API}/runs", f"{API}/runs/facets", _RUN),
     *(f"{_RUN}/{name}" for name in ("campaign.yaml", "stages", "components", "code", "history", "related")),
     *(f"{_RUN}/{name}" for name in ("evaluations", "findings", "traces", "traces/{name}", "cases", "signoffs")),
+    f"{_RUN}/most-likely-violation",
     *(f"{_RUN}/exports{rest}" for rest in ("", "/{file}")),
     *(f"{_RUN}/report.html", f"{_RUN}/report.pdf", f"{_RUN}/views/{{key}}"),
     f"{API}/simulators/{{name}}/proposal",

@@ -115,6 +115,7 @@ def _context(record: Record) -> dict[str, object]:
         "stages": sections.stages(record),
         "bound": most(record.campaign),
         "findings": sections.findings(record),
+        "likely": sections.likely(record),
         "since": since.changes(record),
         "validation": record.result(ValidateResult),
         "cases": validated.cases(record),

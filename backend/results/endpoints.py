@@ -9,9 +9,10 @@ from fastapi import APIRouter, Query
 from backend.http.deps import Reader
 from backend.http.errors import problems
 from backend.http.schema import FlightName, RunName
-from backend.results import evaluations, service
+from backend.results import evaluations, likely, service
 from backend.results.schemas import Evaluations, FindingDetail, TraceData, TraceInfo
 from backend.runs.service import number
+from campaigns.results.likelihood import MostLikely
 
 router = APIRouter(tags=["results"])
 
@@ -31,6 +32,12 @@ def get_evaluations(
 def list_findings(run: RunName, reader: Reader) -> list[FindingDetail]:
     """The distinct worst cases of a run, the worst first."""
     return service.findings(reader, number(run))
+
+
+@router.get("/runs/{run}/most-likely-violation", responses=problems("not-found", "other-version", "purged"))
+def get_most_likely_violation(run: RunName, reader: Reader) -> MostLikely:
+    """The most likely of the violations that a run evaluated, under the stated distributions; computed when read."""
+    return likely.violation(reader, number(run))
 
 
 @router.get("/runs/{run}/traces", responses=problems("not-found", "other-version", "purged"))

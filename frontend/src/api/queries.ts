@@ -110,6 +110,10 @@ export const evaluationsQuery = (id: string) =>
 export const findingsQuery = (id: string) =>
   queryOptions({ queryKey: ['findings', id], queryFn: () => answer(sdk.listFindings({ path: { run: id } })) })
 
+/** Computed from all evaluations when it is asked for. */
+export const mostLikelyQuery = (id: string) =>
+  queryOptions({ queryKey: ['most likely', id], queryFn: () => answer(sdk.getMostLikelyViolation({ path: { run: id } })) })
+
 export const tracesQuery = (id: string) =>
   queryOptions({ queryKey: ['traces', id], queryFn: () => answer(sdk.listTraces({ path: { run: id } })).then((all) => all.map(counted)) })
 

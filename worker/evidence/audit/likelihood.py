@@ -12,8 +12,10 @@ from worker.evidence.audit.recompute import Run, Tree
 
 
 def likely(run: Run, findings: list[Tree]) -> Tree:
-    """The findings with their likelihood, and the most likely violation; nothing of a record that states neither."""
-    if "most_likely_violation" not in run.claims:
+    """The findings with their likelihood, and the most likely violation; nothing of a record that states neither, as
+    those of earlier versions and of a service."""
+    stated = [*run.claims["findings"], {"likelihood": run.claims.get("most_likely_violation")}]
+    if not any(one.get("likelihood") for one in stated):
         return {}
     of = joint(run.campaign, run.bounds)
     known = [found | {"likelihood": _stated(run, likelihood(of, _point(run, k)))} for k, found in enumerate(findings)]

@@ -92,6 +92,7 @@ RULES: dict[tuple[Method, str], Rule] = {
     # They change nothing but the 3D view that the caller has open, or nothing at all.
     ("PATCH", f"{_RUN}/views/{{key}}"): READ,
     ("POST", f"{API}/campaigns/check"): READ,
+    ("POST", f"{_RUN}/reweighted"): READ,
     # Simulations on the service's machine.
     ("POST", f"{API}/campaigns/preview"): RUN,
     ("POST", f"{_RUN}/flights"): RUN,

@@ -16,11 +16,14 @@ from campaigns import cube
 from campaigns.asked.distributions import Correlation, Distribution
 from campaigns.asked.spec import Campaign
 from campaigns.checked.uncertainty import matrix
+from campaigns.densities import special
 from campaigns.densities.shapes import Shape, shape
 from campaigns.densities.special import Floats
 
 Bounds = Mapping[str, tuple[float, float]]
 """Low and high by path, in the parameters' units."""
+ROUNDING = 1e-12
+"""Fraction of a range by which a value at a bound may be beyond it by conversion of units."""
 LEAST, MOST = -37.0, 8.3
 """The scores of the smallest probability, and of the largest below 1: those of a draw that is rounded to a bound."""
 
@@ -62,6 +65,18 @@ class Joint:
         """Values by path as a point (n,) of the unit cube."""
         return np.clip(cube.share(np.array([values[path] for path in self.shapes]), self.low, self.high), 0.0, 1.0)
 
+    def values(self, points: Floats) -> Floats:
+        """Points (m, n) in the parameters' units."""
+        return self.low + points * (self.high - self.low)
+
+    def drawn(self, uniform: Floats) -> Floats:
+        """Uniform samples (m, n) as draws within the bounds (k, n); those outside are left out."""
+        scores = special.normal_quantile(uniform)
+        scores[:, self.mixed] = scores[:, self.mixed] @ np.linalg.inv(self.whitening).T
+        points = [one.at(scores[:, k]) for k, one in enumerate(self.shapes.values())]
+        found = np.stack(points, axis=1)
+        return found[((found >= 0.0) & (found <= 1.0)).all(axis=1)]
+
     def scores(self, points: Floats) -> Floats:
         """The standard normal scores (m, c) of the correlated parameters, not yet independent."""
         shapes = list(self.shapes.values())
@@ -89,6 +104,14 @@ class Joint:
         scores = np.nan_to_num(self.scores(points), neginf=LEAST, posinf=MOST)
         joined = (scores**2).sum(axis=1) - ((scores @ self.whitening.T) ** 2).sum(axis=1)
         return np.asarray(own + joined / 2.0 + np.linalg.slogdet(self.whitening)[1])
+
+    def log_density_at(self, values: Floats) -> Floats:
+        """The same at values (m, n) in the parameters' units, and per these; minus infinity outside the bounds (m,)."""
+        points = cube.share(values, self.low, self.high)
+        inside = (np.abs(points - 0.5) <= 0.5 + ROUNDING).all(axis=1)
+        found = np.full(len(points), -math.inf)
+        found[inside] = self.log_density(np.clip(points[inside], 0.0, 1.0)) - np.log(self.high - self.low).sum()
+        return found
 
 
 def joint(campaign: Campaign, bounds: Bounds) -> Joint:

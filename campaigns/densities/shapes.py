@@ -18,6 +18,9 @@ from campaigns.densities.special import Floats
 FLAT = 1e5
 """A normal distribution whose deviation exceeds this many ranges is uniform to 1e-11 within the bounds."""
 
+GRID = 4097
+"""Values between which quantiles are interpolated."""
+
 
 class Shape:
     """A uniform distribution, and the base of all others."""
@@ -40,6 +43,11 @@ class Shape:
     def score(self, u: Floats) -> Floats:
         """The standard normal variable behind a value, which a Gaussian copula correlates."""
         return special.normal_quantile(self.below(u))
+
+    def at(self, score: Floats) -> Floats:
+        """The value with this score, interpolated: the inverse of `score`."""
+        grid = np.linspace(0.0, 1.0, GRID)
+        return np.interp(special.normal(score), self.below(grid), grid)
 
     def fall(self, u: Floats) -> Floats:
         return np.maximum(2.0 * (self.peak - self.log_density(u)), 0.0)
@@ -89,6 +97,11 @@ class Bell(Shape):
 
     def score(self, u: Floats) -> Floats:
         return super().score(u) if self.bounded else (u - self.mean) / self.deviation
+
+    def at(self, score: Floats) -> Floats:
+        low, high = self.tails
+        inside = low + special.normal(score) * (1.0 - low - high)
+        return self.mean + self.deviation * (special.normal_quantile(inside) if self.bounded else score)
 
     def beyond(self, q: Floats) -> Floats:
         tail, (low, high) = special.normal(-np.sqrt(q)), self.tails

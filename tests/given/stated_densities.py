@@ -19,9 +19,9 @@ def made(*kinds: Distribution, correlation: float = 0.0) -> Joint:
     return joined(kinds_of, pairs, dict.fromkeys(kinds_of, (LOW, HIGH)))
 
 
-def drawn(*kinds: Distribution, correlation: float = 0.0, count: int = 100_000) -> Floats:
+def drawn(*kinds: Distribution, correlation: float = 0.0, count: int = 100_000, seed: int = 3) -> Floats:
     """Points of the unit cube as a run draws them."""
     ranges = [Range(f"a.{k}", k, LOW, HIGH, 5.0, kind) for k, kind in enumerate(kinds)]
     pairs = [Correlation(between=["a.0", "a.1"], value=correlation)] if correlation else []
-    uniform = np.random.default_rng(3).random((count, len(kinds)))
+    uniform = np.random.default_rng(seed).random((count, len(kinds)))
     return Distributions(ranges, pairs).quantile(uniform)

@@ -22,7 +22,7 @@ from campaigns.densities.special import Floats
 
 Bounds = Mapping[str, tuple[float, float]]
 """Low and high by path, in the parameters' units."""
-ROUNDING = 1e-12
+ROUNDING = 1e-9
 """Fraction of a range by which a value at a bound may be beyond it by conversion of units."""
 LEAST, MOST = -37.0, 8.3
 """The scores of the smallest probability, and of the largest below 1: those of a draw that is rounded to a bound."""

@@ -28,8 +28,8 @@ TRIALS, SEED = 2**14, 1
 """Points of the moved distributions for what is expected of the weights, always the same."""
 FEW = 10
 """With fewer effective draws that violate, or below a quantile, too little is known of the weights there."""
-ROUNDING = 1e-12
-"""Of a sum of weights."""
+ROUNDING = 1e-9
+"""Of a sum of weights, and of a bound as a fraction of its range."""
 REDRAWN = 1e-3
 """The largest probability of a correlated draw that was moved inside the bounds."""
 
@@ -70,7 +70,7 @@ def reweighted(stated: Joint, moved: Joint, drawn: Drawn, terms: Terms) -> Rewei
     if refusal := _refused(stated, moved, found):
         return found.model_copy(update={"statement": refusal})
     kept = float(weights.sum() / every.sum())
-    return found.model_copy(update=_estimated(found, _Weighted(weights / weights.sum(), costs, ratios, kept), terms))
+    return _estimated(found, _Weighted(weights / weights.sum(), costs, ratios, kept), terms)
 
 
 class _Weighted(NamedTuple):
@@ -125,10 +125,11 @@ def _refused(stated: Joint, moved: Joint, found: Reweighted) -> Spans:
 
 
 def _wider(stated: Joint, moved: Joint) -> list[bool]:
-    return [bool(one) for one in (moved.low < stated.low) | (moved.high > stated.high)]
+    slack = ROUNDING * (stated.high - stated.low)
+    return [bool(one) for one in (moved.low < stated.low - slack) | (moved.high > stated.high + slack)]
 
 
-def _estimated(found: Reweighted, of: _Weighted, terms: Terms) -> dict[str, object]:
+def _estimated(found: Reweighted, of: _Weighted, terms: Terms) -> Reweighted:
     violate = of.costs <= terms.threshold
     p = min(float(of.shares[violate].sum()), 1.0)
     low, high = interval(p, of.shares, violate, found.effective, terms.confidence)
@@ -140,7 +141,8 @@ def _estimated(found: Reweighted, of: _Weighted, terms: Terms) -> dict[str, obje
     drawn = claims.population(found.samples, found.excluded, found.outside)
     statement = claims.estimate(p, (low, high), terms.confidence, found.effective, drawn, few)
     quantiles = _quantiles(of.shares, of.costs, terms.shares)
-    return {"probability": p, "low": low, "high": high, "quantiles": quantiles, "statement": statement}
+    estimates = {"probability": p, "low": low, "high": high, "quantiles": quantiles, "statement": statement}
+    return found.model_copy(update=estimates)
 
 
 def interval(

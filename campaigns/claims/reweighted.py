@@ -3,30 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from campaigns.claims.say import count, listed, number, percent, say, symbol
 from campaigns.claims.spans import Spans
 
 
-def estimate(
-    probability: float, ends: tuple[float, float], confidence: float, effective: float, of: Spans, few: bool
-) -> Spans:
-    """The estimate with its interval. of: the draws that it rests on; few: whether too few violate to weight them."""
-    wide = "; few of them violate, so the interval is as wide as it has to be wherever the violations are"
+class Draws(NamedTuple):
+    """What an estimate rests on. few: whether too few violate to weight them."""
+
+    samples: int
+    excluded: int
+    effective: float
+    outside: float
+    few: bool
+
+
+def estimate(probability: float, ends: tuple[float, float], confidence: float, of: Draws) -> Spans:
+    """The estimate with its interval, and what it is not."""
     return say(
         *("P(violation) is estimated as ", percent(probability, name="probability"), ", "),
         *(percent(ends[0], name="low"), " to ", percent(ends[1], name="high"), " with "),
-        *(percent(confidence, 6, "confidence"), " confidence, by re-weighting ", of),
-        *(" (effective sample size ", number(effective, name="effective", digits=4), f"){wide if few else ''}"),
+        *(percent(confidence, 6, "confidence"), " confidence, by re-weighting ", count(of.samples, "samples")),
+        *(" stored draws", " that were not excluded" if of.excluded else ""),
+        *(" (effective sample size ", count(int(of.effective), "effective"), ")", _width(of)),
         ": an estimate, not a bound",
     )
 
 
-def population(samples: int, excluded: int, outside: float) -> Spans:
-    """The draws of the sample, and what they leave out."""
-    without = say(" that were not excluded") if excluded else ()
-    beyond = say(", with ", percent(outside, name="outside"), " of draws outside the bounds in the interval")
-    return say(count(samples, "samples"), " stored draws", without, beyond if outside else ())
+def _width(of: Draws) -> Spans:
+    """Why the interval is as wide as it is."""
+    beyond = say("; the interval includes ", percent(of.outside, name="outside"), " of draws outside the bounds")
+    few = say("; few of them violate, so the interval holds wherever the violations are")
+    return say(beyond if of.outside else (), few if of.few else ())
 
 
 def too_few(effective: float, samples: int, needed: int) -> Spans:

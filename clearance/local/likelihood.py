@@ -22,6 +22,11 @@ class Likelihoods(NamedTuple):
     findings: dict[str, Likelihood]
     violation: MostLikely | None
 
+    def text(self, label: str) -> str:
+        """The clause on a finding; empty where likelihood distinguishes nothing."""
+        of = self.findings.get(label)
+        return "" if of is None or of.density is None else of.text
+
     def stated(self, finding: Finding) -> Finding:
         """The finding with its likelihood, if that is known."""
         of = self.findings.get(finding.label)

@@ -9,11 +9,9 @@ from fastapi import APIRouter, Query
 from backend.http.deps import Reader
 from backend.http.errors import problems
 from backend.http.schema import FlightName, RunName
-from backend.results import evaluations, likely, reweighting, service
-from backend.results.schemas import Evaluations, FindingDetail, ReweightRequest, TraceData, TraceInfo
+from backend.results import evaluations, service
+from backend.results.schemas import Evaluations, FindingDetail, TraceData, TraceInfo
 from backend.runs.service import number
-from campaigns.results.likelihood import MostLikely
-from campaigns.results.reweighted import Reweighted
 
 router = APIRouter(tags=["results"])
 
@@ -33,24 +31,6 @@ def get_evaluations(
 def list_findings(run: RunName, reader: Reader) -> list[FindingDetail]:
     """The distinct worst cases of a run, the worst first."""
     return service.findings(reader, number(run))
-
-
-@router.get("/runs/{run}/most-likely-violation", responses=problems("not-found", "other-version", "purged"))
-def get_most_likely_violation(run: RunName, reader: Reader) -> MostLikely:
-    """The most likely of the violations that a run evaluated, under the stated distributions; computed when read."""
-    return likely.violation(reader, number(run))
-
-
-@router.post(
-    "/runs/{run}/reweighted",
-    responses=problems("not-found", "other-version", "purged", "no-sample", "unknown-parameter", "invalid-request"),
-)
-def reweight_sample(run: RunName, moved: ReweightRequest, reader: Reader) -> Reweighted:
-    """Estimate P(violation) and quantiles under other distributions by re-weighting the run's independent sample.
-
-    Nothing is evaluated or stored. An estimate that cannot be made returns 200 without numbers; `text` has the reason.
-    """
-    return reweighting.estimated(reader, number(run), moved)
 
 
 @router.get("/runs/{run}/traces", responses=problems("not-found", "other-version", "purged"))

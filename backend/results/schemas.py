@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Literal
 
-from pydantic import Field, computed_field
+from pydantic import computed_field
 
 from backend.catalog.schemas import CriterionOut
-from backend.http.schema import Given, Schema
-from campaigns.asked.distributions import Uncertain
+from backend.http.schema import Schema
 from campaigns.results import TraceHead
 from campaigns.results.base import Status
 from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation, granted
@@ -96,13 +95,6 @@ class FindingDetail(Schema):
     def granted(self) -> float:
         """The value to state for it: of a confirmed violation the mildest of its values, if they differ."""
         return granted(self.cost, self.validation)
-
-
-class ReweightRequest(Given):
-    """Distributions in place of the stated ones; correlations stay as stated."""
-
-    uncertain: Annotated[dict[str, Uncertain], Field(max_length=500, default_factory=dict)]
-    """{path: bounds and distribution}, as in a campaign; parameters that are omitted stay as stated."""
 
 
 class TraceInfo(Schema):

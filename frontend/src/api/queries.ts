@@ -112,7 +112,7 @@ export const findingsQuery = (id: string) =>
 
 /** Computed from all evaluations when it is asked for. */
 export const mostLikelyQuery = (id: string) =>
-  queryOptions({ queryKey: ['most likely', id], queryFn: () => answer(sdk.getMostLikelyViolation({ path: { run: id } })) })
+  queryOptions({ queryKey: ['most likely', id], queryFn: () => answer(sdk.getMostLikely({ path: { run: id } })) })
 
 /** The independent sample, re-weighted to other distributions. */
 export const reweightedQuery = (id: string, body: ReweightRequest) =>

@@ -9,8 +9,8 @@ import sqlalchemy as sa
 from backend.db.rows import stored_columns
 from backend.db.tables import Stage
 from backend.http.errors import RefusedError
+from backend.likelihood.schemas import ReweightRequest
 from backend.results.likely import densities
-from backend.results.schemas import ReweightRequest
 from backend.runs.service import campaign
 from backend.runs.versions import readable
 from campaigns import Campaign, Problem

@@ -102,7 +102,6 @@ KINDS = {
     ),
     "draft-changed": Kind(409, "Another user has saved the draft since it was opened."),
     "no-webhook": Kind(409, "The settings name no webhook."),
-    "no-sample": Kind(409, "The run has no stored independent sample."),
     "no-verdict": Kind(409, "The run has no verdict to sign off."),
     "not-failed": Kind(409, "The run has not failed."),
     "not-waiting": Kind(409, "The run does not wait for the code that began it."),

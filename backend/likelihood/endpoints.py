@@ -19,7 +19,7 @@ router = APIRouter(tags=["results"])
 
 @router.post(
     "/runs/{run}/reweighted",
-    responses=problems("not-found", "other-version", "purged", "no-sample", "unknown-parameter", "invalid-request"),
+    responses=problems("not-found", "other-version", "purged", "unknown-parameter", "invalid-request"),
 )
 def reweight_sample(run: RunName, moved: ReweightRequest, reader: Reader) -> Reweighted:
     """Estimate P(violation) and quantiles under other distributions by re-weighting the run's independent sample.

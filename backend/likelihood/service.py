@@ -16,8 +16,9 @@ from backend.runs.versions import readable
 from campaigns import Campaign, Problem
 from campaigns.asked.distributions import Uncertain
 from campaigns.checked.uncertainty import distributed
+from campaigns.claims import reweighted as claims
 from campaigns.densities.joint import joined
-from campaigns.densities.reweighting import Drawn, Terms, reweighted
+from campaigns.densities.reweighting import Drawn, Terms, reweighted, without
 from campaigns.results.reweighted import Reweighted
 from campaigns.results.sample import Sample
 from campaigns.runs import run_name
@@ -28,18 +29,24 @@ SHARES = (0.01, 0.05, 0.5)
 
 
 def estimated(reader: sa.Connection, run_id: int, request: ReweightRequest) -> Reweighted:
-    """The estimate under the moved distributions; `RefusedError` without a sample or a density."""
+    """The estimate under the moved distributions, or why there is none; `RefusedError` for what is no distribution."""
     asked = campaign(reader, run_id)
     limits, stated = densities(reader, run_id)
     if stated is None:
-        raise RefusedError(409, "no-sample", f"the bounds of {run_name(run_id)} are not known here")
-    position, sample = _sample(reader, run_id)
+        return without(claims.no_bounds(), asked.confidence)
     moved = _moved(asked, limits, request.uncertain)
+    found = _sample(reader, run_id)
+    if found is None:
+        return without(claims.no_sample(), asked.confidence)
+    position, sample = found
+    drawn = _drawn(reader, run_id, position, sample)
+    if drawn is None:
+        return without(claims.not_whole(), asked.confidence)
     bounds = {path: one.interval(limits[path][0]) for path, one in moved.items()}
     over = joined({path: one.distribution for path, one in moved.items()}, asked.correlations, bounds)
     own = [] if sample.quantile is None else [sample.quantile.share]
     terms = Terms(asked.criterion.threshold, asked.confidence, sorted({*SHARES, *own}))
-    return reweighted(stated, over, _drawn(reader, run_id, position, sample), terms)
+    return reweighted(stated, over, drawn, terms)
 
 
 def _moved(
@@ -59,27 +66,18 @@ def _moved(
     return {**asked.uncertain, **moved}
 
 
-def _sample(reader: sa.Connection, run_id: int) -> tuple[int, Sample]:
-    """The position of the stage that drew the independent sample of a run, and the sample."""
-    rows = reader.execute(
-        sa.select(Stage.position, Stage.result).where(Stage.run_id == run_id).order_by(Stage.position)
-    )
+def _sample(reader: sa.Connection, run_id: int) -> tuple[int, Sample] | None:
+    """The position of the stage that drew the independent sample of a run, and the sample; None without one."""
+    of = sa.select(Stage.position, Stage.result).where(Stage.run_id == run_id).order_by(Stage.position)
     with readable(f"a stage of {run_name(run_id)}"):
-        results = [(row.position, stage_result(row.result)) for row in rows if row.result is not None]
-    for position, result in results:
-        if result.certificate is not None:
-            return position, result.certificate.sample
-    raise RefusedError(
-        409,
-        "no-sample",
-        f"{run_name(run_id)} has no independent sample to re-weight: add a certify stage to its campaign and run it "
-        "again",
-    )
+        results = [(row.position, stage_result(row.result)) for row in reader.execute(of) if row.result is not None]
+    certified = ((position, result.certificate) for position, result in results)
+    return next(((position, one.sample) for position, one in certified if one is not None), None)
 
 
-def _drawn(reader: sa.Connection, run_id: int, position: int, sample: Sample) -> Drawn:
-    """The draws as stored, excluded ones included, without the grid that may follow them."""
+def _drawn(reader: sa.Connection, run_id: int, position: int, sample: Sample) -> Drawn | None:
+    """The draws, excluded ones included, without the grid that may follow them; None if they are not stored whole."""
     draws, columns = sample.samples + sample.excluded, stored_columns(reader, run_id, position)
     if columns is None or len(columns.status) < draws:
-        raise RefusedError(409, "no-sample", f"the independent sample of {run_name(run_id)} is not stored whole")
+        return None
     return Drawn(columns.points[:draws], columns.costs[:draws, 0], columns.status[:draws])

@@ -38,6 +38,21 @@ def _width(of: Draws) -> Spans:
     return say(beyond if of.outside else (), few if of.few else ())
 
 
+def no_sample() -> Spans:
+    """Searches choose their points, and a random search may stop early."""
+    return say("no estimate: the run has no independent sample; add a certify stage to its campaign and run it again")
+
+
+def not_whole() -> Spans:
+    """Some draws are missing."""
+    return say("no estimate: the independent sample is not stored whole")
+
+
+def no_bounds() -> Spans:
+    """The descriptions of the run's components are not here."""
+    return say("no estimate: the bounds of a parameter are not known in this installation")
+
+
 def too_few(effective: float, samples: int, needed: int) -> Spans:
     """Too few of the stored draws are likely under the moved distributions."""
     return say(

@@ -73,6 +73,12 @@ def reweighted(stated: Joint, moved: Joint, drawn: Drawn, terms: Terms) -> Rewei
     return _estimated(found, _Weighted(weights / weights.sum(), costs, ratios, kept), terms)
 
 
+def without(reason: Spans, confidence: float) -> Reweighted:
+    """What is stated where there are no draws."""
+    nothing = dict.fromkeys(("samples", "violations", "failed", "excluded", "effective", "outside"), 0)
+    return Reweighted.model_validate(nothing | {"needed": NEEDED, "confidence": confidence, "statement": reason})
+
+
 class _Weighted(NamedTuple):
     """shares: weights of the counted draws, whose sum is 1; ratios: of trials; kept: the weight not excluded."""
 

@@ -10,12 +10,15 @@ import pytest
 from scipy import stats
 
 from campaigns.asked.distributions import Normal, Uniform
+from campaigns.claims import reweighted as claims
+from campaigns.claims.spans import words
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sample import QuantileBound, Sample
 from campaigns.stages.certify import CertifyResult
 from campaigns.stored.records import Columns, StagePlan
 from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
+from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
 from tests.given.stated_densities import drawn
 from tests.given.submissions import submit
@@ -98,6 +101,13 @@ def test_what_is_no_distribution_is_refused(client: httpx.Client, sampled: str) 
 def test_without_an_independent_sample_there_is_nothing_to_re_weight(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     finish(service)
-    found = problem(client.post(f"/api/v1/runs/{run}/reweighted", json={}), 409)
-    assert found["type"].endswith(":no-sample")
+    found = client.post(f"/api/v1/runs/{run}/reweighted", json={}).json()
+    assert (found["probability"], found["samples"], found["text"]) == (None, 0, words(claims.no_sample()))
     problem(client.post("/api/v1/runs/R-0999/reweighted", json={}), 404)
+
+
+def test_a_sample_that_is_not_stored_whole_is_not_re_weighted(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish_fully(service)
+    found = client.post(f"/api/v1/runs/{run}/reweighted", json={}).json()
+    assert (found["probability"], found["text"]) == (None, words(claims.not_whole()))

@@ -60,7 +60,11 @@ def _moved(
         raise RefusedError(422, "unknown-parameter", "the campaign has no such uncertain parameter", unknown)
     problems: list[Problem] = []
     for path, one in moved.items():
-        problems += distributed(f"uncertain.{path}", one, *one.interval(limits[path][0]))
+        low, high = one.interval(limits[path][0])
+        if low < high:
+            problems += distributed(f"uncertain.{path}", one, low, high)
+        else:
+            problems.append(Problem(f"uncertain.{path}", f"{low:g} to {high:g}", "low must be below high"))
     if problems:
         raise RefusedError(422, "invalid-request", "a moved distribution does not fit its bounds", problems)
     return {**asked.uncertain, **moved}

@@ -18,6 +18,8 @@ from campaigns.densities.special import Floats
 FLAT = 1e5
 """A normal distribution whose deviation exceeds this many ranges is uniform to 1e-11 within the bounds."""
 
+LEAST = 1e-150
+"""The smallest deviation in ranges, so that squares of distances stay finite."""
 GRID = 4097
 """Values between which quantiles are interpolated."""
 
@@ -183,7 +185,7 @@ def shape(distribution: Distribution, low: float, high: float) -> Shape:
         case Uniform():
             return Shape()
         case Normal() | TruncatedNormal():
-            deviation = distribution.deviation / (high - low)
+            deviation = max(distribution.deviation / (high - low), LEAST)
             mean = (distribution.mean - low) / (high - low)
             return Shape() if deviation > FLAT else Bell(mean, deviation, isinstance(distribution, TruncatedNormal))
         case Triangular():

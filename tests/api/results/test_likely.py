@@ -46,6 +46,8 @@ def test_a_finding_has_its_likelihood_on_every_door(client: httpx.Client, normal
     assert nominal[LIKELY[0]] == ""
     written = client.get(f"/api/v1/runs/{normal}/exports/run.json").json()
     assert written["findings"][0]["likelihood"] == likely
+    most = client.get(f"/api/v1/runs/{normal}/most-likely-violation").json()
+    assert written["most_likely_violation"] == most
     report = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", "", client.get(f"/api/v1/runs/{normal}/report.html").text))
     assert "F1: 4 standard deviations" in report.replace("\u202f", " ")
     assert "not validated; " in report

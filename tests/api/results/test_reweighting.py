@@ -95,6 +95,8 @@ def test_what_is_no_distribution_is_refused(client: httpx.Client, sampled: str) 
     (error,) = problem(client.post(at, json=moved(mean=7.0)), 422)["errors"]
     assert error["field"] == "uncertain.vehicle.m.distribution.mean"
     problem(client.post(at, json=moved(deviation=0)), 422)
+    problem(client.post(at, json={"uncertain": {"vehicle.m": {"plus_minus": "1e-300%"}}}), 422)
+    assert client.post(at, json=moved(deviation=5e-324)).json()["effective"] < 1e-100
     problem(client.post(at, json={"uncertain": {"vehicle.m": {"low": 6, "high": 4}}}), 422)
 
 

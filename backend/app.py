@@ -32,6 +32,7 @@ from backend.flights.turns import Turns
 from backend.health import endpoints as health
 from backend.http import errors, pages
 from backend.http.capacity import Capacities
+from backend.likelihood import endpoints as likelihood
 from backend.metrics import endpoints as metrics
 from backend.metrics.requests import Measured, Requests
 from backend.metrics.service import Metrics
@@ -156,6 +157,7 @@ def create(settings: Settings) -> FastAPI:
         tokens,
         trail,
         requirements,
+        likelihood,
     ):
         api.include_router(feature.router)
     app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later

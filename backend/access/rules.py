@@ -60,6 +60,7 @@ _READING = (
     *(f"{_RUN}/{name}" for name in ("campaign.yaml", "stages", "components", "code", "history", "related")),
     *(f"{_RUN}/{name}" for name in ("evaluations", "coverage", "findings", "cases", "signoffs")),
     *(f"{_RUN}/{name}" for name in ("traces", "traces/{name}")),
+    f"{_RUN}/most-likely-violation",
     *(f"{_RUN}/exports{rest}" for rest in ("", "/{file}")),
     *(f"{_RUN}/report.html", f"{_RUN}/report.pdf", f"{_RUN}/views/{{key}}"),
     f"{API}/simulators/{{name}}/proposal",
@@ -92,6 +93,7 @@ RULES: dict[tuple[Method, str], Rule] = {
     # They change nothing but the 3D view that the caller has open, or nothing at all.
     ("PATCH", f"{_RUN}/views/{{key}}"): READ,
     ("POST", f"{API}/campaigns/check"): READ,
+    ("POST", f"{_RUN}/reweighted"): READ,
     # Simulations on the service's machine.
     ("POST", f"{API}/campaigns/preview"): RUN,
     ("POST", f"{_RUN}/flights"): RUN,

@@ -14,7 +14,7 @@ from backend.db import snapshots
 from backend.reports import declared_view
 from backend.reports.figures import Case, Quantity
 from backend.reports.plot import NOMINAL, WORST
-from backend.results import evaluations
+from backend.results import evaluations, likely
 from backend.results import service as results
 from backend.results.coverage import read as coverage
 from backend.results.coverage.schemas import Coverage
@@ -29,6 +29,7 @@ from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ParameterEntry
 from campaigns.checked.check import parameters
 from campaigns.results import StageResult, TraceHead
+from campaigns.results.likelihood import MostLikely
 from campaigns.symbols import labels
 
 R = TypeVar("R", bound=StageResult)
@@ -51,6 +52,7 @@ class Record:
     limits: dict[str, tuple[float, float, float]]
     stages: list[StageDetail]
     findings: list[FindingDetail]
+    most_likely: MostLikely
     evaluations: Evaluations
     coverage: Coverage
     cases: list[Case]
@@ -113,6 +115,7 @@ def load(reader: sa.Connection, run_id: int) -> Record:
         limits=bounds(campaign, catalogue),
         stages=runs.stages(reader, run_id),
         findings=found,
+        most_likely=likely.violation(reader, run_id),
         evaluations=evaluations.read(reader, run_id, 100, None),
         coverage=coverage.read(reader, run_id),
         cases=_cases(reader, run_id, [finding.label for finding in found], _drawable(campaign, traced)),

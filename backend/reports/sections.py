@@ -15,8 +15,10 @@ from campaigns.catalogue import ComponentEntry, ParameterEntry, SimulatorEntry
 from campaigns.checked.check import parts
 from campaigns.checked.simulated import PREFIX
 from campaigns.claims import numbers
+from campaigns.claims.likelihood import lines
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import say
+from campaigns.claims.spans import Spans
 from campaigns.results import SearchResult, ValidateResult, verdicts
 from campaigns.results.validate import Compared
 
@@ -207,6 +209,12 @@ def findings(record: Record) -> list[Row]:
         }
         for f in record.findings
     ]
+
+
+def likely(record: Record) -> list[Spans]:
+    """How likely each finding is under the stated distributions, and the most likely violation."""
+    stated = {f.label: f.likelihood.statement for f in record.findings if f.likelihood is not None}
+    return lines(stated, () if record.most_likely.case is None else record.most_likely.statement)
 
 
 def criteria(record: Record) -> list[Row]:

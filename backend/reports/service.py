@@ -117,6 +117,7 @@ def _context(record: Record) -> dict[str, object]:
         "centre": coverage.centre(record),
         "least_covered": coverage.pairs(record),
         "findings": sections.findings(record),
+        "likely": sections.likely(record),
         "since": since.changes(record),
         "validation": record.result(ValidateResult),
         "cases": validated.cases(record),

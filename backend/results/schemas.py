@@ -11,6 +11,7 @@ from backend.http.schema import Schema
 from campaigns.results import TraceHead
 from campaigns.results.base import Status
 from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation, granted
+from campaigns.results.likelihood import Likelihood
 from campaigns.results.slices import Slices
 from campaigns.results.trace import TraceColumn
 
@@ -88,6 +89,8 @@ class FindingDetail(Schema):
     boundary: Boundary | None
     """The boundary of a violation: its distance from nominal."""
     closest: ClosestApproach | None
+    likelihood: Likelihood | None
+    """How likely it is under the stated distributions; null if the bounds of a parameter are not known."""
 
     @computed_field  # type: ignore[prop-decorator]
     @property

@@ -8,41 +8,43 @@ import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
-from backend.catalog.service import bounds, described
 from backend.db.tables import Finding, Trace
 from backend.http.errors import not_found
 from backend.http.written import finite_all
+from backend.results import likely
+from backend.results.likely import Limits
 from backend.results.schemas import FindingDetail, TraceData, TraceInfo
 from backend.runs.earlier import Terms, terms_of
-from backend.runs.service import campaign, require
+from backend.runs.service import require
 from backend.runs.versions import readable
 from campaigns import thin
 from campaigns.claims import earlier
+from campaigns.densities.joint import Joint
+from campaigns.densities.likelihood import likelihood
 from campaigns.results import TraceHead
 from campaigns.results.trace import TraceColumn
 from campaigns.runs import run_name
 
-Limits = dict[str, tuple[float, float, float]]
-"""Nominal value and bounds by path."""
-
 
 def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
     """The findings of a run, the worst first; 404 if there is no such run."""
-    limits = bounds(campaign(reader, run_id), described(reader, run_id))
+    limits, of = likely.densities(reader, run_id)
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
     traced = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}
     with readable(f"a finding of {run_name(run_id)}"):
         terms = terms_of(reader, run_id)
-        return [_finding(row, limits, traced.get(row.label), terms) for row in ordered]
+        return [_finding(row, limits, of, traced.get(row.label), terms) for row in ordered]
 
 
-def _finding(row: Any, limits: Limits, head: TraceHead | None, terms: Terms) -> FindingDetail:
+def _finding(row: Any, limits: Limits, of: Joint | None, head: TraceHead | None, terms: Terms) -> FindingDetail:
     nominal, low, high = ({path: triple[k] for path, triple in limits.items()} for k in range(3))
     columns = ("label", "cost", "margin", "parameters", "methods", "found", "at_bounds", "validation")
     values = {column: getattr(row, column) for column in (*columns, "slices", "boundary", "closest")}
     others = {"nominal": nominal, "low": low, "high": high, "values": {} if head is None else head.values}
-    return FindingDetail.model_validate(earlier.spoken(values, terms) | others)
+    unknown = of is None or not row.parameters.keys() >= of.shapes.keys()
+    likely = {"likelihood": None if of is None or unknown else likelihood(of, of.point(row.parameters))}
+    return FindingDetail.model_validate(earlier.spoken(values, terms) | others | likely)
 
 
 def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:

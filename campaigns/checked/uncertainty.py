@@ -42,10 +42,11 @@ def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parameter
             f"{low:g} to {high:g}",
             f"the nominal value {nominal:g} is outside the bounds; widen the bounds or change the nominal value",
         )
-    yield from _distributed(field, uncertain, low, high)
+    yield from distributed(field, uncertain, low, high)
 
 
-def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> Iterator[Problem]:
+def distributed(field: str, uncertain: Uncertain, low: float, high: float) -> Iterator[Problem]:
+    """Whether the middle of the distribution is within these bounds."""
     distribution = uncertain.distribution
     middle = {"mode": distribution.mode} if isinstance(distribution, Triangular) else {}
     if isinstance(distribution, Normal | TruncatedNormal):

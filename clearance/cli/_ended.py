@@ -31,13 +31,15 @@ OUTCOMES = {
 class Case:
     """One finding: the value to state for it and its margin [unit of the criterion], parameters by path.
 
-    evaluated: by the search, if another evaluation of a confirmed violation is milder and therefore stated."""
+    evaluated: by the search, if another evaluation of a confirmed violation is milder and therefore stated. likelihood:
+    under the stated distributions, a clause; empty where it distinguishes nothing."""
 
     label: str
     cost: float
     margin: float
     parameters: Mapping[str, float]
     evaluated: float | None = None
+    likelihood: str = ""
 
     @property
     def lower(self) -> str:

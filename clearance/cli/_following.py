@@ -142,7 +142,8 @@ def superseded(found: Run) -> str:
 def case(found: Finding) -> Case:
     """A finding by the value to state for it; a service of an earlier version answers without one."""
     stated = found.cost if found.granted is None else found.granted
-    return Case(found.label, stated, found.margin + (stated - found.cost), found.parameters, found.cost)
+    likely = "" if found.likelihood is None or found.likelihood.density is None else found.likelihood.text
+    return Case(found.label, stated, found.margin + (stated - found.cost), found.parameters, found.cost, likely)
 
 
 def _complete(service: Client, ended: EndedRun, launch: Launch, out: Path | None, source: Source | None) -> EndedRun:

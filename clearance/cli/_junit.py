@@ -119,7 +119,8 @@ def _violation(ended: EndedRun, found: Case) -> str:
     unit = f" {ended.unit}" if ended.unit else ""
     head = f"{found.label}: {found.cost:.6g}{unit}, margin {signed(found.margin)}{unit}{found.lower}"
     replay = f"{ended.replay} {found.label}" if ended.replay else ""
-    return "\n".join(filter(None, [head, *(f"{path} = {v!r}" for path, v in found.parameters.items()), replay]))
+    values = [f"{path} = {v!r}" for path, v in found.parameters.items()]
+    return "\n".join(filter(None, [head, found.likelihood, *values, replay]))
 
 
 def _check(suite: Xml.Element, ended: EndedRun, check: DescribedCheck) -> None:

@@ -12,8 +12,9 @@ from rich.table import Table
 from rich.text import Text
 
 from campaigns import Campaign
+from campaigns.claims.likelihood import lines
 from campaigns.claims.numbers import NONE, count, number, signed
-from campaigns.claims.say import listed
+from campaigns.claims.say import listed, sentence
 from campaigns.claims.spans import words
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, StageResult, ValidateResult, Verdict, verdicts
@@ -24,6 +25,7 @@ from campaigns.rules import SAME_COST, SAME_PLACE, percent
 from clearance.cli import INCONCLUSIVE, VIOLATED
 from clearance.cli._ended import changes, code, sureness
 from clearance.local.failures import lines as failures
+from clearance.local.likelihood import likelihoods
 from clearance.local.progress import named
 from clearance.local.summary import made
 from worker.running.runs.store import MemoryStore
@@ -64,7 +66,7 @@ def print_report(
     console.print(_comparison(store, verdict))
     if store.findings:
         console.print(_findings(campaign, store, verdict))
-        for line in _how_found(store):
+        for line in [*_how_found(store), *_likely(campaign, store, verdict)]:
             console.print(Text(line), soft_wrap=not console.is_terminal)
     console.print(_checks(verdict))
     for line in [*failures(store), *_again(store)]:
@@ -240,6 +242,14 @@ def _how_found(store: MemoryStore) -> list[str]:
     if any(f.at_bounds for f in store.findings):
         lines.append("↓ ↑ at its lower or upper bound")
     return lines
+
+
+def _likely(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> list[str]:
+    """How likely each finding is, and the most likely violation."""
+    likely = likelihoods(campaign, store, verdict.unit)
+    stated = {label: of.statement for label, of in likely.findings.items()}
+    case = () if likely.violation is None or likely.violation.case is None else likely.violation.statement
+    return [words(sentence(line)) for line in lines(stated, case)]
 
 
 def _values(parameters: dict[str, float]) -> str:

@@ -113,7 +113,9 @@ def _ended(
     file: Path | None,
 ) -> EndedRun:  # fmt: skip
     from campaigns.identity.identity import identity_of, simulator_of
+    from clearance.local.likelihood import likelihoods
 
+    likely = likelihoods(campaign, store, verdict.unit)
     return EndedRun(
         run="" if out is None else str(out),
         campaign=campaign.name,
@@ -128,7 +130,10 @@ def _ended(
         unit=verdict.unit,
         threshold=campaign.criterion.threshold,
         findings=tuple(
-            Case(f.label, f.granted, f.granted - campaign.criterion.threshold, f.parameters, f.cost)
+            Case(
+                *(f.label, f.granted, f.granted - campaign.criterion.threshold, f.parameters, f.cost),
+                likelihood=likely.text(f.label),
+            )
             for f in store.found()
         ),
         source=_source(file, options),

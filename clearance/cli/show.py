@@ -10,6 +10,7 @@ from clearance.cli._following import AsJson, case, counts, plain, superseded
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
+    from clearance.client import Client
     from clearance.client.answers import Finding, RunDetail, Signoff
 
 
@@ -28,7 +29,9 @@ def show(
         if as_json:
             typer.echo(json.dumps(found.document, indent=2))
             return
-        parts = [*_head(found), *_checks(found), *_sureness(found), *_findings(found, client.findings(found))]
+        findings = client.findings(found)
+        parts = [*_head(found), *_checks(found), *_sureness(found), *_findings(found, findings)]
+        parts += _likely(client, found, findings)
         signed = client.signoffs(found)
         missing = [f"Not signed off: {plain(signed.not_carried)}"] if signed.not_carried else []
         typer.echo("\n".join([*parts, *map(_signoff, signed.items), *missing, client.link(found)]))
@@ -76,6 +79,22 @@ def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:
         + ", ".join(f"{path} = {value!r}" for path, value in f.parameters.items())
         for f in map(case, findings)
     ]
+
+
+def _likely(client: Client, found: RunDetail, findings: list[Finding]) -> list[str]:
+    """How likely each finding is, and the most likely violation; a service of an earlier version sends neither."""
+    from clearance.client import NotFoundError
+
+    stated = {f.label: f.likelihood.text for f in findings if f.likelihood is not None}
+    if not stated:
+        return []
+    same = set(stated.values()) if len(stated) > 1 else set()
+    lines = [plain(text) for text in same] if len(same) == 1 else [f"{k}: {plain(v)}" for k, v in stated.items()]
+    try:
+        most = client.most_likely_violation(found)
+    except NotFoundError:
+        return lines
+    return [*lines, *([] if most.case is None else [plain(most.text)])]
 
 
 def _signoff(one: Signoff) -> str:

@@ -287,6 +287,54 @@ class Validation(Answer):
     """The noise seed drawn for its evaluation; None if it simulated those of the campaign."""
 
 
+class Likelihood(Answer):
+    """How likely a case is under the campaign's distributions, whatever the units and the number of parameters.
+
+    All numbers are None where every point of the box is equally likely, and where there is no highest density.
+    """
+
+    density: float | None = None
+    """The density as a fraction of the highest one; correlated parameters count in the standard normal space."""
+    distance: float | None = None
+    """The same as a distance: sqrt(-2 ln density). Of normal distributions the distance from the mean in standard
+    deviations, the reliability index of the point. None where the density is zero.
+    """
+    tail: float | None = None
+    """The probability that a draw is no more likely than this case; of normal distributions that it is at least as far
+    from the mean.
+    """
+    parameters: int | None = None
+    """How many parameters count: all but uncorrelated uniform ones."""
+    text: str
+    """The sentence as plain text."""
+
+
+class LikelyViolation(Answer):
+    """A violation as evaluated by a stage; it was not validated."""
+
+    position: int
+    """Of its stage."""
+    index: int
+    """In its stage, counted from 0."""
+    cost: float
+    margin: float
+    parameters: dict[str, float]
+    realisation: int | None = None
+    """The noise seed drawn for its evaluation; None if it simulated the realisations of the campaign."""
+    likelihood: Likelihood
+
+
+class MostLikely(Answer):
+    """The most likely of the violations that were evaluated, which is not the most likely of all violations."""
+
+    violations: int
+    """Stored evaluations of all stages that violate the criterion; failed ones not included."""
+    case: LikelyViolation | None = None
+    """None if none violates, and where likelihood does not distinguish them."""
+    text: str
+    """The sentence as plain text."""
+
+
 class Finding(Answer):
     """One distinct worst case, with the values of its uncertain parameters and their bounds."""
 
@@ -302,6 +350,8 @@ class Finding(Answer):
     """{name: value} of every criterion in its own sign, as stored with the trace; empty if it was not stored."""
     at_bounds: dict[str, str]
     validation: Validation | None = None
+    likelihood: Likelihood | None = None
+    """How likely it is under the stated distributions; None if the bounds of a parameter are not known."""
     granted: float | None = None
     """The value to state for it: of a confirmed violation the mildest of its values, if they differ."""
 

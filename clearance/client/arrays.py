@@ -137,10 +137,16 @@ class Findings(list[answers.Finding]):
     """The distinct worst cases, the worst first."""
 
     def to_dataframe(self) -> Any:
-        """A data frame with a row for each finding: label, cost, margin, methods, and each parameter. Needs pandas."""
+        """A data frame with a row for each finding: label, cost, margin, methods, how likely it is, and each parameter.
+
+        `distance`, `density` and `tail` are those of its likelihood, NaN where it has none. Needs pandas.
+        """
         paths = dict.fromkeys(path for finding in self for path in finding.parameters)
         columns: dict[str, Any] = {name: [getattr(f, name) for f in self] for name in ("label", "cost", "margin")}
         columns["methods"] = [" ".join(f.methods) for f in self]
+        for name in ("distance", "density", "tail"):
+            found = [None if f.likelihood is None else getattr(f.likelihood, name) for f in self]
+            columns[name] = [np.nan if value is None else value for value in found]
         return table(columns | {path: [f.parameters.get(path, np.nan) for f in self] for path in paths})
 
 

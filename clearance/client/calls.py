@@ -175,6 +175,11 @@ def findings(run: Named) -> Call[list[answers.Finding]]:
     return Call("GET", "/runs/{run}/findings", list[answers.Finding], _of(run))
 
 
+def most_likely_violation(run: Named) -> Call[answers.MostLikely]:
+    """The most likely of the violations that were evaluated, under the stated distributions."""
+    return Call("GET", "/runs/{run}/most-likely-violation", answers.MostLikely, _of(run))
+
+
 def signoffs(run: Named) -> Call[answers.Signoffs]:
     """Who signed off the results, with the standing of each sign-off."""
     return Call("GET", "/runs/{run}/signoffs", answers.Signoffs, _of(run))

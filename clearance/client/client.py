@@ -90,6 +90,7 @@ class _Methods:
     restart = _Method(asking(calls.restart))
     carry_on = _Method(asking(calls.carry_on))
     findings = _Method(scripts.findings)
+    most_likely_violation = _Method(asking(calls.most_likely_violation))
     evaluations = _Method(scripts.evaluations)
     signoffs = _Method(asking(calls.signoffs))
     traces = _Method(asking(calls.traces))

@@ -8,6 +8,7 @@ from campaigns.results import SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.sample import Beside
 from clearance.local.failures import failures
+from clearance.local.likelihood import likelihoods
 from worker.running.runs.store import MemoryStore
 
 MOST_FAILURES = 200
@@ -19,6 +20,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
     validated = store.stages[-1].result
     parts = verdict.model_dump(mode="json")
+    likely = likelihoods(campaign, store, verdict.unit)
     return {
         "verdict": verdict.verdict,
         "reason": verdict.reason,
@@ -33,7 +35,8 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
         "checks": [check.model_dump() for check in verdicts.described(verdict.checks, failed)],
         "statistics": parts["statistics"],
         **{name: parts[name] for name in ("regression", "sureness") if name in parts},
-        "findings": [finding.model_dump() for finding in store.findings],
+        "findings": [likely.stated(finding).model_dump() for finding in store.findings],
+        **({} if likely.violation is None else {"most_likely_violation": likely.violation.model_dump()}),
         **({"failures": [one.document for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
         "digest": campaign.digest,
         "seed": campaign.seed,

@@ -116,6 +116,7 @@ NATURAL: dict[tuple[str, str], tuple[Prepared, tuple[int, int]]] = {
     # They store nothing, see test_flights and test_cases; here they are refused.
     ("post", "/runs/{run}/flights"): (lambda _: Sent("/runs/R-0001/flights", {"finding": "F9"}), (422, 422)),
     ("post", "/runs/{run}/cases"): (lambda _: Sent("/runs/R-0001/cases", {"finding": "F9"}), (422, 422)),
+    ("post", "/runs/{run}/reweighted"): (lambda _: Sent("/runs/R-0001/reweighted", {}), (200, 200)),
     ("post", "/sweeps/{sweep}/cancel"): (
         lambda c: Sent(f"{made(c, '/sweeps', 'id', json=SWEEP)}/cancel"),
         (200, 200),

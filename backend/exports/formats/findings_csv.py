@@ -15,6 +15,9 @@ from backend.runs import service as runs
 from campaigns.results.base import Status
 from campaigns.results.nominal import NominalCase
 
+LIKELY = ("standard deviations", "density of the highest", "draws no more likely")
+"""How likely a finding is under the stated distributions; empty where all points of the box are equally likely."""
+
 
 def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     """One row for the nominal case and each finding, with every criterion's value, even without a stored flight.
@@ -29,7 +32,17 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)} if flies else {}
     paths = list(run.campaign["uncertain"])
     heads = list(starmap(headed, headings(run.criteria)))
-    columns = ["margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths, "evaluated", "units"]
+    columns = [
+        "margin",
+        "closest at [s]",
+        "speed there [m/s]",
+        "validated",
+        "found by",
+        *paths,
+        "evaluated",
+        *LIKELY,
+        "units",
+    ]
     yield lines([["flight", *heads, *columns]])
     parameters = sheet(reader, run_id, runs.campaign(reader, run_id)).parameters
     units = "; ".join(f"{name} [{unit}]" for name, unit in [("margin", run.unit), *parameters] if unit)
@@ -48,7 +61,10 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
         by = " ".join(finding.methods) if finding else ""
         ok = finding.validation.ok if finding and finding.validation else None
         at = [head.approach.time, head.approach.speed] if head is not None and head.approach else [None, None]
-        yield lines([[name, *criterion_values, margin, *at, ok, by, *(of.get(p) for p in paths), evaluated, units]])
+        likely = None if finding is None else finding.likelihood
+        stated = [None] * len(LIKELY) if likely is None else [likely.distance, likely.density, likely.tail]
+        row = [name, *criterion_values, margin, *at, ok, by, *(of.get(p) for p in paths), evaluated, *stated, units]
+        yield lines([row])
 
 
 def _nominal(reader: sa.Connection, run_id: int) -> NominalCase:

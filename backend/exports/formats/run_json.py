@@ -16,6 +16,7 @@ from backend.db.engine import read
 from backend.exports.format import Format, words
 from backend.exports.sheet import Block, Evaluated, Sheet, sheet
 from backend.http.written import cells, compact
+from backend.results import likely
 from backend.results import service as results
 from backend.results.coverage import read as coverage
 from backend.runs import service as runs
@@ -39,6 +40,7 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
             "signoffs": [s.model_dump(mode="json") for s in signoffs.listed(reader, run_id).items],
             "findings": [f.model_dump(mode="json") for f in results.findings(reader, run_id)],
             "coverage": coverage.read(reader, run_id).model_dump(mode="json"),
+            "most_likely_violation": likely.violation(reader, run_id).model_dump(mode="json"),
         }
         stages = [s.model_dump(mode="json") for s in runs.stages(reader, run_id)]
         flights = [flight.name for flight in results.traces(reader, run_id)]

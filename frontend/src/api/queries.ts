@@ -1,6 +1,6 @@
 // The query cache: keys and freshness of the service's responses. The event stream writes into the same cache.
-import { infiniteQueryOptions, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
-import type { RunSummary, TraceHead } from '../client'
+import { infiniteQueryOptions, keepPreviousData, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
+import type { ReweightRequest, RunSummary, TraceHead } from '../client'
 import { learnMethods, requestBy } from '../ui/methods'
 import * as sdk from '../client'
 import { answer, getRun, getSchema, listRuns, type RunFilter } from './calls'
@@ -113,6 +113,19 @@ export const coverageQuery = (id: string) =>
 
 export const findingsQuery = (id: string) =>
   queryOptions({ queryKey: ['findings', id], queryFn: () => answer(sdk.listFindings({ path: { run: id } })) })
+
+/** Computed from all evaluations when it is asked for. */
+export const mostLikelyQuery = (id: string) =>
+  queryOptions({ queryKey: ['most likely', id], queryFn: () => answer(sdk.getMostLikely({ path: { run: id } })) })
+
+/** The independent sample, re-weighted to other distributions. */
+export const reweightedQuery = (id: string, body: ReweightRequest) =>
+  queryOptions({
+    queryKey: ['reweighted', id, body],
+    queryFn: ({ signal }) => answer(sdk.reweightSample({ path: { run: id }, body, signal })),
+    placeholderData: keepPreviousData,
+    retry: false,
+  })
 
 export const tracesQuery = (id: string) =>
   queryOptions({ queryKey: ['traces', id], queryFn: () => answer(sdk.listTraces({ path: { run: id } })).then((all) => all.map(counted)) })

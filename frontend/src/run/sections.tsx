@@ -18,6 +18,7 @@ import { SensitivityCard as Sensitivity } from './parameters/SensitivityCard'
 import { Tornado } from './parameters/Tornado'
 import { Components } from './provenance/Components'
 import { Provenance } from './provenance/Provenance'
+import { heightOf, NotReweighted, ReweightCard } from './sample/ReweightCard'
 import { SampleCard } from './sample/SampleCard'
 import { Convergence } from './search/Convergence'
 import { Failures } from './search/Failures'
@@ -142,8 +143,9 @@ const OWN: readonly Section[] = [
     of: ({ sample }) => sample,
     title: 'Sample',
     count: (_, { samples }) => samples,
-    pieces: ({ data, grid, blocks }, sample) => [
+    pieces: ({ data, grid, blocks, certified }, sample) => [
       { height: 480, card: <SampleCard key="sample" data={data} sample={sample} grid={grid} blocks={blocks} className="" /> },
+      { height: certified ? heightOf(data) : 90, card: certified ? <ReweightCard key="reweight" data={data} /> : <NotReweighted key="reweight" /> },
     ],
   }),
   section({

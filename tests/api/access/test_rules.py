@@ -202,6 +202,7 @@ def test_only_health_the_schema_and_signing_in_are_open() -> None:
 
 def test_no_write_is_for_viewers_but_what_is_their_own() -> None:
     harmless = {"/api/v1/campaigns/check", "/api/v1/runs/{run}/views/{key}", "/api/v1/session"}
+    harmless |= {"/api/v1/runs/{run}/reweighted"}
     for (method, path), rule in RULES.items():
         if method in ("POST", "PUT", "PATCH", "DELETE") and rule.role == "viewer" and path not in harmless:
             assert path.startswith(("/api/v1/session", "/api/v1/tokens")), path

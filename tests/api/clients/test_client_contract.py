@@ -28,6 +28,7 @@ REQUESTS: dict[str, Call[Any]] = {
     "restart_run": calls.restart("R-0001"),
     "continue_run": calls.carry_on("R-0001"),
     "list_findings": calls.findings("R-0001"),
+    "get_most_likely": calls.most_likely_violation("R-0001"),
     "list_signoffs": calls.signoffs("R-0001"),
     "list_traces": calls.traces("R-0001"),
     "get_trace": calls.trace_data("R-0001", "F1", 100),

@@ -73,7 +73,12 @@ def test_a_run_is_shown(violated: str, command: Command, capsys: pytest.CaptureF
     assert command("show", violated) == 0, "the exit code of a command that does not wait is not the verdict"
     text = statement(capsys)
     assert text.startswith(f"R-0001 Violated: {campaign()['name']}\n")
-    for part in ("fails  X: holds", "F1: d_min 1.3 m, margin +0.8 m; vehicle.m = 6.0", "Labels: branch=main"):
+    for part in (
+        "fails  X: holds",
+        "F1: d_min 1.3 m, margin +0.8 m; vehicle.m = 6.0",
+        "Labels: branch=main",
+        "equally likely",
+    ):
         assert part in text
     assert text.rstrip().endswith("/runs/R-0001")
     assert command("show", violated, "--json") == 0

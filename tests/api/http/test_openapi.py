@@ -36,6 +36,7 @@ def test_every_operation_is_described(path: str, method: str, operation: dict[st
     takes_body += (
         "/api/v1/runs/{run}/flights",
         "/api/v1/runs/{run}/cases",
+        "/api/v1/runs/{run}/reweighted",
         "/api/v1/runs/{run}/signoffs",
         "/api/v1/runs/{run}/signoffs/{signoff}/withdraw",
     )

@@ -58,6 +58,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.webhooks": (*SHARED, "backend.runs"),
     "backend.signoffs": (*SHARED, "backend.catalog", "backend.runs"),
     "backend.results": (*SHARED, "backend.catalog", "backend.runs"),
+    "backend.likelihood": (*SHARED, "backend.runs", "backend.results"),
     "backend.events": (*SHARED, "backend.catalog", "backend.runs", "backend.results", "backend.workers"),
     "backend.reports": (*SHARED, "backend.catalog", "backend.runs", "backend.results", "backend.signoffs"),
     "backend.previews": (*SHARED, "backend.catalog", "backend.scenes.live"),

@@ -21,7 +21,7 @@ PARTS = {
     "verdict", "reason", "sentence", "scope", "statement", "holds_for", "values", "nominal", "worst", "stages",
     "comparison", "evaluations", "checks", "statistics", "regression", "sureness", "findings", "failures", "digest",
     "seed", "identity", "versions", "continues", "command_given", "labels", "baseline", "results", "components",
-    "files",
+    "files", "most_likely_violation",
 }  # fmt: skip
 """Of result.json and evidence.json; what has another name is no part of a record, and nothing compares it."""
 

@@ -26,6 +26,7 @@ from campaigns.results.verdict import SCOPE
 from campaigns.stages.plan import most
 from worker.evidence.audit import charts, counted, limits
 from worker.evidence.audit.agreement import agreement, apart, family
+from worker.evidence.audit.likelihood import likely
 from worker.evidence.audit.points import grid, required
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
@@ -244,6 +245,7 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     if run.sealed:
         pairs = zip(run.findings, run.claims["findings"], strict=True)
         expected["findings"] = [found | _found(run, recorded) for found, recorded in pairs]
+        expected |= likely(run, expected["findings"])
     if run.sealed and run.findings:
         expected["worst"] = _worst(run)
     if not run.reworded and (run.sealed or "sureness" in run.claims):

@@ -16,6 +16,7 @@ import { Sign } from '../../ui/Sign'
 import { useHotkeys } from '../../ui/useHotkeys'
 import { NOMINAL } from '../data/chosen'
 import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
+import { isLikely, LikelyCell, LikelySentence, MostLikelyRow } from './Likely'
 import { ModePicture } from './ModePicture'
 import { useAddress } from '../data/useAddress'
 import { validatedWord } from '../data/validated'
@@ -39,6 +40,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
   const decimals = decimalsApart([run.nominal_cost, ...findings.flatMap(({ cost, granted }) => [cost, granted])], 4, 6)
   const shared = { data, decimals, choose }
   const flown = hasScenario(data.campaign)
+  const likely = isLikely(findings)
   return (
     <Card
       title="Findings"
@@ -50,6 +52,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
         result?.findings && (
           <>
             <Boundary data={data} statement={shown?.boundary?.statement ?? []} />
+            <LikelySentence data={data} />
             <Gathering gathered={result.findings} kept={findings.length} />
           </>
         )
@@ -62,6 +65,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
             {flown && <th>From above</th>}
             <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
             <NumHead unit={run.unit}>Margin</NumHead>
+            {likely && <NumHead unit="standard deviations" title="Distance from the most likely point of the stated distributions, and how many draws are no more likely">Likelihood</NumHead>}
             {flown && <NumHead unit="s">Closest at</NumHead>}
             {flown && <NumHead unit="m/s">Speed there</NumHead>}
             {run.criteria.slice(1).map((criterion) => (
@@ -83,6 +87,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
           {findings.map((finding) => (
             <Row key={finding.label} {...shared} finding={finding} on={finding.label === chosen} />
           ))}
+          <MostLikelyRow data={data} decimals={decimals} between={(flown ? 2 : 0) + run.criteria.length - 1} />
           <Nominal {...shared} on={chosen === NOMINAL} />
         </tbody>
       </table>
@@ -114,6 +119,7 @@ function Row({ data, decimals, choose, on, finding }: RowProps & { finding: Find
         )}
       </td>
       <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
+      {isLikely(data.findings) && <LikelyCell likelihood={finding.likelihood} />}
       <Met data={data} name={label} values={finding.values} />
       {parameters.map((p) => (
         <td key={p.path} className={styles.place}>
@@ -148,6 +154,7 @@ function Nominal({ data, decimals, choose, on }: RowProps) {
       {hasScenario(data.campaign) && <Picture data={data} name={NOMINAL} />}
       <td className="num">{fixed(run.nominal_cost, decimals)}</td>
       <td className={margin !== null && margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
+      {isLikely(data.findings) && <td />}
       <Met data={data} name={NOMINAL} values={valuesOf(data.nominalTrace)} />
       <td colSpan={parameters.length + 3} className="mut small">
         Every parameter at its nominal value

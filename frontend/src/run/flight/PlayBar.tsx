@@ -21,6 +21,7 @@ import { WhatIfButton } from './WhatIfButton'
 import type { WhatIfState } from './useWhatIf'
 import { Select } from '../../ui/Select'
 import layout from '../../ui/layout.module.css'
+import fields from '../../ui/fields.module.css'
 import styles from './flight.module.css'
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5]
@@ -88,7 +89,7 @@ function Scrubber({ data, view, shown }: Props) {
   return (
     <>
       <output className={clsx(styles.instant, 'num')}>{shown ? `${fixed(at, 2)} s` : '—'}</output>
-      <span className={styles.scrub}>
+      <span className={fields.scrub}>
         <input
           type="range"
           aria-label="Time"

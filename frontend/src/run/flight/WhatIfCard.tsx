@@ -201,7 +201,7 @@ function Row({ parameter, value, base, worst, changed, onChange }: RowProps) {
       <span className={changed ? 'b' : ''} title={`${path}: ${text}`}>
         <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
       </span>
-      <span className={styles.scrub}>
+      <span className={fields.scrub}>
         <input
           type="range"
           aria-label={label}

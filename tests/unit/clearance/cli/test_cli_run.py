@@ -160,6 +160,7 @@ def test_a_failure_of_clearance_itself_is_4(
 KEYS = {
     "verdict", "reason", "nominal", "worst", "stages", "comparison", "checks", "statistics", "findings", "evaluations",
     "digest", "identity", "seed", "versions", "sentence", "scope", "statement", "holds_for", "values",
+    "most_likely_violation",
 }  # fmt: skip
 
 

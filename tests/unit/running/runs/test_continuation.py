@@ -21,6 +21,7 @@ from campaigns import Campaign
 from campaigns.refusals import RefusalCode
 from campaigns.stages.plan import most, plan
 from clearance.cli import INTERRUPTED, WRONG_INPUT, invoke
+from clearance.local.likelihood import likelihoods
 from clearance.local.results import read_folder
 from tests.audited import audited
 from tests.given.case_campaigns import searching
@@ -132,7 +133,8 @@ def test_it_equals_one_long_run(first: Path, tmp_path: Path) -> None:
         assert other is not None
         assert np.array_equal(one.points, other.points)
         assert np.array_equal(one.costs, other.costs, equal_nan=True)
-    assert [f.model_dump() for f in at_once.findings] == written(out)["findings"]
+    likely = likelihoods(campaign, at_once, "m")
+    assert [likely.stated(f).model_dump(mode="json") for f in at_once.findings] == written(out)["findings"]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,87 @@
+"""Re-weights the stored independent sample of a run to other distributions; nothing is evaluated or stored."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import sqlalchemy as sa
+
+from backend.db.rows import stored_columns
+from backend.db.tables import Stage
+from backend.http.errors import RefusedError
+from backend.likelihood.schemas import ReweightRequest
+from backend.results.likely import densities
+from backend.runs.service import campaign
+from backend.runs.versions import readable
+from campaigns import Campaign, Problem
+from campaigns.asked.distributions import Uncertain
+from campaigns.checked.uncertainty import distributed
+from campaigns.claims import reweighted as claims
+from campaigns.densities.joint import joined
+from campaigns.densities.reweighting import Drawn, Terms, reweighted, without
+from campaigns.results.reweighted import Reweighted
+from campaigns.results.sample import Sample
+from campaigns.runs import run_name
+from campaigns.stages.found import stage_result
+
+SHARES = (0.01, 0.05, 0.5)
+"""The quantiles that are estimated, besides that of the campaign."""
+
+
+def estimated(reader: sa.Connection, run_id: int, request: ReweightRequest) -> Reweighted:
+    """The estimate under the moved distributions, or why there is none; `RefusedError` for what is no distribution."""
+    asked = campaign(reader, run_id)
+    limits, stated = densities(reader, run_id)
+    if stated is None:
+        return without(claims.no_bounds(), asked.confidence)
+    moved = _moved(asked, limits, request.uncertain)
+    found = _sample(reader, run_id)
+    if found is None:
+        return without(claims.no_sample(), asked.confidence)
+    position, sample = found
+    drawn = _drawn(reader, run_id, position, sample)
+    if drawn is None:
+        return without(claims.not_whole(), asked.confidence)
+    bounds = {path: one.interval(limits[path][0]) for path, one in moved.items()}
+    over = joined({path: one.distribution for path, one in moved.items()}, asked.correlations, bounds)
+    own = [] if sample.quantile is None else [sample.quantile.share]
+    terms = Terms(asked.criterion.threshold, asked.confidence, sorted({*SHARES, *own}))
+    return reweighted(stated, over, drawn, terms)
+
+
+def _moved(
+    asked: Campaign, limits: Mapping[str, tuple[float, float, float]], moved: Mapping[str, Uncertain]
+) -> dict[str, Uncertain]:
+    """The stated distributions with the moved ones in their place."""
+    unknown = [
+        Problem(f"uncertain.{path}", path, "not an uncertain parameter") for path in moved.keys() - asked.uncertain
+    ]
+    if unknown:
+        raise RefusedError(422, "unknown-parameter", "the campaign has no such uncertain parameter", unknown)
+    problems: list[Problem] = []
+    for path, one in moved.items():
+        low, high = one.interval(limits[path][0])
+        if low < high:
+            problems += distributed(f"uncertain.{path}", one, low, high)
+        else:
+            problems.append(Problem(f"uncertain.{path}", f"{low:g} to {high:g}", "low must be below high"))
+    if problems:
+        raise RefusedError(422, "invalid-request", "a moved distribution does not fit its bounds", problems)
+    return {**asked.uncertain, **moved}
+
+
+def _sample(reader: sa.Connection, run_id: int) -> tuple[int, Sample] | None:
+    """The position of the stage that drew the independent sample of a run, and the sample; None without one."""
+    of = sa.select(Stage.position, Stage.result).where(Stage.run_id == run_id).order_by(Stage.position)
+    with readable(f"a stage of {run_name(run_id)}"):
+        results = [(row.position, stage_result(row.result)) for row in reader.execute(of) if row.result is not None]
+    certified = ((position, result.certificate) for position, result in results)
+    return next(((position, one.sample) for position, one in certified if one is not None), None)
+
+
+def _drawn(reader: sa.Connection, run_id: int, position: int, sample: Sample) -> Drawn | None:
+    """The draws, excluded ones included, without the grid that may follow them; None if they are not stored whole."""
+    draws, columns = sample.samples + sample.excluded, stored_columns(reader, run_id, position)
+    if columns is None or len(columns.status) < draws:
+        return None
+    return Drawn(columns.points[:draws], columns.costs[:draws, 0], columns.status[:draws])

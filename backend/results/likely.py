@@ -1,0 +1,62 @@
+"""How likely evaluations of a run are under its distributions: the densities, and the most likely violation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import sqlalchemy as sa
+
+from backend.catalog.criteria import criteria
+from backend.catalog.service import bounds, described
+from backend.db.rows import chunks
+from backend.db.tables import EvaluationChunk, Stage
+from backend.results import noise
+from backend.runs.service import campaign
+from campaigns.densities.joint import Joint, joint
+from campaigns.densities.likelihood import Rows, most_likely
+from campaigns.results.base import OK
+from campaigns.results.likelihood import MostLikely
+
+Limits = dict[str, tuple[float, float, float]]
+"""Nominal value and bounds by path."""
+_COSTS = [EvaluationChunk.first, EvaluationChunk.count, EvaluationChunk.costs, EvaluationChunk.status]
+
+
+def densities(reader: sa.Connection, run_id: int) -> tuple[Limits, Joint | None]:
+    """Nominal values and bounds of a run, and its joint density; None if bounds are not known. 404 without the run."""
+    of = campaign(reader, run_id)
+    limits = bounds(of, described(reader, run_id))
+    within = {path: (low, high) for path, (_, low, high) in limits.items()}
+    return limits, joint(of, within) if within.keys() >= of.uncertain.keys() else None
+
+
+def violation(reader: sa.Connection, run_id: int) -> MostLikely:
+    """The most likely of the violations that were evaluated; 404 if there is no such run."""
+    limits, of = densities(reader, run_id)
+    asked = campaign(reader, run_id)
+    deciding = criteria(asked.document(), described(reader, run_id))[0]
+    nominal = {path: triple[0] for path, triple in limits.items()}
+    return most_likely(asked.criterion.threshold, of, nominal, _violating(reader, run_id), deciding.unit)
+
+
+def _violating(reader: sa.Connection, run_id: int) -> Iterator[Rows]:
+    """The chunks that have a violation, stage by stage; of the others only costs and status are read."""
+    asked = campaign(reader, run_id)
+    drawn, threshold = noise.drawn(reader, run_id, asked), asked.criterion.threshold
+    positions = sa.select(Stage.position).where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
+    for position in reader.scalars(positions).all():
+        wanted = [chunk.first for chunk in chunks(reader, run_id, position, *_COSTS) if _violates(chunk, threshold)]
+        where = EvaluationChunk.first.in_(wanted)
+        for chunk in chunks(reader, run_id, position, *_COSTS, EvaluationChunk.points, where=where):
+            points, costs = (
+                np.frombuffer(data, "<f8").reshape(chunk.count, -1) for data in (chunk.points, chunk.costs)
+            )
+            status = np.frombuffer(chunk.status, np.uint8)
+            yield Rows(position, chunk.first, points, costs, status, drawn.get(position, noise.NONE).tolist())
+
+
+def _violates(chunk: Any, threshold: float) -> bool:
+    costs = np.frombuffer(chunk.costs, "<f8").reshape(chunk.count, -1)[:, 0]
+    return bool(((np.frombuffer(chunk.status, np.uint8) == OK) & (costs <= threshold)).any())

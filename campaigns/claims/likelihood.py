@@ -1,0 +1,60 @@
+"""Sentences on how likely a case is under the stated distributions: one wherever it is stated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from campaigns.claims.say import count, finding, listed, number, percent, say, signed, symbol
+from campaigns.claims.spans import Spans
+
+UNIFORM = say("all points of the box are equally likely")
+
+
+def unbounded(paths: Sequence[str]) -> Spans:
+    """Beta distributions with a shape below 1 have no highest density."""
+    of = listed([symbol(path) for path in paths])
+    return say("no likelihood is stated: the density of ", of, " is unbounded at a bound, so there is no highest one")
+
+
+def at_bound() -> Spans:
+    """Correlated parameters are compared in the standard normal space, in which a bound is at infinity."""
+    return say("no likelihood is stated: a correlated parameter is at its bound, where its distance is not defined")
+
+
+def impossible() -> Spans:
+    """Of triangular and beta distributions at their bounds."""
+    return say("the density of the stated distributions is ", percent(0.0, name="density"), " here")
+
+
+def likelihood(density: float, distance: float, tail: float, parameters: int, of: int) -> Spans:
+    """The distance, the density and the draws that are no more likely."""
+    others = say(", without the ", count(of - parameters), " uniform") if of > parameters else ()
+    return say(
+        *(number(distance, name="distance", digits=3), " standard deviations from the most likely point", others),
+        *("; density ", percent(density, name="density"), " of the highest; "),
+        *(percent(tail, name="tail"), " of all draws are no more likely"),
+    )
+
+
+def most_likely(violations: int, name: str, margin: float, unit: str, of: Spans) -> Spans:
+    """The most likely violation, and of what it is the most likely one."""
+    return say(
+        *("the most likely of the ", count(violations, "violations"), " stored violations, not of all: "),
+        *(f"evaluation {name}, margin ", signed(margin, unit, "margin"), ", not validated; ", of),
+    )
+
+
+def lines(findings: Mapping[str, Spans], violation: Spans) -> list[Spans]:
+    """A clause for each finding, one for all where it is the same, and that of the most likely violation."""
+    distinct = list(dict.fromkeys(findings.values()))
+    each = distinct if distinct == [UNIFORM] else [say(finding(label), ": ", of) for label, of in findings.items()]
+    return [*each, *([violation] if violation else [])]
+
+
+def no_case(violations: int, known: bool, uniform: bool) -> Spans:
+    """Why there is no most likely violation."""
+    if not violations:
+        return say("no stored evaluation violates the criterion")
+    if uniform:
+        return UNIFORM
+    return say("no violation has a likelihood" if known else "the bounds of a parameter are not known")

@@ -1,0 +1,96 @@
+"""Sentences on an estimate under moved distributions, and on why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from campaigns.claims.say import count, listed, number, percent, say, symbol
+from campaigns.claims.spans import Spans
+
+
+class Draws(NamedTuple):
+    """What an estimate rests on. few: whether too few violate to weight them."""
+
+    samples: int
+    excluded: int
+    effective: float
+    outside: float
+    few: bool
+
+
+def estimate(probability: float, ends: tuple[float, float], confidence: float, of: Draws) -> Spans:
+    """The estimate with its interval, and what it is not."""
+    return say(
+        *("P(violation) is estimated as ", percent(probability, name="probability"), ", "),
+        *(percent(ends[0], name="low"), " to ", percent(ends[1], name="high"), " with "),
+        *(percent(confidence, 6, "confidence"), " confidence, by re-weighting ", count(of.samples, "samples")),
+        *(" stored draws", " that were not excluded" if of.excluded else ""),
+        *(" (effective sample size ", count(int(of.effective), "effective"), ")", _width(of)),
+        ": an estimate, not a bound",
+    )
+
+
+def _width(of: Draws) -> Spans:
+    """Why the interval is as wide as it is."""
+    beyond = say("; the interval includes ", percent(of.outside, name="outside"), " of draws outside the bounds")
+    few = say("; few of them violate, so the interval holds wherever the violations are")
+    return say(beyond if of.outside else (), few if of.few else ())
+
+
+def no_sample() -> Spans:
+    """Searches choose their points, and a random search may stop early."""
+    return say("no estimate: the run has no independent sample; add a certify stage to its campaign and run it again")
+
+
+def not_whole() -> Spans:
+    """Some draws are missing."""
+    return say("no estimate: the independent sample is not stored whole")
+
+
+def no_bounds() -> Spans:
+    """The descriptions of the run's components are not here."""
+    return say("no estimate: the bounds of a parameter are not known in this installation")
+
+
+def too_few(effective: float, samples: int, needed: int) -> Spans:
+    """Too few of the stored draws are likely under the moved distributions."""
+    return say(
+        *("no estimate: the ", count(samples, "samples"), " stored draws are worth only "),
+        *(number(effective, name="effective", digits=3), " under these distributions, and at least "),
+        *(count(needed, "needed"), " are needed; move the distributions less, or draw a larger sample"),
+    )
+
+
+def beyond(paths: Sequence[str]) -> Spans:
+    """Moved bounds are wider than those of the draws."""
+    of = listed([symbol(path) for path in paths])
+    return say(
+        "no estimate: the moved bounds of ",
+        of,
+        " are wider than those of the draws, beyond which nothing was evaluated",
+    )
+
+
+def outside(fraction: float, most: float) -> Spans:
+    """Too many draws would be where nothing was evaluated."""
+    return say(
+        *(
+            "no estimate: ",
+            percent(fraction, name="outside"),
+            " of the draws would be outside the bounds, where nothing ",
+        ),
+        *("was evaluated, and at most ", percent(most, 6, "most"), " may be; move the distributions less"),
+    )
+
+
+def redrawn(fraction: float) -> Spans:
+    """Of correlated normal distributions, what was outside was drawn again inside, by no density."""
+    return say(
+        *(
+            "no estimate: up to ",
+            percent(fraction, name="redrawn"),
+            " of the correlated draws were outside the bounds ",
+        ),
+        "and drawn again within them, so their density is not known; widen the bounds",
+    )

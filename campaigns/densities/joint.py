@@ -1,0 +1,131 @@
+"""The joint density of a campaign's uncertain parameters: marginal densities and the Gaussian copula that joins them.
+
+Nelsen, An Introduction to Copulas, 2006, section 2.3. The standard normal space of correlated parameters is that of Der
+Kiureghian and Liu, Structural reliability under incomplete probability information, J. Eng. Mech. 112, 1986.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from campaigns import cube
+from campaigns.asked.distributions import Correlation, Distribution
+from campaigns.asked.spec import Campaign
+from campaigns.checked.uncertainty import matrix
+from campaigns.densities import special
+from campaigns.densities.shapes import Shape, shape
+from campaigns.densities.special import Floats
+
+Bounds = Mapping[str, tuple[float, float]]
+"""Low and high by path, in the parameters' units."""
+ROUNDING = 1e-9
+"""Fraction of a range by which a value at a bound may be beyond it by conversion of units."""
+LEAST, MOST = -37.0, 8.3
+"""The scores of the smallest probability, and of the largest below 1: those of a draw that is rounded to a bound."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """shapes: of each parameter by path, in the order of points; mixed: indices of the correlated ones; whitening: the
+    matrix that makes their scores independent."""
+
+    shapes: dict[str, Shape]
+    low: Floats
+    high: Floats
+    mixed: tuple[int, ...]
+    whitening: Floats
+
+    @property
+    def alone(self) -> list[Shape]:
+        """The distributions of the uncorrelated parameters."""
+        return [one for k, one in enumerate(self.shapes.values()) if k not in self.mixed]
+
+    @property
+    def uniform(self) -> bool:
+        """Whether every point of the box is equally likely."""
+        return not self.mixed and all(one.freedom == 0 for one in self.alone)
+
+    @property
+    def unbounded(self) -> list[str]:
+        """The uncorrelated parameters whose density has no highest value."""
+        alone = self.alone
+        return [path for path, one in self.shapes.items() if one in alone and one.peak == math.inf]
+
+    @property
+    def outside(self) -> float:
+        """The probability of a draw outside the bounds; with correlations an upper bound, the sum of the tails."""
+        tails = [one.outside for one in self.shapes.values()]
+        return min(1.0, sum(tails)) if self.mixed else 1.0 - math.prod(1.0 - tail for tail in tails)
+
+    def point(self, values: Mapping[str, float]) -> Floats:
+        """Values by path as a point (n,) of the unit cube."""
+        return np.clip(cube.share(np.array([values[path] for path in self.shapes]), self.low, self.high), 0.0, 1.0)
+
+    def values(self, points: Floats) -> Floats:
+        """Points (m, n) in the parameters' units."""
+        return self.low + points * (self.high - self.low)
+
+    def drawn(self, uniform: Floats) -> Floats:
+        """Uniform samples (m, n) as draws within the bounds (k, n); those outside are left out."""
+        scores = special.normal_quantile(uniform)
+        scores[:, self.mixed] = scores[:, self.mixed] @ np.linalg.inv(self.whitening).T
+        points = [one.at(scores[:, k]) for k, one in enumerate(self.shapes.values())]
+        found = np.stack(points, axis=1)
+        return found[((found >= 0.0) & (found <= 1.0)).all(axis=1)]
+
+    def scores(self, points: Floats) -> Floats:
+        """The standard normal scores (m, c) of the correlated parameters, not yet independent."""
+        shapes = list(self.shapes.values())
+        columns = [shapes[k].score(points[:, k]) for k in self.mixed]
+        return np.stack(columns, axis=1) if columns else np.empty((len(points), 0))
+
+    def falls(self, points: Floats) -> tuple[Floats, Floats]:
+        """How far the density at points (m, n) is below its highest, as `fall`, in two parts (m,).
+
+        Of the uncorrelated parameters in their own units; of the correlated ones in the standard normal space, where it
+        is infinite at a bound.
+        """
+        free = [k for k in range(len(self.shapes)) if k not in self.mixed]
+        own = sum((one.fall(points[:, k]) for k, one in zip(free, self.alone, strict=True)), np.zeros(len(points)))
+        scores = self.scores(points)
+        known = np.isfinite(scores).all(axis=1)
+        joined = np.full(len(points), math.inf)
+        joined[known] = ((scores[known] @ self.whitening.T) ** 2).sum(axis=1)
+        return own, joined
+
+    def log_density(self, points: Floats) -> Floats:
+        """Of draws within the bounds, up to a constant if correlated ones have tails outside the bounds (m,)."""
+        columns = enumerate(self.shapes.values())
+        own = sum((one.log_density(points[:, k]) for k, one in columns), np.zeros(len(points)))
+        scores = np.nan_to_num(self.scores(points), neginf=LEAST, posinf=MOST)
+        joined = (scores**2).sum(axis=1) - ((scores @ self.whitening.T) ** 2).sum(axis=1)
+        return np.asarray(own + joined / 2.0 + np.linalg.slogdet(self.whitening)[1])
+
+    def log_density_at(self, values: Floats) -> Floats:
+        """The same at values (m, n) in the parameters' units, and per these; minus infinity outside the bounds (m,)."""
+        points = cube.share(values, self.low, self.high)
+        inside = (np.abs(points - 0.5) <= 0.5 + ROUNDING).all(axis=1)
+        found = np.full(len(points), -math.inf)
+        found[inside] = self.log_density(np.clip(points[inside], 0.0, 1.0)) - np.log(self.high - self.low).sum()
+        return found
+
+
+def joint(campaign: Campaign, bounds: Bounds) -> Joint:
+    """The density of a campaign; raises `KeyError` if a parameter has no bounds here."""
+    distributions = {path: uncertain.distribution for path, uncertain in campaign.uncertain.items()}
+    return joined(distributions, campaign.correlations, bounds)
+
+
+def joined(distributions: Mapping[str, Distribution], correlations: Sequence[Correlation], bounds: Bounds) -> Joint:
+    """The density of these distributions over these bounds, joined by these correlations."""
+    paths = list(distributions)
+    correlated = {path for c in correlations if c.value != 0.0 for path in c.between}
+    mixed = tuple(k for k, path in enumerate(paths) if path in correlated)
+    joins = np.array(matrix(correlations, paths))[np.ix_(mixed, mixed)]
+    low, high = (np.array([bounds[path][k] for path in paths]) for k in (0, 1))
+    shapes = {path: shape(one, *bounds[path]) for path, one in distributions.items()}
+    return Joint(shapes, low, high, mixed, np.linalg.inv(np.linalg.cholesky(joins)))

@@ -1,0 +1,118 @@
+"""How likely a case is under the stated distributions: `likelihood`; and the most likely violation: `most_likely`.
+
+The probability that a draw is no more likely is that of the region outside the level set of the density (Hyndman,
+Computing and graphing highest density regions, The American Statistician 50, 1996).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaigns import cube
+from campaigns.claims import likelihood as claims
+from campaigns.densities.joint import Joint
+from campaigns.densities.shapes import Shape
+from campaigns.densities.special import Floats, chi_square_beyond
+from campaigns.results.base import OK
+from campaigns.results.likelihood import Likelihood, LikelyViolation, MostLikely
+
+CELLS = 1000
+"""Of the grid on which the falls of several bounded distributions are added."""
+
+
+def likelihood(of: Joint, point: Floats) -> Likelihood:
+    """How likely one point (n,) of the unit cube is."""
+    if of.uniform:
+        return Likelihood(statement=claims.UNIFORM)
+    if of.unbounded:
+        return Likelihood(statement=claims.unbounded(of.unbounded))
+    own, joined = (float(fall[0]) for fall in of.falls(np.clip(point, 0.0, 1.0)[None, :]))
+    counted = len(of.mixed) + sum(one.freedom != 0 for one in of.alone)
+    if math.isinf(joined):
+        return Likelihood(parameters=counted, statement=claims.at_bound())
+    if math.isinf(own):
+        return Likelihood(density=0.0, tail=0.0, parameters=counted, statement=claims.impossible())
+    fall = own + joined
+    values = math.exp(-fall / 2.0), math.sqrt(fall), beyond(of, fall), counted
+    named = dict(zip(("density", "distance", "tail", "parameters"), values, strict=True))
+    return Likelihood.model_validate(named | {"statement": claims.likelihood(*values, of=len(of.shapes))})
+
+
+def beyond(of: Joint, fall: float) -> float:
+    """The probability that the density at a draw is at least so far below its highest."""
+    freedom = len(of.mixed) + sum(one.freedom or 0 for one in of.alone)
+    others = [one for one in of.alone if one.freedom is None]
+    if not others or fall <= 0.0:
+        return float(chi_square_beyond(fall, freedom))
+    masses = np.array([1.0])
+    for one in others:
+        masses = np.convolve(masses, _masses(one, fall))[:CELLS]
+    rest = float(others[0].beyond(np.array([fall]))[0]) if len(others) == 1 else max(1.0 - float(masses.sum()), 0.0)
+    at = (np.arange(len(masses)) + len(others) / 2.0) * (fall / CELLS)
+    return min(rest + float(masses @ chi_square_beyond(fall - at, freedom)), 1.0)
+
+
+def _masses(one: Shape, fall: float) -> Floats:
+    """The probabilities that the fall of a draw is in each cell up to `fall`."""
+    return -np.diff(one.beyond(np.linspace(0.0, fall, CELLS + 1)))
+
+
+class Rows(NamedTuple):
+    """Evaluations of one stage from the index `first` on: points (m, n), costs (m, k), status (m,).
+
+    seeds: of the noise realisations that the stage's leading evaluations drew, from its index 0 on.
+    """
+
+    position: int
+    first: int
+    points: Floats
+    costs: Floats
+    status: NDArray[np.uint8]
+    seeds: Sequence[int] = ()
+
+
+def most_likely(
+    threshold: float, of: Joint | None, nominal: Mapping[str, float], stored: Iterable[Rows], unit: str
+) -> MostLikely:
+    """The most likely of the violations among the stored evaluations; the first of equally likely ones.
+
+    of: None if the bounds of a parameter are not known; unit: of the threshold."""
+    violations, lowest = 0, math.inf
+    best: tuple[Rows, int] | None = None
+    for rows in stored:
+        violating = np.flatnonzero((rows.status == OK) & (rows.costs[:, 0] <= threshold))
+        violations += len(violating)
+        if not len(violating) or of is None or of.uniform or of.unbounded:
+            continue
+        own, joined = of.falls(rows.points[violating])
+        k = int(np.argmin(own + joined))
+        if (fall := float(own[k] + joined[k])) < lowest:
+            lowest, best = fall, (rows, int(violating[k]))
+    if of is None or best is None:
+        return MostLikely(
+            violations=violations, statement=claims.no_case(violations, of is not None, bool(of and of.uniform))
+        )
+    case = _case(of, nominal, threshold, *best)
+    name = f"{case.position}:{case.index}"
+    statement = claims.most_likely(violations, name, case.margin, unit, case.likelihood.statement)
+    return MostLikely(violations=violations, case=case, statement=statement)
+
+
+def _case(of: Joint, nominal: Mapping[str, float], threshold: float, rows: Rows, row: int) -> LikelyViolation:
+    point, cost = rows.points[row], float(rows.costs[row, 0])
+    values = cube.natural(point, [nominal[path] for path in of.shapes], of.low, of.high)
+    index = rows.first + row
+    return LikelyViolation(
+        position=rows.position,
+        index=index,
+        cost=cost,
+        margin=cost - threshold,
+        parameters=dict(zip(of.shapes, values.tolist(), strict=True)),
+        realisation=int(rows.seeds[index]) if index < len(rows.seeds) else None,
+        likelihood=likelihood(of, point),
+    )

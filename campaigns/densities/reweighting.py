@@ -1,0 +1,194 @@
+"""Estimates under moved distributions, from the independent sample of a run: `reweighted`. Nothing is evaluated.
+
+Self-normalised importance sampling: Owen, Monte Carlo theory, methods and examples, 2013, section 9.2. Effective sample
+size: Kish, Survey Sampling, 1965. Interval: Korn and Graubard, Survey Methodology 24, 1998, that of Clopper and Pearson
+with the effective number of draws; where few draws violate, that of `wherever`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaigns import rules
+from campaigns.claims import reweighted as claims
+from campaigns.claims.spans import Spans
+from campaigns.densities.joint import Joint
+from campaigns.densities.special import Floats, beta_quantile
+from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.reweighted import EstimatedQuantile, Reweighted
+
+NEEDED = 100
+"""The smallest effective sample size for an estimate."""
+TRIALS, SEED = 2**14, 1
+"""Points of the moved distributions for what is expected of the weights, always the same."""
+FEW = 10
+"""With fewer effective draws that violate, or below a quantile, too little is known of the weights there."""
+ROUNDING = 1e-9
+"""Of a sum of weights, and of a bound as a fraction of its range."""
+REDRAWN = 1e-3
+"""The largest probability of a correlated draw that was moved inside the bounds."""
+
+
+class Drawn(NamedTuple):
+    """The draws of an independent sample, excluded ones included: points (m, n), deciding costs (m,), status (m,)."""
+
+    points: Floats
+    costs: Floats
+    status: NDArray[np.uint8]
+
+
+class Terms(NamedTuple):
+    """What is estimated: P(cost <= threshold), with this confidence, and quantiles of these fractions."""
+
+    threshold: float
+    confidence: float
+    shares: Sequence[float]
+
+
+def reweighted(stated: Joint, moved: Joint, drawn: Drawn, terms: Terms) -> Reweighted:
+    """The estimate under `moved` from draws of `stated`; without numbers where it is refused."""
+    counted = drawn.status != EXCLUDED
+    every = _scaled(log_ratio(stated, moved, stated.values(drawn.points)))
+    costs, weights = np.where(drawn.status == OK, drawn.costs, -math.inf)[counted], every[counted]
+    trials = moved.values(moved.drawn(np.random.default_rng(SEED).random((TRIALS, len(moved.shapes)))))
+    ratios = log_ratio(stated, moved, trials)
+    found = Reweighted(
+        samples=len(costs),
+        violations=int(np.count_nonzero(costs <= terms.threshold)),
+        failed=int(np.count_nonzero(np.isneginf(costs))),
+        excluded=int(np.count_nonzero(~counted)),
+        effective=effective(weights, ratios),
+        needed=NEEDED,
+        outside=moved.outside,
+        confidence=terms.confidence,
+    )
+    if refusal := _refused(stated, moved, found):
+        return found.model_copy(update={"statement": refusal})
+    kept = float(weights.sum() / every.sum())
+    return _estimated(found, _Weighted(weights / weights.sum(), costs, ratios, kept), terms)
+
+
+def without(reason: Spans, confidence: float) -> Reweighted:
+    """What is stated where there are no draws."""
+    nothing = dict.fromkeys(("samples", "violations", "failed", "excluded", "effective", "outside"), 0)
+    return Reweighted.model_validate(nothing | {"needed": NEEDED, "confidence": confidence, "statement": reason})
+
+
+class _Weighted(NamedTuple):
+    """shares: weights of the counted draws, whose sum is 1; ratios: of trials; kept: the weight not excluded."""
+
+    shares: Floats
+    costs: Floats
+    ratios: Floats
+    kept: float
+
+
+def log_ratio(stated: Joint, moved: Joint, values: Floats) -> Floats:
+    """The logarithm of the ratio of the two densities at each point; minus infinity where the moved one is zero."""
+    under, over = stated.log_density_at(values), moved.log_density_at(values)
+    known = np.isfinite(under)
+    return np.where(known, over - np.where(known, under, 0.0), -math.inf)
+
+
+def _scaled(logarithms: Floats) -> Floats:
+    """Weights up to a factor, so that none is too large."""
+    top = float(logarithms.max(initial=-math.inf))
+    return np.exp(logarithms - top) if math.isfinite(top) else np.zeros(len(logarithms))
+
+
+def effective(weights: Floats, ratios: Floats) -> float:
+    """Kish's effective sample size, as observed and as expected, whichever is lower; ratios: `log_ratio` of trials.
+
+    What is observed is too large where the draws miss the largest weights. The mean weight under the moved
+    distributions is the mean square under the stated ones.
+    """
+    if not len(ratios):
+        return 0.0
+    expected = len(weights) / float(np.exp(np.clip(ratios, None, 700.0)).mean())
+    return min(_kish(weights), expected, float(len(weights)))
+
+
+def _kish(weights: Floats) -> float:
+    return float(weights.sum() ** 2 / (weights**2).sum()) if weights.any() else 0.0
+
+
+def _refused(stated: Joint, moved: Joint, found: Reweighted) -> Spans:
+    """Why there is no estimate; empty if there is one."""
+    ceiling = rules.CEILING.value
+    if wider := [path for path, one in zip(stated.shapes, _wider(stated, moved), strict=True) if one]:
+        return claims.beyond(wider)
+    if moved.outside > ceiling:
+        return claims.outside(moved.outside, ceiling)
+    redrawn = sum(one.outside for k, one in enumerate(stated.shapes.values()) if k in stated.mixed)
+    if redrawn > REDRAWN:
+        return claims.redrawn(redrawn)
+    return claims.too_few(found.effective, found.samples, NEEDED) if found.effective < NEEDED else ()
+
+
+def _wider(stated: Joint, moved: Joint) -> list[bool]:
+    slack = ROUNDING * (stated.high - stated.low)
+    return [bool(one) for one in (moved.low < stated.low - slack) | (moved.high > stated.high + slack)]
+
+
+def _estimated(found: Reweighted, of: _Weighted, terms: Terms) -> Reweighted:
+    violate = of.costs <= terms.threshold
+    p = min(float(of.shares[violate].sum()), 1.0)
+    low, high = interval(p, of.shares, violate, found.effective, terms.confidence)
+    few = min(_kish(of.shares[violate]), _kish(of.shares[~violate])) < FEW
+    if few:
+        ends = wherever(found.violations, found.samples + found.excluded, of.ratios, terms.confidence)
+        low, high = min(low, ends[0]), max(high, min(ends[1] / of.kept, 1.0))
+    low, high = low * (1.0 - found.outside), high * (1.0 - found.outside) + found.outside
+    draws = claims.Draws(found.samples, found.excluded, found.effective, found.outside, few)
+    statement = claims.estimate(p, (low, high), terms.confidence, draws)
+    quantiles = _quantiles(of.shares, of.costs, terms.shares)
+    estimates = {"probability": p, "low": low, "high": high, "quantiles": quantiles, "statement": statement}
+    return found.model_copy(update=estimates)
+
+
+def interval(
+    p: float, shares: Floats, violate: NDArray[np.bool_], most: float, confidence: float
+) -> tuple[float, float]:
+    """Korn and Graubard's two-sided interval of a weighted fraction p.
+
+    shares: weights whose sum is 1; most: the largest effective number of draws.
+    """
+    variance = float((shares**2 * (violate - p) ** 2).sum())
+    n = min(most, p * (1.0 - p) / variance) if variance > 0.0 else most
+    return _clopper_pearson(n * p, n, confidence)
+
+
+def _clopper_pearson(events: float, draws: float, confidence: float) -> tuple[float, float]:
+    tail = (1.0 - confidence) / 2.0
+    low = beta_quantile(tail, events, draws - events + 1.0) if events > 0.0 else 0.0
+    high = beta_quantile(1.0 - tail, events + 1.0, draws - events) if events < draws else 1.0
+    return low, high
+
+
+def wherever(violations: int, draws: int, ratios: Floats, confidence: float) -> tuple[float, float]:
+    """An interval that holds wherever the violations are, from their unweighted number; ratios: `log_ratio` of trials.
+
+    Of all regions with a stated probability, that with the highest ratio of densities has the highest moved one (Neyman
+    and Pearson, Phil. Trans. R. Soc. A 231, 1933), and that with the lowest the lowest.
+    """
+    low, high = _clopper_pearson(violations, draws, confidence)
+    inverse = np.sort(np.exp(-np.clip(ratios, -700.0, 700.0))) / len(ratios)
+    most = np.searchsorted(np.cumsum(inverse), high) + 1
+    least = np.searchsorted(np.cumsum(inverse[::-1]), low)
+    return float(least) / len(ratios), min(float(most) / len(ratios), 1.0)
+
+
+def _quantiles(shares: Floats, costs: Floats, wanted: Sequence[float]) -> list[EstimatedQuantile]:
+    """Of the stored draws; none where few are below it."""
+    order = np.argsort(costs, kind="stable")
+    below, found = np.cumsum(shares[order]), list[EstimatedQuantile]()
+    for share in wanted:
+        k = min(int(np.searchsorted(below, share - ROUNDING)), len(order) - 1)
+        at, known = float(costs[order[k]]), _kish(shares[order[: k + 1]]) >= FEW
+        found.append(EstimatedQuantile(share=share, value=at if known and math.isfinite(at) else None))
+    return found

@@ -1,0 +1,1 @@
+"""The densities of a campaign's distributions."""

@@ -1,0 +1,47 @@
+"""How likely findings are, and the most likely violation, again from the stored points; a folder states both."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from campaigns.densities.joint import Joint, joint
+from campaigns.densities.likelihood import Rows, likelihood, most_likely
+from worker.evidence.audit.recompute import Run, Tree
+
+
+def likely(run: Run, findings: list[Tree]) -> Tree:
+    """The findings with their likelihood, and the most likely violation; nothing of a record that states neither, as
+    those of earlier versions and of a service."""
+    stated = [*run.claims["findings"], {"likelihood": run.claims.get("most_likely_violation")}]
+    if not any(one.get("likelihood") for one in stated):
+        return {}
+    of = joint(run.campaign, run.bounds)
+    known = [found | {"likelihood": _stated(run, likelihood(of, _point(run, k)))} for k, found in enumerate(findings)]
+    return {"findings": known, "most_likely_violation": _violation(run, of)}
+
+
+def _point(run: Run, k: int) -> Any:
+    return np.array(run.claims["findings"][k]["point"])
+
+
+def _violation(run: Run, of: Joint) -> Tree:
+    nominal = {path: run.known[path][1] for path in run.bounds}
+    stored = (
+        Rows(k, 0, points, costs[:, None], status)
+        for k in range(len(run.plan))
+        for points, costs, status in [run.rows(k)]
+    )
+    made = most_likely(run.threshold, of, nominal, stored, run.unit)
+    found = _stated(run, made)
+    if made.case is not None:
+        found["case"] = made.case.model_dump(exclude={"realisation", "likelihood"})
+        found["case"]["likelihood"] = _stated(run, made.case.likelihood)
+    return found
+
+
+def _stated(run: Run, made: Any) -> Tree:
+    """What the record must state of it; sentences of other templates are not made again."""
+    numbers: Tree = made.model_dump(exclude={"statement", "text"})
+    return numbers if run.reworded else numbers | {"statement": made.statement}

@@ -20,7 +20,7 @@ from tests.bench.rare.judge import Outcome, figures, outcomes
 from tests.bench.rare.public import PUBLIC
 from tests.bench.rare.reference import probability
 
-SEEDS = {"setting": 1, "judging": 1001}
+SEEDS = {"setting": 1, "judging": 2001}
 """The first seed of each half."""
 
 

@@ -9,39 +9,49 @@ import numpy as np
 
 from worker.engine.rare.evaluated import Evaluated, Floats
 from worker.engine.rare.interval import Interval
+from worker.engine.rare.known import Known
 
-LARGEST = 0.2
-"""Of the sum, which a single evaluation may contribute."""
+LARGEST, FEWEST = 0.2, 30.0
+"""Of the sum, what a single evaluation may contribute; the least effective sample size of the violations."""
 CHANCE = 0.005
 """How likely the independent sample may be under the interval, at the least."""
+SINGLE, SINGLE_PART = 3, 0.3
+"""From so many modes that the search reached once, if that is a larger part of how often it reached any, others are
+likely: Good, The population frequencies of species (Biometrika 40, 1953)."""
+
+Why = Literal["sample", "weight", "few", "unexplained", "unsaturated"]
 
 
 @dataclass(frozen=True)
 class Alarm:
     """Why a mode seems to be missing, with the number that shows it.
 
-    sample: violations of the independent sample against the interval, their number; weight: one evaluation contributes
-    so much of the sum; unexplained: violations for which the budget did not suffice, their number; none: no violation
-    among the draws of the estimate.
+    sample: violations of the independent sample, which contradict the interval; weight: the part of the sum that one
+    evaluation contributes; few: the effective sample size; unexplained: violations for which the budget did not
+    suffice; unsaturated: modes that the search reached only once.
     """
 
-    why: Literal["sample", "weight", "unexplained", "none"]
+    why: Why
     value: float
 
 
-def alarms(terms: Floats, found: Interval, sample: Evaluated, left: int) -> tuple[Alarm, ...]:
+def effective(terms: Floats) -> float:
+    """Kish's effective sample size of the violations."""
+    return float(terms.sum() ** 2 / max(np.sum(terms**2), 1e-300))
+
+
+def alarms(terms: Floats, found: Interval, sample: Evaluated, known: Known, left: int) -> tuple[Alarm, ...]:
     """All that apply: terms are the weights of violations, else zero; `left` violations were not explained."""
-    given: list[Alarm] = []
-    if left:
-        given.append(Alarm("unexplained", left))
-    if not terms.any():
-        return (*given, Alarm("none", 0.0))
-    largest = float(terms.max() / terms.sum())
-    if largest > LARGEST:
-        given.append(Alarm("weight", largest))
-    if _contradicts(sample, found):
-        given.append(Alarm("sample", int(np.count_nonzero(sample.violates))))
-    return tuple(given)
+    largest = float(terms.max() / max(terms.sum(), 1e-300))
+    single = sum(n == 1 for n, own in zip(known.reached, known.origins, strict=True) if own is None)
+    checks: list[tuple[bool, Why, float]] = [
+        (left > 0, "unexplained", left),
+        (largest > LARGEST, "weight", largest),
+        (effective(terms) < FEWEST, "few", effective(terms)),
+        (single >= SINGLE and single > SINGLE_PART * known.reached.sum(), "unsaturated", single),
+        (_contradicts(sample, found), "sample", int(np.count_nonzero(sample.violates))),
+    ]
+    return tuple(Alarm(why, float(value)) for raised, why, value in checks if raised)
 
 
 def _contradicts(sample: Evaluated, found: Interval) -> bool:

@@ -22,6 +22,8 @@ STEPS = 7
 """At most; a point that three times comes no closer ends."""
 CUTS = 3
 NULL_STEP = 0.4
+REACH = 10.0
+"""Farther from the origin nothing matters: the probability beyond is below 1e-23."""
 IDLE, CONVERGED = 3, 0.985
 PARTS, RADII = np.array([1.0, 0.4, 0.1]), np.array([1.0, 1.03, 1.1])
 """Of a step towards the projection, and of the distance to the origin there."""
@@ -105,9 +107,9 @@ def projected(cuts: list[Cut]) -> Floats | None:
 
 
 def target(cuts: list[Cut], here: Floats) -> Floats:
-    """Where a step leads: the point itself if the cuts lead nowhere."""
+    """Where a step leads, within the reach; the point itself if the cuts lead nowhere."""
     point = projected(cuts) if cuts else None
-    return here if point is None else point
+    return here if point is None else point * min(1.0, REACH / max(float(np.linalg.norm(point)), 1e-300))
 
 
 def _closer(found: Floats, targets: Floats, allowed: Allowance) -> Asking[Floats]:

@@ -13,9 +13,10 @@ from typing import Literal
 import numpy as np
 
 from worker.engine.rare import hidden
-from worker.engine.rare.alarms import Alarm, alarms
-from worker.engine.rare.design import cost, polished
+from worker.engine.rare.alarms import Alarm, alarms, effective
+from worker.engine.rare.design import cost
 from worker.engine.rare.evaluated import Allowance, Asking, Evaluated, Floats, evaluated
+from worker.engine.rare.explained import explained
 from worker.engine.rare.interval import Interval, interval
 from worker.engine.rare.known import Known
 from worker.engine.rare.mixture import Mixture
@@ -24,6 +25,8 @@ INDEPENDENT, WIDE, ADAPTING, FINAL = 0.06, 0.03, 0.05, 0.33
 """Fractions of the budget: the independent sample, each wider one, each of the rounds, the least for the estimate."""
 ROUNDS = 3
 LEAST_BUDGET = 1000
+MOST_PARAMETERS = 20
+"""With 40 parameters, an interval was measured not to hold; `tests.bench.rare` has problems of up to 20."""
 
 
 @dataclass(frozen=True)
@@ -55,10 +58,10 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Refused:
-    """Why there is no estimate."""
+    """Why there is no estimate; limit: the least budget, or the most parameters."""
 
-    why: Literal["no_violation", "budget"]
-    needed: int = 0
+    why: Literal["no_violation", "budget", "parameters"]
+    limit: int = 0
 
 
 def estimated(
@@ -82,29 +85,30 @@ def estimated(
     return Estimate(
         found,
         _modes(known, mixture, seen, terms),
-        float(terms.sum() ** 2 / max(np.sum(terms**2), 1e-300)),
+        effective(terms),
         len(terms),
         int(np.count_nonzero(seen.failed)),
-        alarms(terms, found, sample, left),
+        alarms(terms, found, sample, known, left),
     )
 
 
 def _started(violations: Floats, allowed: Allowance, keep: int) -> Asking[tuple[Known, int] | Refused]:
-    """The modes of the given violations, and how many of these the budget left; those that do not violate are none."""
+    """The modes of the given violations, and how many have none; points that do not violate are passed over."""
     n = violations.shape[1]
-    needed = int(np.ceil((cost(n) + len(violations)) / (1.0 - keep / allowed.left - INDEPENDENT - 2.0 * WIDE)))
+    if n > MOST_PARAMETERS:
+        return Refused("parameters", MOST_PARAMETERS)
+    others = int((INDEPENDENT + len(hidden.DEVIATIONS) * WIDE) * allowed.left)
+    needed = int(np.ceil((2 * cost(n) + len(violations)) * allowed.left / max(allowed.left - keep - others, 1)))
     if allowed.left < max(needed, LEAST_BUDGET):
         return Refused("budget", max(needed, LEAST_BUDGET))
     seen = yield from evaluated(violations, allowed)
-    rows = np.flatnonzero(seen.violates)
-    if not len(rows):
+    if not seen.violates.any():
         return Refused("no_violation")
-    others = int((INDEPENDENT + 2.0 * WIDE) * (allowed.left + len(violations)))
-    taken = rows[: (allowed.left - keep - others) // (cost(n) + 4)]
     known = Known.none(n)
-    points, slopes = yield from polished(violations[taken], allowed)
-    yield from known.add(points, slopes, taken.tolist(), allowed)
-    return known, len(rows) - len(taken)
+    left = yield from explained(violations[seen.violates], known, allowed, keep + others, given=True)
+    numbers = np.flatnonzero(seen.violates)
+    known.origins = [None if own is None else numbers[own].tolist() for own in known.origins]
+    return known, left
 
 
 def _adapted(mixture: Mixture, random: np.random.Generator, count: int, allowed: Allowance) -> Asking[Mixture]:

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from worker.engine.rare import design
-from worker.engine.rare.evaluated import Allowance, Asking, Bools, Evaluated, Floats, evaluated
-from worker.engine.rare.known import ON_THE_WAY, Known
+from worker.engine.rare.evaluated import Allowance, Asking, Evaluated, Floats, evaluated
+from worker.engine.rare.explained import explained
+from worker.engine.rare.known import Known
 
 DEVIATIONS = (2.0, 3.0)
-AT_ONCE, APART = 4, 0.7
-"""Violations that are polished together, and the largest cosine between their directions."""
 DESCENTS, DESCENT_STEPS = 8, 3
 DESCENT = np.array([0.5, 1.0, 1.5])
 """Parts of the step towards the projection at which a descent evaluates."""
@@ -35,7 +34,8 @@ def searched(
     for deviation in DEVIATIONS:
         wide = yield from evaluated(deviation * random.standard_normal((draws, n)), allowed)
         sample = sample.then(wide)
-    left = yield from _from_violations(sample.where(sample.violates), known, allowed, keep)
+    violations = _nearest_first(sample.where(sample.violates))
+    left = yield from explained(violations, known, allowed, keep, given=False)
     safe = sample.where(~sample.violates & ~sample.excluded)
     waiting = _order(safe, known)
     each = (1 + n + len(DESCENT)) * DESCENT_STEPS
@@ -45,7 +45,7 @@ def searched(
             break
         reached = yield from _descended(safe.where(waiting[:count]), known, allowed)
         waiting = waiting[count:]
-        left = yield from _from_violations(reached, known, allowed, keep)
+        left = yield from explained(_nearest_first(reached), known, allowed, keep, given=False)
     return left
 
 
@@ -57,35 +57,8 @@ def _order(safe: Evaluated, known: Known) -> NDArray[np.int64]:
     return turns[np.sort(np.unique(turns, return_index=True)[1])]
 
 
-def _from_violations(seen: Evaluated, known: Known, allowed: Allowance, keep: int) -> Asking[int]:
-    """Polishes violations that no known mode explains, a few at once; how many the budget left."""
-    n = seen.points.shape[1]
-    left = seen.points[np.argsort(np.linalg.norm(seen.points, axis=1))]
-    while True:
-        left = left[~known.explains(left)]
-        count = min(AT_ONCE, (allowed.left - keep) // (design.cost(n) + 2 * len(ON_THE_WAY)))
-        if not len(left) or count < 1:
-            return len(left)
-        chosen, done = yield from _unexplained(left, known, allowed, count)
-        left = left[~done]
-        if len(chosen):
-            points, slopes = yield from design.polished(chosen, allowed)
-            yield from known.add(points, slopes, None, allowed)
-
-
-def _unexplained(points: Floats, known: Known, allowed: Allowance, count: int) -> Asking[tuple[Floats, Bools]]:
-    """Of violations at most `count` in different directions that are of no known mode; which ones were looked at."""
-    chosen: list[Floats] = []
-    done = np.zeros(len(points), dtype=bool)
-    for i, point in enumerate(points):
-        length = np.linalg.norm(point)
-        if len(chosen) == count or allowed.left < len(ON_THE_WAY):
-            break
-        if all(point @ other < APART * length * np.linalg.norm(other) for other in chosen):
-            done[i] = True
-            if (yield from known.of_mode(point, allowed)) is None:
-                chosen.append(point)
-    return np.array(chosen), done
+def _nearest_first(seen: Evaluated) -> Floats:
+    return seen.points[np.argsort(np.linalg.norm(seen.points, axis=1))]
 
 
 def _descended(starts: Evaluated, known: Known, allowed: Allowance) -> Asking[Evaluated]:

@@ -8,9 +8,9 @@ import numpy as np
 
 from worker.engine.rare.evaluated import Evaluated, Floats
 
-WIDER = 1.2
+WIDER = 1.25
 """Of the log-normal interval: the variance of skewed weights is estimated low whenever the mean is. On the problems for
-setting of `tests.bench.rare`, 95.1 % of the intervals without it hold."""
+setting of `tests.bench.rare`, 95.4 % of the intervals without it hold where no mode is missing."""
 
 
 @dataclass(frozen=True)

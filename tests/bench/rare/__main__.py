@@ -59,10 +59,10 @@ def parts(runs: list[Outcome]) -> dict[str, list[Outcome]]:
 
 def report(half: str, runs: list[Outcome], found: dict[str, dict[str, Any]]) -> None:
     """A table of the figures, and the problems on which an interval failed without an alarm."""
-    print(f"\n{half}\n{'':45}{''.join(f'{name:>12}' for name in found)}")
+    print(f"\n{half:24}{''.join(f'{name:>12}' for name in found)}")
     for figure in found["all"]:
         values = ["-" if of[figure] is None else f"{of[figure]:.4g}" for of in found.values()]
-        print(f"{figure:45}{''.join(f'{value:>12}' for value in values)}")
+        print(f"{figure:24}{''.join(f'{value:>12}' for value in values)}")
     silent = [r for r in runs if not r.alarms and not r.holds]
     for (name, withheld), count in Counter((r.problem, r.withheld) for r in silent).most_common():
         ratios = [f"{r.ratio:.2f}" for r in silent if (r.problem, r.withheld) == (name, withheld)]

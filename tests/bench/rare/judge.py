@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from campaigns.results.base import OK
-from tests.bench.rare.problem import Problem
+from campaigns.results.base import EXCLUDED, FAILED, OK
+from tests.bench.rare.problem import Floats, Problem
 from tests.bench.rare.starts import starts
 from worker.engine.rare.estimate import Estimate, estimated
+from worker.engine.rare.evaluated import Asking
 from worker.engine.search.base import Batch
+
+T = TypeVar("T")
 
 BUDGET = 5000
 LARGE = 0.1
@@ -46,15 +49,24 @@ def outcome(problem: Problem, withheld: int | None, seed: int) -> Outcome:
     """One run; every point that it requests is counted."""
     points = starts(problem) if withheld is None else np.delete(starts(problem), withheld, axis=0)
     random = np.random.default_rng([seed, *problem.name.encode(), 0 if withheld is None else 1 + withheld])
-    asking, evaluations = estimated(points, 0.0, BUDGET, random), 0
-    request = next(asking)
+    estimate, evaluations = carried_out(estimated(points, 0.0, BUDGET, random), problem.costs)
+    assert isinstance(estimate, Estimate), estimate
+    return _judged(problem, withheld, estimate, evaluations)
+
+
+def carried_out(asking: Asking[T], costs: Callable[[Floats], Floats]) -> tuple[T, int]:
+    """What it returns, and how many points it requested; a cost of NaN is a failed evaluation, infinity an excluded
+    one."""
+    requested, batch = 0, None
     while True:
-        evaluations += len(request)
-        costs = problem.costs(request)
         try:
-            request = asking.send(Batch(costs[:, None], np.full(len(costs), OK, dtype=np.uint8)))
+            points = next(asking) if batch is None else asking.send(batch)
         except StopIteration as end:
-            return _judged(problem, withheld, end.value, evaluations)
+            return end.value, requested
+        requested += len(points)
+        values = costs(points)
+        status = np.select([np.isnan(values), values == np.inf], [FAILED, EXCLUDED], OK).astype(np.uint8)
+        batch = Batch(np.where(status == OK, values, np.nan)[:, None], status)
 
 
 def _judged(problem: Problem, withheld: int | None, estimate: Estimate, evaluations: int) -> Outcome:
@@ -77,21 +89,22 @@ def _judged(problem: Problem, withheld: int | None, estimate: Estimate, evaluati
 
 
 def figures(runs: Sequence[Outcome]) -> dict[str, Any]:
-    """What the runs come to, each with its number of runs."""
+    """What the runs come to: fractions, of all runs, of those without an alarm (also with nothing withheld), of those
+    with a withheld mode of a tenth of P or more (found or alarm; alarm), of those with nothing withheld."""
     whole, large = [r for r in runs if not r.withheld], [r for r in runs if r.withheld > LARGE]
     silent = [r for r in runs if not r.alarms]
     return {
         "runs": len(runs),
-        "interval holds or alarm": _part([r.holds or bool(r.alarms) for r in runs]),
-        "interval holds, of those without an alarm": _part([r.holds for r in silent]),
-        "the same, nothing withheld": _part([r.holds for r in silent if not r.withheld]),
-        "withheld above a tenth, runs": len(large),
-        "withheld above a tenth: found or alarm": _part([r.found or bool(r.alarms) for r in large]),
-        "withheld above a tenth: alarm": _part([bool(r.alarms) for r in large]),
-        "false alarms": _part([bool(r.alarms) for r in whole]),
-        "most evaluations": max(r.evaluations for r in runs),
-        "median variation": float(np.median([r.variation for r in silent])),
-        "largest variation": max(r.variation for r in silent),
+        "holds_or_alarm": _part([r.holds or bool(r.alarms) for r in runs]),
+        "holds_without_alarm": _part([r.holds for r in silent]),
+        "holds_nothing_withheld": _part([r.holds for r in silent if not r.withheld]),
+        "large_withheld": len(large),
+        "large_noticed": _part([r.found or bool(r.alarms) for r in large]),
+        "large_alarm": _part([bool(r.alarms) for r in large]),
+        "false_alarms": _part([bool(r.alarms) for r in whole]),
+        "most_evaluations": max(r.evaluations for r in runs),
+        "median_variation": float(np.median([r.variation for r in silent])),
+        "largest_variation": max(r.variation for r in silent),
     }
 
 

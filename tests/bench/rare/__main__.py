@@ -1,7 +1,8 @@
 """`python -m tests.bench.rare`: the estimate on 22 public and 40 generated problems; writes build/rare.json.
 
 Constants are set on the half `setting` (`--half setting`); the half `judging` judges, with other seeds. `--seeds N`
-takes N seeds per run, `--references` computes the probabilities of the public problems again.
+takes N seeds per run, `--references` computes the probabilities of the public problems again, `--loops` compares with
+plain samples of closed loops.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from tests.bench.rare import loops
 from tests.bench.rare.generated import PROBLEMS, generated
 from tests.bench.rare.judge import Outcome, figures, outcomes
 from tests.bench.rare.public import PUBLIC
@@ -30,9 +32,12 @@ def main(arguments: Sequence[str] | None = None, build: Path = Path("build")) ->
     given.add_argument("--half", choices=[*SEEDS], action="append")
     given.add_argument("--seeds", type=int, default=10)
     given.add_argument("--references", action="store_true")
+    given.add_argument("--loops", action="store_true")
     asked = given.parse_args(arguments)
     if asked.references:
         return references()
+    if asked.loops:
+        return {"loops": loops.measured()}
     began, halves = time.perf_counter(), {}
     for half in asked.half or [*SEEDS]:
         runs = measured(half, asked.seeds)

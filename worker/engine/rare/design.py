@@ -44,17 +44,17 @@ def cost(dimension: int) -> int:
 def polished(points: Floats, allowed: Allowance) -> Asking[tuple[Floats, Floats]]:
     """The design points (k, n) reached from violations (k, n), and the slopes there; every one violates."""
     found = yield from nearest_on_rays(points, allowed)
-    asked, idle = found.copy(), np.zeros(len(found), dtype=int)
+    query, idle = found.copy(), np.zeros(len(found), dtype=int)
     cuts: list[list[Cut]] = [[] for _ in found]
     for _ in range(STEPS):
         rows = np.flatnonzero(idle < IDLE)
         if not len(rows):
             break
-        here = yield from evaluated(asked[rows], allowed)
+        here = yield from evaluated(query[rows], allowed)
         slopes = yield from gradients(here, allowed)
         for row, cut in zip(rows, linearised(here, slopes), strict=True):
             cuts[row] = [*cuts[row], cut][-CUTS:] if cut else cuts[row]
-        targets = np.array([[target(cuts[row][-1:], asked[row]), target(cuts[row], asked[row])] for row in rows])
+        targets = np.array([[target(cuts[row][-1:], query[row]), target(cuts[row], query[row])] for row in rows])
         closer = yield from _closer(found[rows], targets, allowed)
         lengths = np.linalg.norm(found[rows], axis=1)
         gained = np.linalg.norm(closer, axis=1) < 0.995 * lengths
@@ -62,7 +62,7 @@ def polished(points: Floats, allowed: Allowance) -> Asking[tuple[Floats, Floats]
         idle[rows] = np.where(ended, IDLE, np.where(gained, 0, idle[rows] + 1))
         found[rows] = closer
         # What ends a step is linearised where it has begun to be safe.
-        asked[rows] = np.where(gained[:, None], closer, closer + NULL_STEP * (targets[:, 1] - closer))
+        query[rows] = np.where(gained[:, None], closer, closer + NULL_STEP * (targets[:, 1] - closer))
     slopes = np.array([-own[-1].slope if own else np.zeros(points.shape[1]) for own in cuts])
     return (yield from nearest_on_rays(found, allowed, LAST_GRID)), slopes
 

@@ -105,7 +105,7 @@ def _started(violations: Floats, allowed: Allowance, keep: int) -> Asking[tuple[
     if not seen.violates.any():
         return Refused("no_violation")
     known = Known.none(n)
-    left = yield from explained(violations[seen.violates], known, allowed, keep + others, given=True)
+    left = yield from explained(violations[seen.violates], known, allowed, keep + others, origins=True)
     numbers = np.flatnonzero(seen.violates)
     known.origins = [None if own is None else numbers[own].tolist() for own in known.origins]
     return known, left

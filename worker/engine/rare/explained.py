@@ -13,7 +13,7 @@ AT_ONCE, APART = 4, 0.7
 """Violations that are polished together, and the largest cosine between their directions."""
 
 
-def explained(points: Floats, known: Known, allowed: Allowance, keep: int, given: bool) -> Asking[int]:
+def explained(points: Floats, known: Known, allowed: Allowance, keep: int, origins: bool) -> Asking[int]:
     """Adds the modes of violations (k, n), in their order, until `keep` evaluations are left; how many have none then.
 
     Given violations are polished unless they are connected to a design point, and remembered as the origins of their
@@ -23,19 +23,19 @@ def explained(points: Floats, known: Known, allowed: Allowance, keep: int, given
     waiting = np.arange(len(points))
     while True:
         beyond = waiting[~known.explains(points[waiting])]
-        waiting = waiting if given else beyond
+        waiting = waiting if origins else beyond
         count = min(AT_ONCE, (allowed.left - keep) // (design.cost(n) + (AT_ONCE + 1) * len(ON_THE_WAY)))
         if not len(waiting) or count < 1:
             return len(beyond)
-        chosen, done = yield from _without_mode(points, waiting, known, allowed, count, given)
+        chosen, done = yield from _without_mode(points, waiting, known, allowed, count, origins)
         waiting = np.setdiff1d(waiting, done)
         if chosen:
             designs, slopes = yield from design.polished(points[chosen], allowed)
-            yield from known.add(designs, slopes, chosen if given else None, allowed)
+            yield from known.add(designs, slopes, chosen if origins else None, allowed)
 
 
 def _without_mode(
-    points: Floats, waiting: NDArray[np.int64], known: Known, allowed: Allowance, count: int, given: bool
+    points: Floats, waiting: NDArray[np.int64], known: Known, allowed: Allowance, count: int, origins: bool
 ) -> Asking[tuple[list[int], list[int]]]:
     """At most `count` of the waiting, in different directions, that are of no known mode; and all that were tested."""
     chosen: list[int] = []
@@ -51,6 +51,6 @@ def _without_mode(
         own = None if mode is None else known.origins[mode]
         if mode is None:
             chosen.append(i)
-        elif given and own is not None:
+        elif origins and own is not None:
             own.append(i)
     return chosen, done

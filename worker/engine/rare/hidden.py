@@ -35,7 +35,7 @@ def searched(
         wide = yield from evaluated(deviation * random.standard_normal((draws, n)), allowed)
         sample = sample.then(wide)
     violations = _nearest_first(sample.where(sample.violates))
-    left = yield from explained(violations, known, allowed, keep, given=False)
+    left = yield from explained(violations, known, allowed, keep, origins=False)
     safe = sample.where(~sample.violates & ~sample.excluded)
     waiting = _order(safe, known)
     each = (1 + n + len(DESCENT)) * DESCENT_STEPS
@@ -45,7 +45,7 @@ def searched(
             break
         reached = yield from _descended(safe.where(waiting[:count]), known, allowed)
         waiting = waiting[count:]
-        left = yield from explained(_nearest_first(reached), known, allowed, keep, given=False)
+        left = yield from explained(_nearest_first(reached), known, allowed, keep, origins=False)
     return left
 
 

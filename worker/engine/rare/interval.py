@@ -16,7 +16,7 @@ setting of `tests.bench.rare`, 95.4 % of the intervals without it hold where no 
 
 @dataclass(frozen=True)
 class Interval:
-    """P(violation), failed evaluations counted as violations, and its interval.
+    """P(violation), failed evaluations counted as violations, and its interval: all of [0, 1] without a violation.
 
     Its lower end counts failed evaluations as none; variation: the coefficient of variation of the estimate.
     """
@@ -34,14 +34,13 @@ def interval(weights: Floats, seen: Evaluated, sample: Evaluated, confidence: fl
     z = WIDER * float(special.ndtri((1.0 + confidence) / 2.0))
     high, wide = _mean(np.where(seen.violates, weights, 0.0), of_kept)
     low, narrow = _mean(np.where(seen.violates & ~seen.failed, weights, 0.0), of_kept)
-    kept = max(kept, 1e-300)
-    ends = low * np.exp(-z * narrow) / kept, min(1.0, high * np.exp(z * wide) / kept)
-    return Interval(min(1.0, high / kept), float(ends[0]), float(ends[1]), wide)
+    if high == 0.0 or kept == 0.0:
+        return Interval(0.0, 0.0, 1.0, float("inf"))
+    ends = low * np.exp(-z * narrow) / kept, high * np.exp(z * wide) / kept
+    return Interval(min(1.0, high / kept), float(ends[0]), min(1.0, float(ends[1])), wide)
 
 
 def _mean(terms: Floats, of_kept: float) -> tuple[float, float]:
-    """The mean and its coefficient of variation; infinite without a violation."""
+    """The mean and its coefficient of variation, with the relative variance of the part that is not excluded."""
     mean = float(terms.mean())
-    if mean == 0.0:
-        return 0.0, float("inf")
-    return mean, float(np.sqrt(terms.var(ddof=1) / len(terms) / mean**2 + of_kept))
+    return mean, float(np.sqrt(terms.var(ddof=1) / len(terms) / mean**2 + of_kept)) if mean else 0.0

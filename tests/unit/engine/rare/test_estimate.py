@@ -97,6 +97,12 @@ def test_excluded_draws_are_not_part_of_the_population() -> None:
     assert found.interval.low < P_HIGH < found.interval.high < 1.6 * found.interval.low
 
 
+def test_a_single_point_that_violates_gives_no_interval() -> None:
+    found = of(lambda u: np.where(np.abs(u - 3.0).max(axis=1) < 1e-9, -1.0, 1.0), [[3.0, 3.0]])
+    assert {alarm.why for alarm in found.alarms} == {"few"}
+    assert (found.interval.low, found.interval.high) == (0.0, 1.0)
+
+
 @pytest.mark.parametrize(
     ("starts", "budget", "why"),
     [

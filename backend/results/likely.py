@@ -33,7 +33,7 @@ def densities(reader: sa.Connection, run_id: int) -> tuple[Limits, Joint | None]
 
 
 def violation(reader: sa.Connection, run_id: int) -> MostLikely:
-    """The most likely of the violations that were evaluated; 404 if there is no such run."""
+    """The most likely of the stored violations; 404 if there is no such run."""
     limits, of = densities(reader, run_id)
     asked = campaign(reader, run_id)
     deciding = criteria(asked.document(), described(reader, run_id))[0]

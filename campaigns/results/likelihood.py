@@ -46,7 +46,7 @@ class LikelyViolation(Result):
 
 
 class MostLikely(Described):
-    """The most likely of the violations that were evaluated, which is not the most likely of all violations."""
+    """The most likely of the stored violations, which is not the most likely of all."""
 
     violations: int
     """Stored evaluations of all stages that violate the criterion; failed ones not included."""

@@ -176,7 +176,7 @@ def findings(run: Named) -> Call[list[answers.Finding]]:
 
 
 def most_likely_violation(run: Named) -> Call[answers.MostLikely]:
-    """The most likely of the violations that were evaluated, under the stated distributions."""
+    """The most likely of the stored violations, under the stated distributions."""
     return Call("GET", "/runs/{run}/most-likely-violation", answers.MostLikely, _of(run))
 
 

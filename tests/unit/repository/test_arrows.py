@@ -79,6 +79,8 @@ MAY: dict[str, tuple[str, ...]] = {
     # Entries of components follow below: none imports another kind.
     # How an evaluation ended has one home.
     "worker.engine.search": ("campaigns.results.base", "campaigns.effort"),
+    # The probability of rare violations: like a search, it knows points and their costs.
+    "worker.engine.rare": ("worker.engine.search.base", "campaigns.results.base"),
     # Compiled methods are stored as kernels are.
     "worker.engine.search.racing.state": ("worker.engine.search.base", "worker.engine.kernels.numba_internals"),
     # The interface: modules above it do not depend on the closed loop or any other system.

@@ -209,7 +209,7 @@ class Kept(NamedTuple):
         return bool(np.count_nonzero(self.flights < FIRST) >= min(FIRST, sum(blocks["draws"])) - excluded)
 
     def binned(self, blocks: Tree, threshold: float) -> bool:
-        """Whether the bins are those of the stored flights as far as all are stored, and agree with the other counts."""
+        """Whether the bins are those of the stored flights as far as all are stored, and fit the other counts."""
         places, counts, ends = np.array(blocks["places"]), np.array(blocks["counts"]), edges(blocks)
         if len(places) != len(counts) or np.any(np.diff(places) <= 0) or np.any(counts <= 0):
             return False

@@ -19,7 +19,7 @@ const data = {
   parameters: [{ path: 'vehicle.m', symbol: 'm', unit: 'kg', text: '', nominal: 5, low: 4, high: 6 }],
 } as unknown as RunData
 const MOST: MostLikely = {
-  ...said('the most likely of the 12 violations that were evaluated, not of all'), violations: 12,
+  ...said('the most likely of the 12 stored violations, not of all'), violations: 12,
   case: { position: 2, index: 700, cost: 0.9, margin: -0.1, parameters: { 'vehicle.m': 5.5 }, realisation: null, likelihood: NORMAL },
 }
 const row = (most: MostLikely) => renderToStaticMarkup(<LikelyViolation data={data} decimals={2} between={2} most={most} />)
@@ -44,6 +44,6 @@ it('states of a box that all points are equally likely', () => {
 it('shows the most likely violation as one of those that were evaluated, and none where there is none', () => {
   const shown = text(row(MOST))
   expect(shown).toContain('Most likely violation 0.90 −0.10 4')
-  expect(shown).toContain('The most likely of the 12 violations that were evaluated, not of all.')
+  expect(shown).toContain('The most likely of the 12 stored violations, not of all.')
   expect(row({ ...MOST, case: null })).toBe('')
 })

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from campaigns import library, load_file
-from campaigns.asked.scenario import MAX_SEED
+from campaigns.asked.scenario import MAX_REALISATION
 from campaigns.results.draws import of_draws
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import CASE1, document
@@ -164,7 +164,7 @@ def test_a_flight_has_its_own_noise(live: Live) -> None:
     assert stated["meta"]["realisation"]["seeds"] == len(campaign.scenario.realisations.seeds)
 
 
-@pytest.mark.parametrize("given", [-1, 2**20, 1.5, True, "3"])
+@pytest.mark.parametrize("given", [-1, 2**40, 1.5, True, "3"])
 def test_noise_that_does_not_exist_is_refused(live: Live, given: Any) -> None:
     error = live.ask(id=1, campaign=CASE1, seed=given)["error"]
-    assert error.endswith(f" from 0 to {MAX_SEED - 1}, given {given!r}")
+    assert error.endswith(f" from 0 to {MAX_REALISATION - 1}, given {given!r}")

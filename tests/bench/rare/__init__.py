@@ -1,0 +1,1 @@
+"""The estimate of rare violations on problems of known probability: `python -m tests.bench.rare`."""

@@ -1,0 +1,44 @@
+"""The bench of the estimate: its problems have the probabilities that it states, and its bars hold."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.bench.rare.__main__ import main
+from tests.bench.rare.generated import generated
+from tests.bench.rare.problem import Problem
+from tests.bench.rare.public import PUBLIC
+from tests.bench.rare.reference import CLOSED, probability
+
+
+@pytest.mark.parametrize("problem", [p for p in PUBLIC if p.name in {*CLOSED, "RP22", "RP110"}], ids=lambda p: p.name)
+def test_the_probability_of_a_public_problem_is_that_of_its_formula(problem: Problem) -> None:
+    value, _ = probability(problem)
+    assert problem.probability == pytest.approx(value, rel=1e-5)
+
+
+def test_there_are_22_public_problems_and_their_published_values_are_near() -> None:
+    """The largest differences are those of RP77 (6.7 %) and RP111 (4.8 %)."""
+    assert len(PUBLIC) == 22
+    assert all(p.published == pytest.approx(p.probability, rel=0.07) for p in PUBLIC)
+
+
+@pytest.mark.parametrize("index", [4, 28, 29, 32])
+def test_the_probability_of_a_generated_problem_is_that_of_a_plain_sample(index: int) -> None:
+    problem = generated(index)
+    points = np.random.default_rng(index).standard_normal((1_000_000, problem.dimension))
+    expected = 1e6 * problem.probability
+    assert abs(np.count_nonzero(problem.costs(points) <= 0.0) - expected) < 4.0 * np.sqrt(expected)
+    assert all(problem.costs(mode.start[None])[0] <= 0.0 for mode in problem.modes)
+
+
+@pytest.mark.nightly
+def test_the_bars_hold_on_the_judging_half(tmp_path: Path) -> None:
+    found = main(["--half", "judging"], tmp_path)["halves"]["judging"]["all"]
+    assert found["holds_or_alarm"] >= 0.95
+    assert found["large_noticed"] >= 0.9
+    assert found["false_alarms"] <= 0.05
+    assert found["most_evaluations"] <= 5000

@@ -1,0 +1,134 @@
+"""P(violation) by importance sampling over the modes of known violations, with its interval and the alarms.
+
+Importance sampling at the design points of several modes: Tabandeh, Jia, Gardoni, A review and assessment of importance
+sampling methods for reliability analysis (Structural Safety 97, 2022), section 3. The estimate takes draws that nothing
+was adapted to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from worker.engine.rare import hidden
+from worker.engine.rare.alarms import Alarm, alarms, effective
+from worker.engine.rare.design import cost
+from worker.engine.rare.evaluated import Allowance, Asking, Evaluated, Floats, evaluated
+from worker.engine.rare.explained import explained
+from worker.engine.rare.interval import Interval, interval
+from worker.engine.rare.known import Known
+from worker.engine.rare.mixture import Mixture
+
+INDEPENDENT, WIDE, ADAPTING, FINAL = 0.06, 0.03, 0.05, 0.33
+"""Fractions of the budget: the independent sample, each wider one, each of the rounds, the least for the estimate."""
+ROUNDS = 3
+LEAST_BUDGET = 1000
+MOST_PARAMETERS = 20
+"""With 40 parameters, an interval was measured not to hold; `tests.bench.rare` has problems of up to 20."""
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One mode: its design point in standard normal space, its share of P, and the violations that led to it.
+
+    origins: numbers of the given violations; None where the search for hidden modes found it.
+    """
+
+    design: Floats
+    share: float
+    origins: tuple[int, ...] | None
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """The result: with an alarm the interval must not be shown as one that holds.
+
+    effective: effective sample size of the violations of the estimate; drawn: its evaluations.
+    """
+
+    interval: Interval
+    modes: tuple[Mode, ...]
+    effective: float
+    drawn: int
+    failed: int
+    alarms: tuple[Alarm, ...]
+
+
+@dataclass(frozen=True)
+class Refused:
+    """Why there is no estimate; limit: the least budget, or the most parameters."""
+
+    why: Literal["no_violation", "budget", "parameters"]
+    limit: int = 0
+
+
+def estimated(
+    violations: Floats, threshold: float, budget: int, random: np.random.Generator, confidence: float = 0.95
+) -> Asking[Estimate | Refused]:
+    """The estimate from violations (k, n) in standard normal space, the lowest cost first, in `budget` evaluations."""
+    allowed = Allowance(threshold, budget)
+    rounds, keep = int(ADAPTING * budget), int(FINAL * budget) + ROUNDS * int(ADAPTING * budget)
+    started = yield from _started(violations, allowed, keep)
+    if isinstance(started, Refused):
+        return started
+    known, left = started
+    n = violations.shape[1]
+    sample = yield from evaluated(random.standard_normal((int(INDEPENDENT * budget), n)), allowed)
+    left += yield from hidden.searched(sample, known, random, allowed, int(WIDE * budget), keep)
+    mixture = yield from _adapted(Mixture.of(known.designs), random, rounds, allowed)
+    seen = yield from evaluated(mixture.draws(random, allowed.left), allowed)
+    weights = np.exp(-mixture.log_ratio(seen.points))
+    found = interval(weights, seen, sample, confidence)
+    terms = np.where(seen.violates, weights, 0.0)
+    return Estimate(
+        found,
+        _modes(known, mixture, seen, terms),
+        effective(terms),
+        len(terms),
+        int(np.count_nonzero(seen.failed)),
+        alarms(terms, found, sample, known, left),
+    )
+
+
+def _started(violations: Floats, allowed: Allowance, keep: int) -> Asking[tuple[Known, int] | Refused]:
+    """The modes of the given violations, and how many have none; points that do not violate are passed over."""
+    n = violations.shape[1]
+    if n > MOST_PARAMETERS:
+        return Refused("parameters", MOST_PARAMETERS)
+    others = int((INDEPENDENT + len(hidden.DEVIATIONS) * WIDE) * allowed.left)
+    needed = int(np.ceil((2 * cost(n) + len(violations)) * allowed.left / max(allowed.left - keep - others, 1)))
+    if allowed.left < max(needed, LEAST_BUDGET):
+        return Refused("budget", max(needed, LEAST_BUDGET))
+    seen = yield from evaluated(violations, allowed)
+    if not seen.violates.any():
+        return Refused("no_violation")
+    known = Known.none(n)
+    left = yield from explained(violations[seen.violates], known, allowed, keep + others, origins=True)
+    numbers = np.flatnonzero(seen.violates)
+    known.origins = [None if own is None else numbers[own].tolist() for own in known.origins]
+    return known, left
+
+
+def _adapted(mixture: Mixture, random: np.random.Generator, count: int, allowed: Allowance) -> Asking[Mixture]:
+    """The mixture after all rounds; every round is fitted to the draws of all rounds so far."""
+    used: list[Mixture] = []
+    pool: Evaluated | None = None
+    for _ in range(ROUNDS):
+        seen = yield from evaluated(mixture.draws(random, count), allowed)
+        pool = seen if pool is None else pool.then(seen)
+        used.append(mixture)
+        bad = pool.points[pool.violates]
+        density = np.mean([np.exp(one.log_ratio(bad)) for one in used], axis=0)
+        mixture = mixture.adapted(bad, 1.0 / density)
+    return mixture
+
+
+def _modes(known: Known, mixture: Mixture, seen: Evaluated, terms: Floats) -> tuple[Mode, ...]:
+    """The modes with their shares: each violation counts for the modes by their responsibility for it."""
+    shares = terms @ mixture.responsible(seen.points) / max(terms.sum(), 1e-300)
+    return tuple(
+        Mode(design, float(share), None if origins is None else tuple(origins))
+        for design, share, origins in zip(known.designs, shares, known.origins, strict=True)
+    )

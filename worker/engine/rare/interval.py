@@ -1,0 +1,46 @@
+"""The interval of an importance sampling estimate: log-normal, and wider by a factor that was set on known problems."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from worker.engine.rare.evaluated import Evaluated, Floats
+
+WIDER = 1.25
+"""Of the log-normal interval: the variance of skewed weights is estimated low whenever the mean is. On the problems for
+setting of `tests.bench.rare`, 95.4 % of the intervals without it hold where no mode is missing."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """P(violation), failed evaluations counted as violations, and its interval: all of [0, 1] without a violation.
+
+    Its lower end counts failed evaluations as none; variation: the coefficient of variation of the estimate.
+    """
+
+    probability: float
+    low: float
+    high: float
+    variation: float
+
+
+def interval(weights: Floats, seen: Evaluated, sample: Evaluated, confidence: float) -> Interval:
+    """From draws with their weights; excluded ones are not part of the population, which a nominal sample measures."""
+    kept = 1.0 - float(sample.excluded.mean())
+    of_kept = (1.0 - kept) / max(kept * len(sample.points), 1e-300)
+    z = WIDER * float(special.ndtri((1.0 + confidence) / 2.0))
+    high, wide = _mean(np.where(seen.violates, weights, 0.0), of_kept)
+    low, narrow = _mean(np.where(seen.violates & ~seen.failed, weights, 0.0), of_kept)
+    if high == 0.0 or kept == 0.0:
+        return Interval(0.0, 0.0, 1.0, float("inf"))
+    ends = low * np.exp(-z * narrow) / kept, high * np.exp(z * wide) / kept
+    return Interval(min(1.0, high / kept), float(ends[0]), min(1.0, float(ends[1])), wide)
+
+
+def _mean(terms: Floats, of_kept: float) -> tuple[float, float]:
+    """The mean and its coefficient of variation, with the relative variance of the part that is not excluded."""
+    mean = float(terms.mean())
+    return mean, float(np.sqrt(terms.var(ddof=1) / len(terms) / mean**2 + of_kept)) if mean else 0.0

@@ -53,6 +53,8 @@ def execute(
     pulse.own.allow(pulse.longest(problem.system))
     problem.system.warm()
     repeated.check(campaign, problem)
+    if wrong := [one for stage in stages().values() for one in stage.wrong(problem)]:
+        raise CampaignUnusable(wrong)
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
     begin(store, problem.system, campaign, records)
     evaluate = InProcess(problem, threads)

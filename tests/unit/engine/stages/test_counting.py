@@ -13,8 +13,11 @@ from campaigns.claims.spans import values as told_in
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.draws import uniform
 from campaigns.results.sample import FAILURES, FIRST, KEPT
+from campaigns.sample_seed import SampleSeed
 from campaigns.stages.certify import CertifyResult
 from campaigns.stored.blocks import Counted, Kept, Scale, counted, packed, size, unpacked
+from tests.given.corrupted_records import NORMAL
+from tests.given.corrupted_records import counting as campaign_counting
 from tests.given.sampled_stages import THRESHOLD, asked, context, costs, evaluate
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import certify
@@ -23,6 +26,9 @@ from worker.engine.stages.parts.base import Cancelled, Context
 from worker.engine.stages.parts.counting import STREAM
 from worker.engine.stages.parts.sample import Sample
 from worker.engine.stages.parts.shape import Binned, Ordered
+from worker.engine.systems.base import CampaignUnusable
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 SAMPLES = 20_000
 
@@ -279,3 +285,11 @@ def test_many_failures_displace_no_violation() -> None:
     assert found.flights is not None
     assert [i for i, state in zip(found.flights, columns.status, strict=True) if state == OK] == kept.tolist()
     assert (columns.status == FAILED).sum() == FAILURES
+
+
+def test_a_target_below_what_lies_outside_the_bounds_is_refused_before_anything_is_flown() -> None:
+    store = MemoryStore(sample_seed=SampleSeed(1, stated=False))
+    with pytest.raises(CampaignUnusable) as refused:
+        execute(campaign_counting(3_000_000, "target", target_probability=1e-6, uncertain=NORMAL), store)
+    assert [problem.field for problem in refused.value.problems] == ["stages.certify.samples"]
+    assert store.stages == []

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from campaigns.asked.problem import Problem as Wrong
 from campaigns.results import Finding, StageResult
+from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.store import Trace
 
@@ -30,3 +32,5 @@ class Stage:
     kind: str
     run: Callable[[Context, int], Outcome[StageResult]]
     assist: Callable[[Context, int], None] | None = None
+    wrong: Callable[[Problem], Sequence[Wrong]] = lambda problem: ()
+    """What of the campaign cannot be carried out, known before anything is evaluated."""

@@ -86,7 +86,7 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
 
 def _counted(context: Context, position: int, request: Certify) -> Outcome[CertifyResult]:
     """Draw and simulate a sample of which a part is stored, and the counts of all."""
-    problem, seed, allowed = context.problem, context.sample_seed, _allowed(problem)
+    problem, seed, allowed = context.problem, context.sample_seed, _allowed(context.problem)
     counting = _counting(context, position, request)
     found = counting.fly()
     kind = DRAWN if problem.realisations.random else Noise.of_calls(context, single=True)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.asked.problem import Problem as Wrong
+from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Certify
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import ends
@@ -86,7 +87,7 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
 
 def _counted(context: Context, position: int, request: Certify) -> Outcome[CertifyResult]:
     """Draw and simulate a sample of which a part is stored, and the counts of all."""
-    problem, seed, allowed = context.problem, context.sample_seed, _allowed(context.problem)
+    problem, seed, allowed = context.problem, context.sample_seed, _allowed(context.campaign, context.problem)
     counting = _counting(context, position, request)
     found = counting.fly()
     kind = DRAWN if problem.realisations.random else Noise.of_calls(context, single=True)
@@ -121,7 +122,9 @@ def _counting(context: Context, position: int, request: Certify) -> Counting:
     before = [columns.costs[columns.status == OK, 0] for _, columns in all_columns(context, list(range(position)))]
     scale = Scale.over(np.concatenate([np.empty(0), *before]), problem.threshold)
     drawing = Drawing(problem, context.sample_seed.value)
-    return Counting(context, position, request.samples, drawing, single, scale, _allowed(context.problem))
+    return Counting(
+        context, position, request.samples, drawing, single, scale, _allowed(context.campaign, context.problem)
+    )
 
 
 def assist(context: Context, position: int) -> None:
@@ -132,18 +135,22 @@ def assist(context: Context, position: int) -> None:
         _counting(context, position, request).assist()
 
 
-def _allowed(problem: Problem) -> int | None:
+def _allowed(campaign: Campaign, problem: Problem) -> int | None:
     """The violations that the target allows among all samples, -1 if it cannot be met; None of a sample that does not
     end by it."""
-    request, target = problem.campaign.stages.certify, problem.campaign.target_probability
+    request, target = campaign.stages.certify, campaign.target_probability
     if request is None or request.until == "samples" or target is None:
         return None
-    return claims.allowed(request.samples, target - problem.distributions.outside, problem.campaign.confidence)
+    return claims.allowed(request.samples, target - problem.distributions.outside, campaign.confidence)
 
 
 def unattainable(problem: Problem) -> list[Wrong]:
     """Of normal distributions so much is beyond the bounds that no sample of this size meets the target."""
-    allowed, given, beyond = _allowed(problem), problem.campaign.stages.certify, problem.distributions.outside
+    allowed, given, beyond = (
+        _allowed(problem.campaign, problem),
+        problem.campaign.stages.certify,
+        problem.distributions.outside,
+    )
     if allowed is None or allowed >= 0 or given is None:
         return []
     why = f"{100 * beyond:.3g} % of the draws lie outside the bounds, which is part of the bound on P(violation)"
@@ -162,7 +169,7 @@ def _whole(sample: Sample, context: Context, request: Certify) -> tuple[Statemen
 def _early(sample: Sample, found: Counted, context: Context, request: Certify) -> tuple[Statement, Spans]:
     """The same of one that ended early: its size follows from what came out, so it bounds P(violation) only."""
     counted, target = found.evaluated - found.blocks[-1].evaluated, context.campaign.target_probability
-    drawing, allowed = sample.statement(counted=counted), _allowed(context.problem)
+    drawing, allowed = sample.statement(counted=counted), _allowed(context.campaign, context.problem)
     assert allowed is not None
     assert target is not None
     statement = sentences.curtailed(drawing.statement, allowed, target, request.samples, counted)

@@ -332,6 +332,7 @@ def test_anything_is_found_and_gone_to(signed_in: Visit) -> None:
     expect(page).to_have_url(re.compile("/help/guides/operation#webhooks$"))
     expect(page.get_by_role("heading", name="Webhooks", exact=True)).to_be_in_viewport()
     page.keyboard.press("Control+k")
+    expect(found.filter(has_text="R-0").first).to_be_visible()  # what is typed before it is open goes to the page
     page.keyboard.type("once more")
     expect(found.first).to_contain_text(AGAIN)
     page.keyboard.press("Enter")

@@ -12,6 +12,9 @@ from campaigns.results.base import Described, Result, Values
 Count = Annotated[int, Field(ge=0)]
 
 
+NoEstimateWhy = Literal["no_violation", "budget", "parameters", "noise"]
+
+
 class Rows(Result):
     """Consecutive evaluations of the stage."""
 
@@ -50,7 +53,7 @@ class EstimateAlarm(Described):
 class NoEstimate(Described):
     """Why nothing was estimated."""
 
-    why: Literal["no_violation", "budget", "parameters", "noise"]
+    why: NoEstimateWhy
     limit: Count
     """The least number of evaluations, or the most parameters; else 0."""
 
@@ -79,7 +82,7 @@ class Estimation(Described):
     confidence: float
     effective: float | None = None
     """The effective sample size of the violations."""
-    drawn: Count = 0
+    draws: Count = 0
     """The evaluations of the estimate; others of the stage searched for its modes."""
     failed_draws: Count = 0
     outside: float = 0.0

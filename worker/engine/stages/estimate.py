@@ -15,7 +15,15 @@ from scipy import special
 
 from campaigns.claims.stages import estimate as sentences
 from campaigns.results.base import EXCLUDED, OK
-from campaigns.results.estimate import EstimateAlarm, ImportanceDensity, NoEstimate, Origin, Rows, ViolationMode
+from campaigns.results.estimate import (
+    EstimateAlarm,
+    ImportanceDensity,
+    NoEstimate,
+    NoEstimateWhy,
+    Origin,
+    Rows,
+    ViolationMode,
+)
 from campaigns.stages.estimate import EstimateResult
 from worker.engine.problem.problem import Problem
 from worker.engine.rare.alarms import FEWEST, Alarm
@@ -57,8 +65,8 @@ def run(context: Context, position: int) -> Outcome[EstimateResult]:
         assert driven.columns is not None
         stated = _stated(context, made.outcome, origins, driven.columns, request.evaluations)
     confidence, outside = context.campaign.confidence, context.problem.distributions.outside
-    launched = {"seed": seed.value, "drawn_at_launch": not seed.stated}
-    return Outcome(EstimateResult(confidence=confidence, outside=outside, **launched, **stated))
+    stated |= {"confidence": confidence, "outside": outside}
+    return Outcome(EstimateResult(seed=seed.value, drawn_at_launch=not seed.stated, **stated))
 
 
 def _violations(context: Context, position: int, most: int) -> tuple[Floats, list[Origin]]:
@@ -99,7 +107,9 @@ def _search(context: Context, points: Floats, budget: int, made: _Made) -> Gener
 def _refused(context: Context, refused: Refused, budget: int) -> dict[str, Any]:
     """Why there is no estimate, with its sentence."""
     n = context.problem.dimension
-    why, limit = ("noise", 0) if noise.noisy(context) else (refused.why, refused.limit)
+    noisy = noise.noisy(context)
+    why: NoEstimateWhy = "noise" if noisy else refused.why
+    limit = 0 if noisy else refused.limit
     statement = {
         "no_violation": sentences.NO_VIOLATION,
         "noise": sentences.NOISE,
@@ -131,7 +141,7 @@ def _stated(context: Context, made: Estimate, origins: list[Origin], columns: Co
         "high": None if alarms else ends[1],
         "variation": found.variation if np.isfinite(found.variation) else None,
         "effective": made.effective,
-        "drawn": made.drawn,
+        "draws": made.drawn,
         "failed_draws": made.failed,
         "modes": modes,
         "alarms": alarms,

@@ -73,7 +73,7 @@ def estimated(run: Run, k: int) -> Tree:
         numbers |= {"low": None, "high": None}
     numbers = {name: _near(value, stated[name]) for name, value in numbers.items()}
     shares = (terms @ responsible / max(float(terms.sum()), 1e-300)).tolist()
-    found |= numbers | {"drawn": drawn, "failed_draws": int(np.count_nonzero(failed))}
+    found |= numbers | {"draws": drawn, "failed_draws": int(np.count_nonzero(failed))}
     found |= {"final": {"first": last}, "independent": {"count": count}, "modes": _modes(run, stated, shares)}
     found["alarms"] = [_told(run, k, alarm, sample, numbers["probability"]) for alarm in alarms]
     return found if run.reworded else found | {"statement": _statement(run, stated, found)}
@@ -175,7 +175,7 @@ def _modes(run: Run, stated: Tree, shares: list[float]) -> list[Tree]:
 def _statement(run: Run, stated: Tree, found: Tree) -> Spans:
     if found["alarms"]:
         return templates.alarmed([alarm["statement"] for alarm in found["alarms"]])
-    ends, drawn = (found["low"], found["high"]), (found["drawn"], found["effective"])
+    ends, drawn = (found["low"], found["high"]), (found["draws"], found["effective"])
     about = templates.estimated(found["probability"], ends, run.campaign.confidence, drawn, found["outside"])
     shares = [mode["share"] for mode in found["modes"]]
     hidden = [share for share, mode in zip(shares, stated["modes"], strict=True) if not mode["origins"]]
@@ -195,7 +195,7 @@ def _refused(run: Run, k: int, stated: Tree) -> Tree:
         why, limit = "budget", max(limit, given + 1)
         told = templates.too_few(limit, n, given)
     none: Tree = dict.fromkeys(("probability", "low", "high", "variation", "effective"))
-    none |= {"drawn": 0, "failed_draws": 0, "modes": [], "alarms": [], "refused": {"why": why, "limit": limit}}
+    none |= {"draws": 0, "failed_draws": 0, "modes": [], "alarms": [], "refused": {"why": why, "limit": limit}}
     if run.reworded:
         return none
     none["refused"]["statement"] = told

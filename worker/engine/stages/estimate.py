@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from scipy import special
 
+from campaigns.claims.spans import Spans
 from campaigns.claims.stages import estimate as sentences
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.estimate import (
@@ -28,11 +28,11 @@ from campaigns.stages.estimate import EstimateResult
 from worker.engine.problem.problem import Problem
 from worker.engine.rare.alarms import FEWEST, Alarm
 from worker.engine.rare.estimate import Estimate, Mode, Refused, estimated
+from worker.engine.rare.mixture import Mixture
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.stages.parts import noise
 from worker.engine.stages.parts.base import Context, all_columns, drive
 from worker.engine.stages.parts.outcome import Outcome, Stage
-from worker.engine.stages.parts.seeds import some
 from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 
@@ -57,16 +57,16 @@ def run(context: Context, position: int) -> Outcome[EstimateResult]:
     request, seed = context.campaign.stages.estimate, context.sample_seed
     assert request is not None
     points, origins = _violations(context, position, min(MOST, request.evaluations // EACH))
-    made = _Made()
+    made, outside = _Made(), context.problem.distributions.outside
     driven = drive(context, position, _search(context, points, request.evaluations, made), request.evaluations + 1)
+    empty = EstimateResult(
+        confidence=context.campaign.confidence, outside=outside, seed=seed.value, drawn_at_launch=not seed.stated
+    )
     if isinstance(made.outcome, Refused):
-        stated = _refused(context, made.outcome, request.evaluations)
-    else:
-        assert driven.columns is not None
-        stated = _stated(context, made.outcome, origins, driven.columns, request.evaluations)
-    confidence, outside = context.campaign.confidence, context.problem.distributions.outside
-    stated |= {"confidence": confidence, "outside": outside}
-    return Outcome(EstimateResult(seed=seed.value, drawn_at_launch=not seed.stated, **stated))
+        return Outcome(_refused(context, made.outcome, request.evaluations, empty))
+    assert driven.columns is not None
+    modes = [_mode(context.problem, mode, origins) for mode in made.outcome.modes]
+    return Outcome(_estimated(made.outcome, modes, driven.columns, request.evaluations, empty))
 
 
 def _violations(context: Context, position: int, most: int) -> tuple[Floats, list[Origin]]:
@@ -104,10 +104,9 @@ def _search(context: Context, points: Floats, budget: int, made: _Made) -> Gener
     return NOTHING if isinstance(made.outcome, Refused) else Ended("drawn", ENDED, draws=made.outcome.drawn)
 
 
-def _refused(context: Context, refused: Refused, budget: int) -> dict[str, Any]:
+def _refused(context: Context, refused: Refused, budget: int, empty: EstimateResult) -> EstimateResult:
     """Why there is no estimate, with its sentence."""
-    n = context.problem.dimension
-    noisy = noise.noisy(context)
+    n, noisy = context.problem.dimension, noise.noisy(context)
     why: NoEstimateWhy = "noise" if noisy else refused.why
     limit = 0 if noisy else refused.limit
     statement = {
@@ -117,44 +116,53 @@ def _refused(context: Context, refused: Refused, budget: int) -> dict[str, Any]:
         "parameters": sentences.too_many(limit, n),
     }[why]
     told = NoEstimate(why=why, limit=limit, statement=statement)
-    return {"refused": told, "statement": sentences.refused(statement)}
+    return empty.model_copy(update={"refused": told, "statement": sentences.refused(statement)})
 
 
-def _stated(context: Context, made: Estimate, origins: list[Origin], columns: Columns, budget: int) -> dict[str, Any]:
+def _estimated(
+    made: Estimate, modes: list[ViolationMode], columns: Columns, budget: int, empty: EstimateResult
+) -> EstimateResult:
     """The numbers of an estimate with their sentences; no interval with an alarm."""
-    found, outside, total = made.interval, context.problem.distributions.outside, len(columns.status)
-    first, count = made.sampled
-    sample = some(columns, first, first + count)
-    modes = [_mode(context.problem, mode, origins) for mode in made.modes]
-    alarms = [_alarm(alarm, sample, found.probability, budget) for alarm in made.alarms]
-    ends = (found.low, min(1.0, found.high + outside))
-    told = sentences.alarmed([alarm.statement for alarm in alarms])
-    if not alarms:
-        drawn = made.drawn, made.effective
-        about = sentences.estimated(found.probability, ends, context.campaign.confidence, drawn, outside)
-        hidden = [mode.share for mode in modes if not mode.origins]
-        told = sentences.whole(about, sentences.modes([mode.share for mode in modes], len(hidden), sum(hidden)))
-    mixture = made.mixture
-    return {
+    found, (first, count) = made.interval, made.sampled
+    size = int(np.count_nonzero(columns.status[first : first + count] != EXCLUDED))
+    alarms = [_alarm(alarm, size, found.probability, budget) for alarm in made.alarms]
+    drawn = {
         "probability": found.probability,
-        "low": None if alarms else ends[0],
-        "high": None if alarms else ends[1],
+        "low": None if alarms else found.low,
+        "high": None if alarms else min(1.0, found.high + empty.outside),
         "variation": found.variation if np.isfinite(found.variation) else None,
         "effective": made.effective,
         "draws": made.drawn,
         "failed_draws": made.failed,
         "modes": modes,
         "alarms": alarms,
-        "density": ImportanceDensity(
-            designs=mixture.designs.tolist(),
-            centres=mixture.centres.tolist(),
-            covariances=mixture.covariances.tolist(),
-            shares=mixture.shares.tolist(),
-        ),
+        "density": _density(made.mixture),
         "independent": Rows(first=first, count=count),
-        "final": Rows(first=total - made.drawn, count=made.drawn),
-        "statement": told,
+        "final": Rows(first=len(columns.status) - made.drawn, count=made.drawn),
     }
+    result = empty.model_copy(update=drawn)
+    return result.model_copy(update={"statement": _statement(result)})
+
+
+def _statement(result: EstimateResult) -> Spans:
+    """The sentence on an estimate."""
+    if result.low is None or result.high is None:
+        return sentences.alarmed([alarm.statement for alarm in result.alarms])
+    assert result.probability is not None
+    assert result.effective is not None
+    ends, draws = (result.low, result.high), (result.draws, result.effective)
+    about = sentences.estimated(result.probability, ends, result.confidence, draws, result.outside)
+    hidden = [mode.share for mode in result.modes if not mode.origins]
+    return sentences.whole(about, sentences.modes([mode.share for mode in result.modes], len(hidden), sum(hidden)))
+
+
+def _density(mixture: Mixture) -> ImportanceDensity:
+    return ImportanceDensity(
+        designs=mixture.designs.tolist(),
+        centres=mixture.centres.tolist(),
+        covariances=mixture.covariances.tolist(),
+        shares=mixture.shares.tolist(),
+    )
 
 
 def _mode(problem: Problem, mode: Mode, origins: list[Origin]) -> ViolationMode:
@@ -166,11 +174,10 @@ def _mode(problem: Problem, mode: Mode, origins: list[Origin]) -> ViolationMode:
     )
 
 
-def _alarm(alarm: Alarm, sample: Columns, probability: float, budget: int) -> EstimateAlarm:
-    """An alarm with its sentence; sample: the independent one."""
+def _alarm(alarm: Alarm, size: int, probability: float, budget: int) -> EstimateAlarm:
+    """An alarm with its sentence; size: of the independent sample."""
     match alarm.why:
         case "sample":
-            size = int(np.count_nonzero(sample.status != EXCLUDED))
             statement = sentences.contradicted(int(alarm.value), size, probability)
         case "weight":
             statement = sentences.single(alarm.value)

@@ -7,15 +7,16 @@ violations no mode explains, and how many modes were met once.
 from __future__ import annotations
 
 import math
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-from scipy import special, stats
 
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import estimate as templates
 from campaigns.results.base import EXCLUDED, OK
 from worker.evidence.audit import draw
+from worker.evidence.audit.binomial import cumulative
 from worker.evidence.audit.recompute import Run, Tree
 
 STREAM, SAMPLED = 2**25, 0.06
@@ -27,6 +28,9 @@ TOLERANCE = 1e-4
 """Relative: a point is stored to 1e-16 of a range, of which a tail of probability 1e-12 has four digits."""
 ERRORS = 5.0
 """Standard errors by which the mean of the weights may differ from 1."""
+UNIFORM = np.vectorize(lambda x: math.erfc(-x / math.sqrt(2.0)) / 2.0, otypes=[float])
+QUANTILE = np.vectorize(NormalDist().inv_cdf, otypes=[float])
+"""The standard normal distribution function and its inverse."""
 
 
 def placed(run: Run, k: int) -> Tree:
@@ -39,7 +43,7 @@ def placed(run: Run, k: int) -> Tree:
     points, final = run.rows(k)[0], stated["final"]["count"]
     seed = np.random.SeedSequence(int(stated["seed"]), spawn_key=(STREAM,))
     normal = np.random.default_rng(seed).standard_normal((int(SAMPLED * run.plan[k].planned), len(run.bounds)))
-    drawn = draw.distributed(run.campaign, run.bounds).quantile(special.ndtr(normal))
+    drawn = draw.distributed(run.campaign, run.bounds).quantile(UNIFORM(normal))
     near = np.abs(points[first : first + count] - drawn[:count]) <= draw.ROUNDING
     weights = _weights(_normal(run, points[len(points) - final :]), stated["density"])[0]
     error = float(weights.std(ddof=1)) / math.sqrt(len(weights))
@@ -88,22 +92,29 @@ def _violates(run: Run, k: int) -> Any:
 def _normal(run: Run, points: Any) -> Any:
     """Points of the unit cube in standard normal space."""
     uniform = draw.distributed(run.campaign, run.bounds).uniform(points)
-    return special.ndtri(np.clip(uniform, 1e-300, 1.0 - 2.0**-53))
+    return QUANTILE(np.clip(uniform, 1e-300, 1.0 - 2.0**-53))
 
 
 def _weights(points: Any, density: Tree) -> tuple[Any, Any]:
     """The nominal density relative to the stated one (m,), and the responsibilities of its modes (m, k)."""
     n, modes = points.shape[1], len(density["shares"])
     shares = LEAST_SHARE / modes + (1.0 - LEAST_SHARE) * np.array(density["shares"])
-    nominal = stats.multivariate_normal(np.zeros(n), np.eye(n)).logpdf(points)
+    nominal = _log_normal(points, np.zeros(n), np.eye(n))
     parts = [np.full(len(points), NOMINAL)]
     for share, design, centre, spread in zip(shares, *(density[f] for f in FIELDS), strict=True):
-        adapted = stats.multivariate_normal(centre, COVARIANCE * np.array(spread)).logpdf(points)
-        unit = stats.multivariate_normal(design, np.eye(n)).logpdf(points)
+        adapted = _log_normal(points, centre, COVARIANCE * np.array(spread))
+        unit = _log_normal(points, design, np.eye(n))
         likely = (1.0 - NOMINAL - UNIT) * np.exp(adapted - nominal) + UNIT * np.exp(unit - nominal)
-        parts.append(share * np.atleast_1d(likely))
+        parts.append(share * likely)
     whole = np.array(parts)
     return 1.0 / whole.sum(axis=0), (whole[1:] / whole[1:].sum(axis=0)).T
+
+
+def _log_normal(points: Any, centre: Any, covariance: Any) -> Any:
+    """Without the factor of 2 pi, which every density here has."""
+    apart = points - np.array(centre)
+    squares = np.einsum("mi,im->m", apart, np.linalg.solve(covariance, apart.T))
+    return -(squares + np.linalg.slogdet(covariance)[1]) / 2.0
 
 
 FIELDS = ("designs", "centres", "covariances")
@@ -112,7 +123,7 @@ FIELDS = ("designs", "centres", "covariances")
 def _interval(high: Any, low: Any, sample: tuple[int, int], confidence: float) -> Tree:
     """The log-normal interval, wider by its factor, relative to what is not excluded."""
     kept, count = sample
-    share, z = kept / count, WIDER * float(special.ndtri((1.0 + confidence) / 2.0))
+    share, z = kept / count, WIDER * NormalDist().inv_cdf((1.0 + confidence) / 2.0)
     if not high.any() or not kept:
         return {"probability": 0.0, "low": 0.0, "high": 1.0, "variation": math.inf}
 
@@ -137,7 +148,8 @@ def _alarms(stated: Tree, terms: Any, made: Tree, sample: tuple[int, int]) -> li
     given = {alarm["why"]: alarm["value"] for alarm in stated["alarms"]}
     largest = float(terms.max() / max(float(terms.sum()), 1e-300))
     effective, (violations, size) = _numbers(terms, made, 0.0)["effective"], sample
-    many, few = (stats.binom.sf(violations - 1, size, made["high"]), stats.binom.cdf(violations, size, made["low"]))
+    many = _at_most(size - violations, size, 1.0 - made["high"])
+    few = _at_most(violations, size, made["low"])
     raised = {
         "unexplained": (given.get("unexplained", 0.0) >= 1.0, given.get("unexplained")),
         "weight": (largest > LARGEST, largest),
@@ -146,6 +158,13 @@ def _alarms(stated: Tree, terms: Any, made: Tree, sample: tuple[int, int]) -> li
         "sample": (min(many, few) < CHANCE / 2.0, float(violations)),
     }
     return [{"why": why, "value": _near(value, given.get(why))} for why, (on, value) in raised.items() if on]
+
+
+def _at_most(events: int, samples: int, p: float) -> float:
+    """P(Binomial(samples, p) <= events)."""
+    if not 0.0 < p < 1.0 or events >= samples:
+        return float(p <= 0.0 or events >= samples)
+    return math.exp(cumulative(events, samples, p)[-1])
 
 
 def _told(run: Run, k: int, alarm: Tree, sample: tuple[int, int], probability: float) -> Tree:
@@ -165,8 +184,7 @@ def _modes(run: Run, stated: Tree, shares: list[float]) -> list[Tree]:
     """The modes at the centres of the density."""
     found = []
     for design, share, mode in zip(stated["density"]["designs"], shares, stated["modes"], strict=True):
-        uniform = special.ndtr(np.array([design]))
-        point = draw.distributed(run.campaign, run.bounds).quantile(uniform)[0]
+        point = draw.distributed(run.campaign, run.bounds).quantile(UNIFORM(np.array([design])))[0]
         near = share if abs(share - mode["share"]) > TOLERANCE else mode["share"]
         found.append({"share": near, "parameters": run.values(point), "distance": float(np.linalg.norm(design))})
     return found

@@ -7,6 +7,7 @@ from typing import Literal
 from campaigns.asked.spec import Campaign
 from campaigns.results.estimate import Estimation
 from campaigns.results.stage import StageResult
+from campaigns.sample_seed import SampleSeed
 from campaigns.stages.declared import Declared
 
 
@@ -18,6 +19,10 @@ class EstimateResult(Estimation, StageResult):
     @property
     def estimation(self) -> Estimation:
         return self
+
+    @property
+    def sample_seed(self) -> SampleSeed:
+        return SampleSeed(self.seed, stated=not self.drawn_at_launch)
 
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:

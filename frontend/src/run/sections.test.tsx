@@ -59,6 +59,7 @@ it('has the estimate of P(violation) if the run made one, after the sample', () 
   expect(rows({ stages: [estimate] })).toContain('estimate')
   expect(tabs({ stages: [estimate] })[0]).toBe('Estimate')
   expect(rows()).not.toContain('estimate')
+  expect(page({ stages: [stage({ ...estimate.result, drawn_at_launch: true } as EstimateResult)] }).certified).toBe(false)
 })
 
 it('counts what it lists', () => {

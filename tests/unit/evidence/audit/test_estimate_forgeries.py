@@ -10,13 +10,15 @@ import pytest
 
 from campaigns.claims.spans import words
 from campaigns.claims.stages import estimate as templates
-from tests.given.corrupted_records import Folder, copied, estimating, made
+from tests.audited import audited, recorded
+from tests.given.corrupted_records import Folder, copied, estimating, made, stored
 from tests.given.forgeries import ESTIMATE
 from tests.given.sampled_stages import DRAWN
 from worker.engine.rare.mixture import Mixture
 from worker.engine.stages.parts import offered
 from worker.evidence.audit import judge
-from worker.evidence.audit.judge import closing
+from worker.evidence.audit.judge import audit, closing
+from worker.running.runs.audited import known
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -51,3 +53,15 @@ def test_an_alarm_that_is_removed_is_missed(alarmed: Folder) -> None:
     wrong = {item.name for item in items if item.agrees is False}
     assert f"results.{ESTIMATE}.alarms.count" in wrong
     assert f"results.{ESTIMATE}.low" in wrong
+
+
+def test_a_database_has_the_same_estimate(tmp_path: Path) -> None:
+    engine = stored(tmp_path, "estimated")
+    try:
+        audited(engine)
+        record = recorded(engine)
+        stated: Any = record.claims["results"][ESTIMATE]
+        stated["probability"] *= 2
+        assert not closing(audit(record, known(record)))[0]
+    finally:
+        engine.dispose()

@@ -65,3 +65,12 @@ def test_a_database_has_the_same_estimate(tmp_path: Path) -> None:
         assert not closing(audit(record, known(record)))[0]
     finally:
         engine.dispose()
+
+
+def test_a_run_without_a_violation_states_that_nothing_was_estimated() -> None:
+    campaign, store = estimating(criterion__threshold=0.5), MemoryStore(sample_seed=DRAWN)
+    execute(campaign, store, threads=1)
+    (stated,) = (s.result.estimation for s in store.stages if s.result is not None and s.result.estimation is not None)
+    assert stated.refused is not None
+    assert stated.refused.why == "no_violation"
+    audited(store, campaign)

@@ -127,6 +127,7 @@ def _context(record: Record) -> dict[str, object]:
         "checks": [] if verdict is None else verdict.checks,
         "sample": charts.sample(record),
         "counted": next((result.counted for result in record.every if result.counted is not None), None),
+        "estimate": next((result.estimation for result in record.every if result.estimation is not None), None),
         "studies": [study for result in record.every for study in result.studies.items()],
         "fig": charts.drawn(record),
         "doubts": sections.doubts(record),

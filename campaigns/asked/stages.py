@@ -18,7 +18,7 @@ from campaigns.asked.values import (
     Path,
     Strict,
 )
-from campaigns.documented import UNLESS_STATED, no_default
+from campaigns.documented import UNLESS_STATED, UNSTATED, no_default
 
 
 class Morris(Strict):
@@ -110,6 +110,15 @@ class Certify(Strict):
         return self
 
 
+class Estimate(Strict):
+    """P(violation) by importance sampling over the violations that the stages before found: an estimate, not a bound.
+
+    Without a violation it states that there is none to begin with, and takes no evaluations.
+    """
+
+    evaluations: Annotated[int, Field(ge=1000, le=MAX_EVALUATIONS), AS_WHOLE] = 5000
+
+
 def _usual(repeats: int) -> bool:
     return repeats == limits.REPEATS
 
@@ -156,5 +165,7 @@ class Stages(Strict):
     """If omitted, Auto with 5000 evaluations or 1000 for each parameter, whichever is more."""
     certify: Certify | None = None
     """If omitted, 300 samples of a closed loop and 59 of a simulator; null draws none, and then nothing is cleared."""
+    estimate: Annotated[Estimate | None, UNSTATED] = None
+    """If omitted, P(violation) is not estimated. Omitted from the canonical form if null."""
     findings: Findings = Findings()
     validate_: Validate = Field(default=Validate(), alias="validate")

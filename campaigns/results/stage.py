@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from campaigns.results.base import Result, Status, Stop, Values
+from campaigns.results.estimate import Estimation
 from campaigns.results.indices import IndexStudy
 from campaigns.results.measured import Measured
 from campaigns.results.nominal import NominalCase
@@ -75,6 +76,11 @@ class StageResult(Result):
     @property
     def certificate(self) -> Certificate | None:
         """The independent sample that it drew to support a claim on probability, if any."""
+        return None
+
+    @property
+    def estimation(self) -> Estimation | None:
+        """The estimate of P(violation) over the modes of violations, if it made one or states why not."""
         return None
 
     @property

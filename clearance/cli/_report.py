@@ -69,7 +69,7 @@ def print_report(
         for line in [*_how_found(store), *_likely(campaign, store, verdict)]:
             console.print(Text(line), soft_wrap=not console.is_terminal)
     console.print(_checks(verdict))
-    for line in [*failures(store), *_again(store)]:
+    for line in [*failures(store), *_again(store), *_estimated(store)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)
     if note:
         console.print(Text(note), soft_wrap=not console.is_terminal)
@@ -119,6 +119,12 @@ def _ended(result: StageResult | None) -> str:
     if result is not None and result.repeatability is not None:
         return result.repeatability.text
     return result.text if isinstance(result, ValidateResult) else ""
+
+
+def _estimated(store: MemoryStore) -> list[str]:
+    """The sentence of an estimate of P(violation)."""
+    found = [stage.result.estimation for stage in store.stages if stage.result is not None]
+    return [words(sentence(one.statement)) for one in found if one is not None]
 
 
 def _validated(store: MemoryStore) -> ValidateResult | None:

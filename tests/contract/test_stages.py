@@ -25,6 +25,7 @@ ASKED: dict[str, Any] = {
     "sensitivity": {"points": 3},
     "search": [{"method": "direct", "evaluations": 1}],
     "certify": {"samples": 1},
+    "estimate": {"evaluations": 1000},
 }
 BASELINE = {
     "run": "R-0001",

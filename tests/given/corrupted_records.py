@@ -79,9 +79,17 @@ def counting(samples: int, until: str = "samples", **changes: Any) -> Campaign:
     return load_document(document)
 
 
+def estimating(**changes: Any) -> Campaign:
+    """With an estimate of P(violation) over the violations that the search found."""
+    document = searching(DIRECT, **(SHORT | {"criterion__threshold": 0.942} | changes)).document()
+    document["stages"] |= {"certify": None, "estimate": {"evaluations": 1000}}
+    return load_document(document)
+
+
 RUNS: dict[str, Callable[[], Campaign]] = {
     "cleared": lambda: certifying(150, uncertain=NORMAL, correlations=PAIR),
     "violated": lambda: searching(DIRECT, SQP, SAMPLE, criterion__threshold=0.94175, stages__certify=None, **SHORT),
+    "estimated": lambda: estimating(),
     "inconclusive": lambda: searching(DIRECT, scenario__horizon=1.0),
     "noisy": lambda: certifying(60, **NOISE),
     "alone": lambda: certifying(60, {"method": "auto", "evaluations": 300}),
@@ -118,6 +126,7 @@ FORGED: dict[str, Callable[[], Campaign]] = {
 """As a service writes it that leaves out the check `sampling`."""
 
 VERDICTS = {
+    "estimated": "violated",
     "counted": "cleared",
     "counted correlations": "inconclusive",
     "counted noise": "cleared",

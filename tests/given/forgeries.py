@@ -10,12 +10,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns.claims.spans import words
+from campaigns.claims.stages import estimate as templates
 from campaigns.identity.identity import identity_of
 from campaigns.results.base import EXCLUDED
 from campaigns.versions import Versions
 from tests.given.corrupted_records import CERTIFY, ENCOUNTER, FINDING, GRID, SAMPLE_, STATISTICS, Folder, edit
 from worker.evidence.audit.judge import SPANS
 
+ESTIMATE = 3
+ESTIMATE_ = f"evidence/results/{ESTIMATE}"
+"""The estimate of the run with one."""
 BOLD = " No worse case exists."
 LAST = 4
 """The position of the last stage of the run with excluded evaluations."""
@@ -70,6 +74,30 @@ def _bold(*path: Any) -> Callable[[Folder], None]:
             folder.render()
 
     return change
+
+
+def _less_likely(folder: Folder) -> None:
+    """Consistent numbers and words."""
+    stated = folder.evidence["results"][ESTIMATE]
+    for name in ("probability", "low", "high"):
+        stated[name] /= 1000
+    for span in stated["statement"]:
+        if span.get("name") in ("probability", "low", "high"):
+            span["value"] /= 1000
+    stated["text"] = words(SPANS.validate_python(stated["statement"]))
+
+
+def _nothing_estimated(folder: Folder) -> None:
+    """As if no violation had been known."""
+    stated = folder.evidence["results"][ESTIMATE]
+    why = templates.NO_VIOLATION
+    told = [span.model_dump(mode="json") for span in templates.refused(why)]
+    for name in ("density", "independent", "final"):
+        del stated[name]
+    stated |= dict.fromkeys(("probability", "low", "high", "variation", "effective"))
+    stated |= {"draws": 0, "failed_draws": 0, "modes": [], "alarms": []}
+    refused = {"why": "no_violation", "limit": 0, "statement": [span.model_dump(mode="json") for span in why]}
+    stated |= {"refused": refused | {"text": words(why)}, "statement": told, "text": words(templates.refused(why))}
 
 
 def _surer(folder: Folder) -> None:
@@ -294,6 +322,21 @@ FORGERIES: list[Forgery] = [
     Forgery("an approach of which no more is known", "cleared", _approaching),
     Forgery("code of another version", "cleared", _other_code, "result.versions"),
     Forgery("code of another version alone", "cleared", edit("result/versions/code", "0" * 64)),
+    Forgery("a probability", "estimated", edit(f"{ESTIMATE_}/probability", 0.001)),
+    Forgery("a lower end", "estimated", edit(f"{ESTIMATE_}/low", 1e-4)),
+    Forgery("an upper end", "estimated", edit(f"{ESTIMATE_}/high", 0.0152)),
+    Forgery("a sentence with another probability", "estimated", _less_likely),
+    Forgery("an effective sample size", "estimated", edit(f"{ESTIMATE_}/effective", 500.0)),
+    Forgery("a share", "estimated", edit(f"{ESTIMATE_}/modes/0/share", 0.5)),
+    Forgery("a point of a mode", "estimated", edit(f"{ESTIMATE_}/modes/0/parameters/vehicle.m", 4.0)),
+    Forgery("a mode left out", "estimated", lambda f: f.evidence["results"][ESTIMATE]["modes"].pop()),
+    Forgery("draws left out", "estimated", edit(f"{ESTIMATE_}/final/first", 500)),
+    Forgery("fewer draws", "estimated", edit(f"{ESTIMATE_}/final/count", 100)),
+    Forgery("another independent sample", "estimated", edit(f"{ESTIMATE_}/independent/first", 45)),
+    Forgery("another seed of the draws", "estimated", edit(f"{ESTIMATE_}/seed", 2)),
+    Forgery("another density", "estimated", edit(f"{ESTIMATE_}/density/covariances/0/0/0", 9.0)),
+    Forgery("an origin that does not violate", "estimated", edit(f"{ESTIMATE_}/modes/0/origins/0/index", 0)),
+    Forgery("nothing estimated", "estimated", _nothing_estimated),
     Forgery("seconds of a stage", "cleared", edit("result/stages/2/seconds", 9e9), "result.stages.#.seconds"),
 ]  # fmt: skip
 

@@ -18,6 +18,9 @@ type Having<P extends string, R = Result> = R extends unknown ? (P extends keyof
 /** A result with slices through the nominal point. */
 export type SlicesResult = Having<'curves'>
 
+/** A result with an estimate of P(violation). */
+export type EstimationResult = Having<'alarms'>
+
 const has = <P extends string>(result: Result, property: P): result is Having<P> => property in result
 
 /** The first result that has this property, of whatever kind of stage; null if there is none yet. */

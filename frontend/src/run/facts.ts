@@ -74,7 +74,7 @@ export function factsOf(data: RunData): Facts {
     searched: run.stages.some((stage) => stage.method !== null && stage.evaluations > 0),
     methods: run.stages.filter((stage) => stage.method !== null).length,
     sample: independentSample(data.stages),
-    certified: resultWith(data.stages, 'drawn_at_launch') !== null,
+    certified: resultWith(data.stages, 'grid') !== null,
     space: hasSpace(data),
     published: run.verdict ? (campaign.published?.length ?? 0) : 0,
     few: sensitivity !== null && sensitivity.curves.length <= 2 && flown,

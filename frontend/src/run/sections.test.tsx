@@ -2,7 +2,7 @@
 import { expect, it, vi } from 'vitest'
 import { asCampaign } from '../api/campaign'
 import { finding, flight, progress, run, search, stage, validated } from '../../tests/fixtures'
-import type { SensitivityResult } from '../client'
+import type { EstimateResult, SensitivityResult } from '../client'
 import type { RunData } from './data/data'
 import { factsOf } from './facts'
 import type { Page } from './section'
@@ -52,6 +52,14 @@ it('has the tornado next to the flight if the table is short, else next to the c
   const parameters = Array.from({ length: 5 }, (_, i) => ({ path: `p${i}`, symbol: '', unit: '', text: '', nominal: 0, low: 0, high: 1 }))
   expect(rows({ ...flown, stages: [sensitivity(3)] })).not.toContain('tornado')
   expect(rows({ ...flown, parameters, stages: [sensitivity(3)] })).toContain('tornado')
+})
+
+it('has the estimate of P(violation) if the run made one, after the sample', () => {
+  const estimate = stage({ stage: 'estimate', alarms: [], modes: [] } as unknown as EstimateResult)
+  expect(rows({ stages: [estimate] })).toContain('estimate')
+  expect(tabs({ stages: [estimate] })[0]).toBe('Estimate')
+  expect(rows()).not.toContain('estimate')
+  expect(page({ stages: [stage({ ...estimate.result, drawn_at_launch: true } as EstimateResult)] }).certified).toBe(false)
 })
 
 it('counts what it lists', () => {

@@ -7,10 +7,13 @@ from typing import Any
 import pytest
 
 from campaigns import Catalogue, check
+from campaigns.asked.load import load_document
 from campaigns.catalogue import MethodEntry
 from campaigns.checked.check import parameters
+from campaigns.checked.estimated import estimated
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign, searching
+from tests.simulators import package
 from worker.engine.systems.base import CampaignUnusable
 from worker.running.catalogue.installed import catalogue
 
@@ -28,6 +31,7 @@ AVOIDERS = [c.name for c in catalogue().components if c.role == "avoider"]
 NAMES = ", ".join([*AVOIDERS[:12], "..."] if len(AVOIDERS) > 12 else AVOIDERS)
 M = "scenario.vehicle.parameters.m"
 ONLY_J = {"uncertain": {"vehicle.J": {"plus_minus": "20%"}}, **one_search()}
+ESTIMATE = {"stages__estimate": {"evaluations": 5000}}
 BOUNDS = "uncertain__vehicle.m"
 
 WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
@@ -163,6 +167,19 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
         ("stages.search.0.starts.0.start.v", "start.v", "not an uncertain parameter; choose one of: "
             "vehicle.m, vehicle.J"),
     ),
+    "an estimate of noise": (
+        ESTIMATE | {"scenario__faults": [{"component": "sensor_noise", "parameters": {"sigma": 0.01}}]},
+        ("stages.estimate", "noise",
+            "the scenario has noise, and the estimate assumes that a case violates or does not; remove this"),
+    ),
+    "an estimate of correlated normals": (
+        ESTIMATE | {
+            BOUNDS: {"low": 4, "high": 6, "distribution": {"kind": "normal", "mean": 5, "deviation": 1}},
+            "correlations": [{"between": ["vehicle.m", "vehicle.J"], "value": 0.5}],
+        },
+        ("uncertain.vehicle.m.distribution", "normal", "a correlated normal distribution is drawn again beyond the "
+            "bounds, which the estimate cannot weigh; make it truncated_normal"),
+    ),
 }  # fmt: skip
 
 
@@ -252,3 +269,17 @@ def test_a_problem_is_not_made_of_a_campaign_that_does_not_fit() -> None:
     with pytest.raises(CampaignUnusable) as caught:
         Problem(campaign(scenario__vehicle__component="car"))
     assert [(p.field, p.given) for p in caught.value.problems] == [("scenario.vehicle.component", "car")]
+
+
+def test_what_an_estimate_cannot_be_made_of() -> None:
+    simulated = package.campaign()
+    simulated["simulator"]["repeats"] = {"count": 3}
+    simulated["stages"]["estimate"] = {"evaluations": 5000}
+    (problem,) = estimated(load_document(simulated), random=False)
+    assert (problem.field, problem.given) == ("stages.estimate", "3 calls")
+    del simulated["simulator"]["repeats"]
+    assert not [*estimated(load_document(simulated), random=False)]
+    (path, bounds), *_ = simulated["uncertain"].items()
+    many = {f"{path}{k}": bounds for k in range(21)}
+    (problem,) = estimated(load_document(simulated | {"uncertain": many}), random=False)
+    assert problem.given == "21 parameters"

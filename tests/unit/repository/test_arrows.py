@@ -100,7 +100,8 @@ MAY: dict[str, tuple[str, ...]] = {
     ),
     "worker.engine.reference": ("worker.engine.kernels", "worker.engine.systems"),
     "worker.engine.stages": (
-        *("worker.engine.problem", "worker.engine.systems.base", "worker.engine.search", "campaigns"),
+        *("worker.engine.problem", "worker.engine.systems.base", "worker.engine.search", "worker.engine.rare"),
+        "campaigns",
     ),
     # What may change a claim.
     "worker.evidence.scopes": ("worker.engine.systems", "campaigns"),

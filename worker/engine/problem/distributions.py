@@ -69,6 +69,19 @@ class Distributions:
                 mixed[:, k] = _within(self.ranges[k], normal[:, column])
         return self.marginals(mixed)
 
+    def uniform(self, points: Floats) -> Floats:
+        """The inverse of `quantile`: the uniform samples (m, n) of points in which no correlated value was redrawn."""
+        uniform = np.empty_like(points)
+        for k, r in enumerate(self.ranges):
+            uniform[:, k] = _probability(r, points[:, k])
+        if self.mixed:
+            from scipy import linalg, special
+
+            shares = [_drawn(self.ranges[k], uniform[:, k]) for k in self.mixed]
+            normal = special.ndtri(np.clip(np.stack(shares), LEAST, 1.0 - 2.0**-53))
+            uniform[:, self.mixed] = special.ndtr(linalg.solve_triangular(self.factor, normal, lower=True)).T
+        return uniform
+
     def marginals(self, uniform: Floats) -> Floats:
         """The points without correlations: each parameter by its own marginal distribution."""
         points = np.empty_like(uniform)
@@ -106,6 +119,17 @@ def _within(r: Range, normal: Floats) -> Floats:
     return np.clip(np.where((normal < low) | (normal > high), left, inside), 0.0, 1.0)
 
 
+def _drawn(r: Range, inside: Floats) -> Floats:
+    """The inverse of `_within` for values that were not redrawn, as probabilities of the unbounded distribution."""
+    if not isinstance(r.distribution, Normal):
+        return inside
+    from scipy import special
+
+    mean, deviation = _scaled(r, r.distribution.mean, r.distribution.deviation)
+    below, above = special.ndtr(-mean / deviation), special.ndtr((mean - 1.0) / deviation)
+    return np.asarray(below + inside * (1.0 - below - above))
+
+
 def _quantile(r: Range, u: Floats) -> Floats:
     """Quantiles of one parameter, as fractions of its range."""
     distribution = r.distribution
@@ -123,3 +147,22 @@ def _quantile(r: Range, u: Floats) -> Floats:
     else:
         shaped = special.betaincinv(distribution.alpha, distribution.beta, u)
     return np.clip(np.asarray(shaped, dtype=np.float64), 0.0, 1.0)
+
+
+def _probability(r: Range, x: Floats) -> Floats:
+    """The distribution function of one parameter, at fractions of its range: the inverse of `_quantile`."""
+    distribution = r.distribution
+    if isinstance(distribution, Uniform):
+        return x
+    from scipy import special, stats
+
+    if isinstance(distribution, Normal | TruncatedNormal):
+        mean, deviation = _scaled(r, distribution.mean, distribution.deviation)
+        if deviation > FLAT:
+            return x
+        found = stats.truncnorm.cdf(x, -mean / deviation, (1 - mean) / deviation, loc=mean, scale=deviation)
+    elif isinstance(distribution, Triangular):
+        found = stats.triang.cdf(x, float(np.clip((distribution.mode - r.low) / (r.high - r.low), 0.0, 1.0)))
+    else:
+        found = special.betainc(distribution.alpha, distribution.beta, x)
+    return np.asarray(found, dtype=np.float64)

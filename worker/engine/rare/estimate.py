@@ -45,7 +45,8 @@ class Mode:
 class Estimate:
     """The result: with an alarm the interval must not be shown as one that holds.
 
-    effective: effective sample size of the violations of the estimate; drawn: its evaluations.
+    effective: effective sample size of the violations of the estimate; drawn: its evaluations, the last that were
+    requested, from the mixture; sampled: how many were requested before the independent sample, and its size.
     """
 
     interval: Interval
@@ -54,6 +55,8 @@ class Estimate:
     drawn: int
     failed: int
     alarms: tuple[Alarm, ...]
+    mixture: Mixture
+    sampled: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,8 @@ def estimated(
         return started
     known, left = started
     n = violations.shape[1]
-    sample = yield from evaluated(random.standard_normal((int(INDEPENDENT * budget), n)), allowed)
+    sampled = budget - allowed.left, int(INDEPENDENT * budget)
+    sample = yield from evaluated(random.standard_normal((sampled[1], n)), allowed)
     left += yield from hidden.searched(sample, known, random, allowed, int(WIDE * budget), keep)
     mixture = yield from _adapted(Mixture.of(known.designs), random, rounds, allowed)
     seen = yield from evaluated(mixture.draws(random, allowed.left), allowed)
@@ -89,6 +93,8 @@ def estimated(
         len(terms),
         int(np.count_nonzero(seen.failed)),
         alarms(terms, found, sample, known, left),
+        mixture,
+        sampled,
     )
 
 

@@ -54,6 +54,13 @@ TRUSTED = (
         (r"encounter", r"\.closest\."),
     ),
     Trusted(
+        "Of an estimate of P(violation): the density of its draws, the origins of a mode, the least budget, and the "
+        "alarms of violations without a mode and of modes met once",
+        "any density that was fixed before the draws gives an unbiased estimate; the search for modes is not run "
+        "again; the numbers, the interval, the shares and the other alarms are recomputed",
+        (r"density", r"origins", r"refused\.limit"),
+    ),
+    Trusted(
         "Boundary of a violation, Morris' and Sobol's indices",
         "they illustrate; no verdict rests on them",
         (r"boundary", r"morris", r"sobol"),

@@ -50,6 +50,33 @@ def test_any_normal_distribution_gives_points_inside(deviation: float, bounds: t
         assert points[:, 0] == pytest.approx(np.linspace(0, 1, 101, endpoint=False), abs=1e-3)
 
 
+KINDS: dict[str, dict[str, Any]] = {
+    "uniform": {"kind": "uniform"},
+    "triangular": {"kind": "triangular", "mode": 5.5},
+    "truncated normal": {"kind": "truncated_normal", "mean": 5.5, "deviation": 0.5},
+    "flat": {"kind": "truncated_normal", "mean": 5.5, "deviation": 1e6},
+    "normal": {"kind": "normal", "mean": 5.1, "deviation": 0.4},
+    "beta": {"kind": "beta", "alpha": 2.0, "beta": 5.0},
+}
+
+
+@pytest.mark.parametrize("value", [0.0, 0.7, -0.95])
+@pytest.mark.parametrize("kind", KINDS)
+def test_uniform_is_the_inverse_of_quantile(kind: str, value: float) -> None:
+    """With a correlated normal only where no value was redrawn within the bounds, which `estimate` refuses."""
+    given = {"low": 4, "high": 6, "distribution": KINDS[kind]}
+    pair = [{"between": ["vehicle.m", "vehicle.J"], "value": value}]
+    of = Problem(campaign(**{"uncertain__vehicle.m": given, "correlations": pair})).distributions
+    uniform = np.random.default_rng(2).random((500, 2))
+    uniform[:4] = [[1e-9, 0.5], [1 - 1e-9, 0.5], [0.5, 1e-9], [1e-6, 1 - 1e-6]]
+    if kind == "normal" and value:
+        uniform = uniform[np.abs(uniform[:, 0] - 0.5) < 0.45]
+    back = of.uniform(of.quantile(uniform))
+    assert back == pytest.approx(uniform, rel=1e-6, abs=1e-12)
+    points = of.quantile(uniform)
+    assert of.quantile(back) == pytest.approx(points, abs=1e-9)
+
+
 # Problem
 
 

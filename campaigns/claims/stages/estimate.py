@@ -1,0 +1,105 @@
+"""Sentences on an estimate of P(violation) over its modes: interval, shares, and why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from campaigns.claims.say import count, joined, listed, number, percent, say
+from campaigns.claims.spans import Spans
+
+OPEN = (
+    "this is an estimate from the violations that are known, not a bound: a mode that neither the searches nor this "
+    "stage found is not in it"
+)
+MISSING = "a mode seems to be missing: "
+
+
+def estimated(
+    probability: float, ends: tuple[float, float], confidence: float, draws: tuple[int, float], outside: float
+) -> Spans:
+    """P(violation) and its interval; draws: how many, and their effective number."""
+    drawn, effective = draws
+    beyond = say(", of whose upper end ", number(outside, digits=3), " is the probability beyond the bounds")
+    return say(
+        *("P(violation) is about ", number(probability, "", "probability", 2), " [", number(ends[0], "", "low", 2)),
+        *(" to ", number(ends[1], "", "high", 2), ", ", percent(confidence, 6, "confidence"), "], from "),
+        *(count(drawn, "draws"), " draws (effective ", count(round(effective), "effective"), ")"),
+        beyond if outside else (),
+    )
+
+
+def modes(shares: Sequence[float], hidden: int, carried: float) -> Spans:
+    """The modes, and how much of P(violation) those carry that no search had found."""
+    one = say("its violations are of one mode")
+    several = say(
+        "its ", count(len(shares), "modes"), " modes carry ", listed([percent(s, 2) for s in shares]), " of it"
+    )
+    which = "; a mode that no search had found carries " if hidden == 1 else "; modes that no search had found carry "
+    found = say(which, percent(carried, 2, "hidden"), " of it")
+    return say(one if len(shares) == 1 else several, found if hidden else ())
+
+
+def whole(first: Spans, modal: Spans) -> Spans:
+    """The statement of an estimate with its interval."""
+    return say(first, "; ", modal, "; ", OPEN)
+
+
+def alarmed(alarms: Sequence[Spans]) -> Spans:
+    """The statement of an estimate without an interval."""
+    return say("P(violation) has no interval: ", joined("; ", alarms))
+
+
+def refused(why: Spans) -> Spans:
+    """The statement if nothing was estimated."""
+    return say("P(violation) was not estimated: ", why)
+
+
+def contradicted(violations: int, samples: int, probability: float) -> Spans:
+    """An independent sample has other violations than the interval allows."""
+    expected = samples * probability
+    begun = MISSING if violations > expected else "the independent sample contradicts it: "
+    of = say(count(violations, "violations"), " of ", count(samples, "samples"), " independent evaluations violate")
+    return say(begun, of, ", where the estimate expects ", number(expected, "", "expected", 2))
+
+
+def single(part: float) -> Spans:
+    """One evaluation carries too much."""
+    return say("one evaluation carries ", percent(part, 3, "largest"), " of the estimate; give more evaluations")
+
+
+def few(effective: float, needed: float) -> Spans:
+    """The violations are too few, effectively."""
+    rests = say("it rests on ", number(effective, "", "effective", 3), " effective evaluations")
+    return say(rests, ", ", number(needed), " are needed; give more evaluations")
+
+
+def unexplained(left: int, budget: int) -> Spans:
+    """Violations were left of which the mode is not known."""
+    of = say(
+        count(left, "unexplained"), f" {'violation belongs' if left == 1 else 'violations belong'} to no known mode"
+    )
+    return say(
+        MISSING, of, ", and the budget of ", count(budget, "budget"), " did not suffice to examine them; give more"
+    )
+
+
+def unsaturated(modes_met: int) -> Spans:
+    """Many modes were met only once."""
+    return say(
+        MISSING, count(modes_met, "single"), " modes were each met once, so others are likely; give more evaluations"
+    )
+
+
+NO_VIOLATION = say("no violation is known to begin with")
+NOISE = say("the results of the simulator do not repeat, and the estimate assumes that a case violates or does not")
+
+
+def too_few(least: int, parameters: int, given: int) -> Spans:
+    """The budget is too small."""
+    many = f" uncertain {'parameter' if parameters == 1 else 'parameters'} needs at least "
+    return say(count(parameters), many, count(least, "least"), " evaluations here; ", count(given), " were given")
+
+
+def too_many(most: int, given: int) -> Spans:
+    """Too many parameters."""
+    return say("at most ", count(most, "most"), " uncertain parameters; the campaign has ", count(given))

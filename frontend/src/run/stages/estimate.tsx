@@ -1,0 +1,16 @@
+// The section of the estimate stage: P(violation) over the modes of the violations that are known.
+import { resultWith } from '../../api/stages'
+import { EstimateCard } from '../sample/EstimateCard'
+import { type Added, section } from '../section'
+
+export const added: Added = {
+  after: 'sample',
+  section: section({
+    id: 'estimate',
+    of: ({ data }) => resultWith(data.stages, 'alarms'),
+    title: 'Estimate',
+    pieces: ({ data }, result) => [
+      { height: 190 + 34 * result.modes.length, card: <EstimateCard key="estimate" parameters={data.parameters} result={result} className="" /> },
+    ],
+  }),
+}

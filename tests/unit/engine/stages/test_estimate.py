@@ -1,0 +1,132 @@
+"""The estimate stage where P(violation) is known: numbers, refusals, alarms, the same bits when it is resumed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns.asked.load import load_document
+from campaigns.claims.stages import estimate as sentences
+from campaigns.results.stage import StageResult
+from campaigns.stages.estimate import EstimateResult
+from tests.given.sampled_stages import PROBABILITY, asked, context, costs, evaluate
+from worker.engine.search.base import Batch, Floats
+from worker.engine.stages import estimate
+from worker.engine.stages.parts.base import Cancelled, Context, drive, once
+from worker.engine.stages.parts.store import StagePlan
+
+BUDGET = 3000
+VIOLATING = np.array([[0.5, 0.5], [0.02, 0.1], [0.01, 0.05]])
+
+
+def after_a_search(points: Floats = VIOLATING, flown: Any = None, seed: int = 1, budget: int = BUDGET) -> Context:
+    """A run of which a search has evaluated these points, before its estimate."""
+    of = context(asked({"certify": None, "estimate": {"evaluations": budget}}), flown, seed=seed)
+    of.plan = [StagePlan("search", "direct", len(points)), StagePlan("estimate", None, budget)]
+    of.store.plan(of.plan)
+    drive(of, 0, once(points, "a search"), len(points) + 1)
+    return of
+
+
+def made(of: Context) -> EstimateResult:
+    result: StageResult = estimate.run(of, 1).result
+    assert isinstance(result, EstimateResult)
+    return result
+
+
+def test_the_interval_holds_the_known_probability() -> None:
+    holds = 0
+    for seed in range(8):
+        result = made(after_a_search(seed=seed))
+        assert result.low is not None
+        assert result.high is not None
+        holds += result.low <= PROBABILITY <= result.high
+    assert holds >= 7
+
+
+def test_the_mode_leads_back_to_the_violations_of_the_search() -> None:
+    result = made(after_a_search())
+    (mode,) = result.modes
+    assert mode.share == pytest.approx(1.0)
+    assert {(origin.position, origin.index) for origin in mode.origins} <= {(0, 1), (0, 2)}
+    assert mode.origins
+    assert sentences.OPEN in result.text
+
+
+def test_every_evaluation_is_stored_and_the_last_are_the_draws() -> None:
+    of = after_a_search()
+    result = made(of)
+    assert result.final is not None
+    stored = of.store.evaluations(1)
+    assert stored is not None
+    assert result.final.first + result.final.count == len(stored.status) == BUDGET
+    assert result.draws == result.final.count
+
+
+def test_without_a_violation_it_states_so_and_evaluates_nothing() -> None:
+    of = after_a_search(np.array([[0.5, 0.5]]))
+    result = made(of)
+    assert result.refused is not None
+    assert (result.refused.why, result.probability, result.low) == ("no_violation", None, None)
+    assert of.store.evaluations(1) is None
+    assert result.statement == sentences.refused(sentences.NO_VIOLATION)
+
+
+def test_failed_evaluations_count_as_violations_in_its_upper_end_only() -> None:
+    none, some = (
+        made(after_a_search(flown=evaluate(failing=lambda p, part=part: p[:, 0] + 2 * p[:, 1] < part)))
+        for part in (0.0, 0.15)
+    )
+    assert some.failed_draws > 0 == none.failed_draws
+    assert some.probability == pytest.approx(none.probability, rel=0.15)
+    assert some.low is not None
+    assert none.low is not None
+    assert some.low < none.low
+
+
+def test_with_an_alarm_it_has_no_interval() -> None:
+    """Most of the box violates: the budget does not suffice to find a mode for every violation."""
+
+    def low(points: Floats) -> tuple[Batch, dict[int, str]]:
+        return Batch((costs(points) - 0.8)[:, None], np.zeros(len(points), dtype=np.uint8)), {}
+
+    result = made(after_a_search(np.array([[0.1, 0.1], [0.6, 0.1]]), low, budget=1000))
+    assert result.alarms
+    assert (result.low, result.high) == (None, None)
+    assert result.statement == sentences.alarmed([alarm.statement for alarm in result.alarms])
+
+
+def test_resumed_in_the_middle_it_has_the_same_bits() -> None:
+    whole, calls = after_a_search(), 0
+    expected = made(whole)
+
+    def stopping() -> bool:
+        nonlocal calls
+        calls += 1
+        return calls > 12
+
+    of = after_a_search()
+    of.cancelled = stopping
+    with pytest.raises(Cancelled):
+        estimate.run(of, 1)
+    begun = of.store.evaluations(1)
+    assert begun is not None
+    assert 0 < len(begun.status) < BUDGET
+    of.cancelled = lambda: False
+    assert made(of) == expected
+    stored, again = whole.store.evaluations(1), of.store.evaluations(1)
+    assert stored is not None
+    assert again is not None
+    assert np.array_equal(stored.points, again.points)
+
+
+def test_a_campaign_without_it_keeps_its_digest() -> None:
+    before = asked({})
+    assert "estimate" not in before.document()["stages"]
+    document = before.document()
+    document["stages"]["estimate"] = None
+    assert load_document(document).digest == before.digest
+    document["stages"]["estimate"] = {"evaluations": 5000}
+    assert load_document(document).digest != before.digest

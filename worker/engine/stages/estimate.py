@@ -1,0 +1,193 @@
+"""Estimate: P(violation) by importance sampling over the modes of the violations that the stages before found.
+
+The random stream follows from the seed of the sample, which nobody chose; every request follows from it and the
+evaluations, so a stage that was stopped continues with the same points (`worker.engine.rare`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import special
+
+from campaigns.claims.spans import Spans
+from campaigns.claims.stages import estimate as sentences
+from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.estimate import (
+    EstimateAlarm,
+    ImportanceDensity,
+    NoEstimate,
+    NoEstimateWhy,
+    Origin,
+    Rows,
+    ViolationMode,
+)
+from campaigns.stages.estimate import EstimateResult
+from worker.engine.problem.problem import Problem
+from worker.engine.rare.alarms import FEWEST, Alarm
+from worker.engine.rare.estimate import Estimate, Mode, Refused, estimated
+from worker.engine.rare.mixture import Mixture
+from worker.engine.search.base import Batch, Ended, Floats
+from worker.engine.stages.parts import noise
+from worker.engine.stages.parts.base import Context, all_columns, drive
+from worker.engine.stages.parts.outcome import Outcome, Stage
+from worker.engine.stages.parts.store import Columns
+from worker.engine.stages.parts.streams import stream
+
+STREAM = 2**25
+"""Index of the random stream; searches use those from 0 on."""
+APART, MOST, EACH = 0.1, 100, 50
+"""Of the violations that it begins with: how far they are apart at least, as a fraction of a range; how many at most,
+and one for so many evaluations."""
+TAIL = 1e-9
+"""A violation on a bound counts as this far in the tail of the distribution."""
+ENDED = "drew {draws} weighted samples"
+NOTHING = "estimated nothing"
+
+
+@dataclass
+class _Made:
+    outcome: Estimate | Refused = field(default_factory=lambda: Refused("no_violation"))
+
+
+def run(context: Context, position: int) -> Outcome[EstimateResult]:
+    """Search for the modes, draw, and state what follows."""
+    request, seed = context.campaign.stages.estimate, context.sample_seed
+    assert request is not None
+    points, origins = _violations(context, position, min(MOST, request.evaluations // EACH))
+    made, outside = _Made(), context.problem.distributions.outside
+    driven = drive(context, position, _search(context, points, request.evaluations, made), request.evaluations + 1)
+    empty = EstimateResult(
+        confidence=context.campaign.confidence, outside=outside, seed=seed.value, drawn_at_launch=not seed.stated
+    )
+    if isinstance(made.outcome, Refused):
+        return Outcome(_refused(context, made.outcome, request.evaluations, empty))
+    assert driven.columns is not None
+    modes = [_mode(context.problem, mode, origins) for mode in made.outcome.modes]
+    return Outcome(_estimated(made.outcome, modes, driven.columns, request.evaluations, empty))
+
+
+def _violations(context: Context, position: int, most: int) -> tuple[Floats, list[Origin]]:
+    """Stored violations, the lowest first, and failed evaluations after them, that are apart; and where they are."""
+    problem, points, costs, origins = context.problem, [], [], []
+    for at, columns in all_columns(context, list(range(position))):
+        ok = columns.status == OK
+        low = np.where(ok, np.nan_to_num(columns.costs[:, 0], nan=np.inf), np.inf)
+        rows = np.flatnonzero((low <= problem.threshold) | (~ok & (columns.status != EXCLUDED)))
+        points.append(columns.points[rows])
+        costs.append(low[rows])
+        origins += [Origin(position=at, index=int(row)) for row in rows]
+    left = np.argsort(np.concatenate([np.empty(0), *costs]), kind="stable")
+    every, chosen = np.concatenate([np.empty((0, problem.dimension)), *points]), list[int]()
+    while len(left) and len(chosen) < most:
+        chosen.append(int(left[0]))
+        left = left[np.abs(every[left] - every[left[0]]).max(axis=1) > APART]
+    return every[chosen], [origins[k] for k in chosen]
+
+
+def _search(context: Context, points: Floats, budget: int, made: _Made) -> Generator[Floats, Batch, str]:
+    """The estimate, with its requests as points of the unit cube."""
+    problem, random = context.problem, stream(context.sample_seed.value, STREAM)
+    if noise.noisy(context) or not len(points):
+        return NOTHING
+    normal = special.ndtri(np.clip(problem.distributions.uniform(points), TAIL, 1.0 - TAIL))
+    searching = estimated(normal, problem.threshold, budget, random, context.campaign.confidence)
+    try:
+        asked = next(searching)
+        while True:
+            batch = yield problem.quantile(special.ndtr(asked))
+            asked = searching.send(batch)
+    except StopIteration as stopped:
+        made.outcome = stopped.value
+    return NOTHING if isinstance(made.outcome, Refused) else Ended("drawn", ENDED, draws=made.outcome.drawn)
+
+
+def _refused(context: Context, refused: Refused, budget: int, empty: EstimateResult) -> EstimateResult:
+    """Why there is no estimate, with its sentence."""
+    n, noisy = context.problem.dimension, noise.noisy(context)
+    why: NoEstimateWhy = "noise" if noisy else refused.why
+    limit = 0 if noisy else refused.limit
+    statement = {
+        "no_violation": sentences.NO_VIOLATION,
+        "noise": sentences.NOISE,
+        "budget": sentences.too_few(limit, n, budget),
+        "parameters": sentences.too_many(limit, n),
+    }[why]
+    told = NoEstimate(why=why, limit=limit, statement=statement)
+    return empty.model_copy(update={"refused": told, "statement": sentences.refused(statement)})
+
+
+def _estimated(
+    made: Estimate, modes: list[ViolationMode], columns: Columns, budget: int, empty: EstimateResult
+) -> EstimateResult:
+    """The numbers of an estimate with their sentences; no interval with an alarm."""
+    found, (first, count) = made.interval, made.sampled
+    size = int(np.count_nonzero(columns.status[first : first + count] != EXCLUDED))
+    alarms = [_alarm(alarm, size, found.probability, budget) for alarm in made.alarms]
+    drawn = {
+        "probability": found.probability,
+        "low": None if alarms else found.low,
+        "high": None if alarms else min(1.0, found.high + empty.outside),
+        "variation": found.variation if np.isfinite(found.variation) else None,
+        "effective": made.effective,
+        "draws": made.drawn,
+        "failed_draws": made.failed,
+        "modes": modes,
+        "alarms": alarms,
+        "density": _density(made.mixture),
+        "independent": Rows(first=first, count=count),
+        "final": Rows(first=len(columns.status) - made.drawn, count=made.drawn),
+    }
+    result = empty.model_copy(update=drawn)
+    return result.model_copy(update={"statement": _statement(result)})
+
+
+def _statement(result: EstimateResult) -> Spans:
+    """The sentence on an estimate."""
+    if result.low is None or result.high is None:
+        return sentences.alarmed([alarm.statement for alarm in result.alarms])
+    assert result.probability is not None
+    assert result.effective is not None
+    ends, draws = (result.low, result.high), (result.draws, result.effective)
+    about = sentences.estimated(result.probability, ends, result.confidence, draws, result.outside)
+    hidden = [mode.share for mode in result.modes if not mode.origins]
+    return sentences.whole(about, sentences.modes([mode.share for mode in result.modes], len(hidden), sum(hidden)))
+
+
+def _density(mixture: Mixture) -> ImportanceDensity:
+    return ImportanceDensity(
+        designs=mixture.designs.tolist(),
+        centres=mixture.centres.tolist(),
+        covariances=mixture.covariances.tolist(),
+        shares=mixture.shares.tolist(),
+    )
+
+
+def _mode(problem: Problem, mode: Mode, origins: list[Origin]) -> ViolationMode:
+    return ViolationMode(
+        share=mode.share,
+        parameters=problem.named(problem.quantile(special.ndtr(mode.design[None, :]))[0]),
+        distance=float(np.linalg.norm(mode.design)),
+        origins=[origins[k] for k in mode.origins or ()],
+    )
+
+
+def _alarm(alarm: Alarm, size: int, probability: float, budget: int) -> EstimateAlarm:
+    """An alarm with its sentence; size: of the independent sample."""
+    match alarm.why:
+        case "sample":
+            statement = sentences.contradicted(int(alarm.value), size, probability)
+        case "weight":
+            statement = sentences.single(alarm.value)
+        case "few":
+            statement = sentences.few(alarm.value, FEWEST)
+        case "unexplained":
+            statement = sentences.unexplained(int(alarm.value), budget)
+        case "unsaturated":
+            statement = sentences.unsaturated(int(alarm.value))
+    return EstimateAlarm(why=alarm.why, value=alarm.value, statement=statement)
+
+
+stage = Stage("estimate", run)

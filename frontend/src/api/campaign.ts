@@ -81,6 +81,7 @@ export interface Campaign {
       sobol?: { samples?: Raw } | null
     } | null
     search: SearchStage[]
+    estimate?: { evaluations?: Raw } | null
     certify?: { samples?: Raw; quantile?: Raw; keep?: string; until?: string; grid?: { points: Raw } | null } | null
     findings?: { at_most?: Raw; evaluations?: Raw; distance?: Raw; barrier?: Raw }
     validate?: { tolerance?: Raw; neighbours?: Raw; reach?: Raw }

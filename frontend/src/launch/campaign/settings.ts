@@ -102,6 +102,19 @@ export const STAGES: Group[] = [
     ],
   },
   {
+    title: 'Estimate',
+    field: 'stages.estimate',
+    digest: ({ stages: { estimate } }) => (estimate ? words(estimate.evaluations, 'evaluations over the modes of violations') : 'omitted'),
+    settings: [
+      {
+        at: ['stages', 'estimate', 'evaluations'],
+        label: 'Estimate evaluations',
+        text: 'Estimates a small P(violation) from the violations that were found; empty omits it',
+        empty: 'omitted',
+      },
+    ],
+  },
+  {
     title: 'Sensitivity',
     field: 'stages.sensitivity',
     digest: ({ stages: { sensitivity } }) =>

@@ -236,7 +236,8 @@ class Kept(NamedTuple):
         counts = 0 <= block["failed"] <= block["violations"] <= evaluated <= block["draws"] and lost <= block["failed"]
         counts &= lost == block["failed"] or first + block["draws"] > self.end
         counts &= int(inside.sum()) == evaluated or first + block["draws"] > FIRST
-        low = lowest == min(ok.tolist(), default=lowest) and (lowest is None or len(ok) > 0 or lowest >= self.last)
+        seen = min(ok.tolist(), default=math.inf)  # of the first draws all are stored, of others the lowest of all
+        low = seen == math.inf if lowest is None else lowest == seen or self.last <= lowest <= seen
         below = int(np.count_nonzero(ok <= threshold)) + block["failed"]
         every = below == block["violations"] or (below < block["violations"] and threshold >= self.last)
         return bool(counts and low and every)

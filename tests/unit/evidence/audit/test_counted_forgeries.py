@@ -3,6 +3,7 @@ stored flights contradict. What they do not contradict is found by flying blocks
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,13 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from campaigns.results.base import FAILED, OK
+from campaigns.results.sample import FIRST
 from campaigns.sample_seed import SampleSeed
 from campaigns.stored import blocks as stored
-from campaigns.stored.blocks import Block
+from campaigns.stored.blocks import Block, Counted, Kept, Scale, size
 from tests.given.corrupted_records import RUNS, Folder, copied, counting, made
+from worker.engine.stages import certify
 from worker.engine.stages.parts import counting as engine
 from worker.engine.stages.parts import offered
-from worker.evidence.audit import judge
+from worker.evidence.audit import counted, judge
 from worker.evidence.audit.binomial import upper_bound
 from worker.evidence.audit.judge import closing
 from worker.evidence.audit.record import UnreadableError
@@ -67,10 +71,10 @@ def test_a_false_count_is_rejected(name: str, tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(offered, "AT_MOST", 3)
     monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, offered.AT_MOST, offered.SPOT_CHECKS))
 
-    def counted(*given: Any, **named: Any) -> Block:
+    def falsely(*given: Any, **named: Any) -> Block:
         return FALSE[name](stored.counted(*given, **named))
 
-    monkeypatch.setattr(engine, "counted", counted)
+    monkeypatch.setattr(engine, "counted", falsely)
     campaign, store = RUNS["counted"](), MemoryStore(sample_seed=SampleSeed(1, stated=False))
     try:
         execute(campaign, store, threads=1)
@@ -79,6 +83,28 @@ def test_a_false_count_is_rejected(name: str, tmp_path: Path, monkeypatch: pytes
         assert not closing(Folder(tmp_path / "out").items())[0]
     except (UnreadableError, ValueError):
         return  # such a result cannot be read, or not be made
+
+
+@pytest.mark.parametrize("failing", [0.0, 0.01])
+def test_honest_blocks_fit_their_stored_flights_whatever_their_size(failing: float) -> None:
+    """Those of more draws than are all stored of the first ones, too."""
+    samples, random, threshold = 2_500_000, np.random.default_rng(5), -4.0
+    scale, parts, known = Scale.over(np.array([-3.0, 3.0]), threshold), [], None
+    for first in range(0, samples, size(samples)):
+        costs = random.standard_normal((min(size(samples), samples - first), 1))
+        if first == 0:  # its lowest is neither among the lowest of all nor among the first draws
+            costs = np.maximum(costs, -1.0)
+            costs[3000] = -1.5
+        status = np.where(random.random(len(costs)) < failing, FAILED, OK).astype(np.uint8)
+        part = stored.counted(first, costs, costs, status, {}, scale, threshold)
+        known = part.kept if known is None else Kept.joined([known, part.kept])
+        parts.append(part.without(known.last))
+    found = Counted.of(parts, scale)
+    document = json.loads(certify._blocks(found, threshold).model_dump_json())
+    flights, kept = found.kept.indices, found.kept
+    told = counted.fitting(document, samples, flights, kept.costs[:, 0], kept.status, threshold)
+    assert told == (len(parts), len(parts))
+    assert size(samples) > FIRST
 
 
 def test_an_honest_sample_in_which_most_violate_is_accepted() -> None:

@@ -23,12 +23,17 @@ from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
 
-@pytest.fixture
-def alarmed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Folder:
-    """A run whose density is far too narrow, so that few draws carry the estimate."""
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer simulations with the reference integrator, as in all tests that share the stored runs."""
     monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
     monkeypatch.setattr(offered, "AT_MOST", 3)
     monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, offered.AT_MOST, offered.SPOT_CHECKS))
+
+
+@pytest.fixture
+def alarmed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Folder:
+    """A run whose density is far too narrow, so that few draws carry the estimate."""
     monkeypatch.setattr(Mixture, "adapted", lambda own, *_: replace(own, covariances=own.covariances * 1e-3))
     campaign, store = estimating(criterion__threshold=0.9418), MemoryStore(sample_seed=DRAWN)
     execute(campaign, store, threads=1)

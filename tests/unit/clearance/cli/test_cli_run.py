@@ -311,7 +311,8 @@ def test_interrupted_is_130(file: Write, tmp_path: Path) -> None:
     assert b"Cleared" not in out
     told = errors.read_text()
     assert "Traceback" not in told
-    found = re.search(r"interrupted: ([\d\u202f]+) evaluations were completed; they are not stored, .*start it again", told)
+    lost = r"interrupted: ([\d\u202f]+) evaluations were completed; they are not stored, .*start it again"
+    found = re.search(lost, told)
     assert found is not None
     assert found[1][0] != "0", "the bars were shown, so some were completed"
 

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
-
 from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Result, Values
-
-Count = Annotated[int, Field(ge=0)]
-
+from campaigns.results.sample import Count
 
 NoEstimateWhy = Literal["no_violation", "budget", "parameters", "noise"]
 

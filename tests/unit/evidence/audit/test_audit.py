@@ -36,20 +36,11 @@ from tests.given.corrupted_records import (
 )  # fmt: skip
 from tests.given.refused_commands import refused
 from tests.migrated import migrated
-from worker.engine.stages.parts import claims, offered
-from worker.evidence.audit import judge
+from worker.engine.stages.parts import claims
 from worker.evidence.audit.binomial import cumulative, upper_bound
 from worker.evidence.audit.judge import Item, audit, closing
 from worker.evidence.audit.record import MISSING, SEAL, UnreadableError, of_folder
 from worker.running.catalogue.installed import catalogue
-
-
-@pytest.fixture(autouse=True)
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer simulations with the reference integrator, as configured in the audit."""
-    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
-    monkeypatch.setattr(offered, "AT_MOST", 3)
-    monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, offered.AT_MOST, offered.SPOT_CHECKS))
 
 
 @pytest.fixture

@@ -20,8 +20,7 @@ from campaigns.stored.blocks import Block, Counted, Kept, Scale, size
 from tests.given.corrupted_records import RUNS, Folder, copied, counting, made
 from worker.engine.stages import certify
 from worker.engine.stages.parts import counting as engine
-from worker.engine.stages.parts import offered
-from worker.evidence.audit import counted, judge
+from worker.evidence.audit import counted
 from worker.evidence.audit.binomial import upper_bound
 from worker.evidence.audit.judge import closing
 from worker.evidence.audit.record import UnreadableError
@@ -67,10 +66,6 @@ FALSE: dict[str, Callable[[Block], Block]] = {
 
 @pytest.mark.parametrize("name", FALSE)
 def test_a_false_count_is_rejected(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
-    monkeypatch.setattr(offered, "AT_MOST", 3)
-    monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, offered.AT_MOST, offered.SPOT_CHECKS))
-
     def falsely(*given: Any, **named: Any) -> Block:
         return FALSE[name](stored.counted(*given, **named))
 

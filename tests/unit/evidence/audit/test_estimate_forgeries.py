@@ -15,20 +15,10 @@ from tests.given.corrupted_records import Folder, copied, estimating, made, stor
 from tests.given.forgeries import ESTIMATE
 from tests.given.sampled_stages import DRAWN
 from worker.engine.rare.mixture import Mixture
-from worker.engine.stages.parts import offered
-from worker.evidence.audit import judge
 from worker.evidence.audit.judge import audit, closing
 from worker.running.runs.audited import known
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
-
-
-@pytest.fixture(autouse=True)
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer simulations with the reference integrator, as in all tests that share the stored runs."""
-    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
-    monkeypatch.setattr(offered, "AT_MOST", 3)
-    monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, offered.AT_MOST, offered.SPOT_CHECKS))
 
 
 @pytest.fixture

@@ -13,19 +13,9 @@ import pytest
 from campaigns import CampaignError
 from tests.given.corrupted_records import CALLS, CORRUPTIONS, Folder, write_called, written
 from tests.given.forgeries import FORGERIES, Forgery, changed, places
-from worker.engine.stages.parts import offered
-from worker.evidence.audit import judge
 from worker.evidence.audit.judge import closing
 from worker.evidence.audit.record import SEAL, UnreadableError
 from worker.evidence.audit.trusted import TRUSTED
-
-
-@pytest.fixture(autouse=True)
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer simulations with the reference integrator, as configured in the audit."""
-    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
-    monkeypatch.setattr(offered, "AT_MOST", 3)
-    monkeypatch.setattr(judge.audit, "__defaults__", (judge.NOTHING, offered.AT_MOST, offered.SPOT_CHECKS))
 
 
 def accepted(folder: Folder) -> bool:

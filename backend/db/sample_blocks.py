@@ -30,16 +30,20 @@ def read(connection: sa.Connection, run_id: int, position: int, known: Collectio
 def take(
     connection: sa.Connection, run_id: int, position: int, worker: str, firsts: Sequence[int], most: int, others: bool
 ) -> list[int]:
-    """Note which blocks the worker flies from now on, in place of those before; see `RunStore.take`."""
-    mine = (SampleShare.run_id == run_id, SampleShare.position == position)
-    connection.execute(sa.delete(SampleShare).where(*mine, SampleShare.worker == worker))
+    """Note which blocks the worker flies, too, until they are stored; without any it flies none any more. See
+    `RunStore.take`."""
+    of = (SampleShare.run_id == run_id, SampleShare.position == position)
     stored = set(connection.execute(sa.select(SampleBlock.first).where(*_of(run_id, position))).scalars())
+    done = [SampleShare.first.in_(sa.select(SampleBlock.first).where(*_of(run_id, position)))] if firsts else []
+    connection.execute(sa.delete(SampleShare).where(*of, SampleShare.worker == worker, *done))
     alive = sa.select(Worker.name).where(Worker.name == SampleShare.worker, Worker.beat > now(connection) - SEEN)
-    taken = set(connection.execute(sa.select(SampleShare.first).where(*mine, alive.exists())).scalars())
+    elsewhere = (SampleShare.worker != worker, alive.exists())
+    taken = set(connection.execute(sa.select(SampleShare.first).where(*of, *elsewhere)).scalars())
     left = [first for first in firsts if first not in stored]
     free = [first for first in left if first not in taken][:most]
     if free:
-        connection.execute(sa.delete(SampleShare).where(*mine, SampleShare.first.in_(free)))  # of one that is gone
+        # Those of one that is gone, or of an earlier process of this name.
+        connection.execute(sa.delete(SampleShare).where(*of, SampleShare.first.in_(free)))
         rows = [{"run_id": run_id, "position": position, "first": first, "worker": worker} for first in free]
         connection.execute(sa.insert(SampleShare), rows)
     return free or (left[:most] if others else [])

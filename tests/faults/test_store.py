@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,13 +11,14 @@ import pytest
 import sqlalchemy as sa
 from alembic import command
 
+from backend.db import workers
 from backend.db.digest import current_digest
 from backend.db.engine import migration_lock
 from backend.db.migrate import config
 from backend.db.queue import Claim, Queue, submit
 from backend.db.rows import plain
 from backend.db.store import RunStore
-from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
+from backend.db.tables import EvaluationChunk, Finding, Run, SampleShare, Stage, Trace
 from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from campaigns.stored.blocks import Block, Scale, counted
@@ -154,6 +156,31 @@ def test_a_counted_sample_goes_on_where_it_was_and_leaves_its_lowest(store: RunS
         assert len(store.blocks(1)) == len(whole)
     store.finish(1, results.searched(), 1.0)
     assert store.blocks(1) == []
+
+
+def test_a_block_that_is_flown_and_not_stored_yet_is_taken_by_nobody_else(database: sa.Engine, store: RunStore) -> None:
+    """However often its worker takes further ones meanwhile, until it is gone."""
+    other = RunStore(database, replace(store.claim, worker="other"))
+    with database.begin() as connection:
+        for name in (store.claim.worker, "other"):
+            workers.arrive(connection, name)
+    store.begin(1)
+    firsts = [block.first for block in blocks()]
+    assert store.take(1, firsts, 2, others=False) == firsts[:2]
+    assert store.take(1, firsts[2:], 2, others=False) == firsts[2:4]
+    assert other.take(1, firsts, 3, others=False) == firsts[4:7]
+    store.count(1, blocks()[:2])
+    assert store.take(1, firsts[4:], 9, others=False) == firsts[7:]
+    left = [first for first in firsts if first not in firsts[4:7]]
+    assert other.take(1, left, 9, others=False) == []
+    assert other.take(1, left, 1, others=True) == firsts[2:3]
+    with database.begin() as connection:
+        workers.leave(connection, store.claim.worker)
+    assert other.take(1, left, 2, others=False) == firsts[2:4]
+    other.take(1, [], 0, others=False)
+    with database.begin() as connection:
+        held = connection.execute(sa.select(SampleShare.worker, SampleShare.first)).all()
+    assert {worker for worker, _ in held} == {store.claim.worker}
 
 
 def test_the_size_of_a_run_is_that_of_its_rows(database: sa.Engine, store: RunStore, claim: Claim) -> None:

@@ -169,6 +169,7 @@ class Supervisor:
         if claim is None:
             return False
         log.info("run %d: assisting", claim.run_id)
+        began = time.monotonic()
         child.pulse.enter("")
         still, answer = Standstill(child.pulse, self._floor), None
         try:
@@ -186,15 +187,16 @@ class Supervisor:
             answer, self.child = {"outcome": "died", "text": f"the worker process {ended}"}, None
         if answer is None or answer["outcome"] in ("failed", "spent"):
             self._drop_child()
-        self._rest(claim.run_id, "" if answer is None else answer["outcome"])
+        self._rest(claim.run_id, "" if answer is None else answer["outcome"], time.monotonic() - began)
         self._next_beat = 0.0
         log.info("run %d: assisted: %s", claim.run_id, answer or "stopped")
         return True
 
-    def _rest(self, run_id: int, outcome: str) -> None:
-        """Twice as long each time; for good from a run of other code, until this worker's is replaced."""
+    def _rest(self, run_id: int, outcome: str, assisted: float) -> None:
+        """Twice as long as before where that was longer than it assisted [s]; for good from a run of other code, until
+        this worker's is replaced."""
         before = self._resting.get(run_id)
-        pause = REST if before is None else min(2 * before.pause, LONGEST_REST)
+        pause = REST if before is None or assisted > before.pause else min(2 * before.pause, LONGEST_REST)
         if outcome in ("refused", "unusable"):
             pause = math.inf
         self._resting[run_id] = Rest(time.monotonic() + pause, pause)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import sqlalchemy as sa
 
-from backend.db.rows import stored_columns
-from backend.db.tables import Stage
+from backend.db.rows import as_columns, chunks
+from backend.db.tables import EvaluationChunk, Stage
 from backend.http.errors import RefusedError
 from backend.likelihood.schemas import ReweightRequest
 from backend.results.likely import densities
@@ -23,7 +23,10 @@ from campaigns.results.reweighted import Reweighted
 from campaigns.results.sample import Sample
 from campaigns.runs import run_name
 from campaigns.stages.found import stage_result
+from campaigns.stored.records import join
 
+MOST = 200_000
+"""Draws that are re-weighted: half a second, however large a sample is."""
 SHARES = (0.01, 0.05, 0.5)
 """The quantiles that are estimated, besides that of the campaign."""
 
@@ -80,8 +83,16 @@ def _sample(reader: sa.Connection, run_id: int) -> tuple[int, Sample] | None:
 
 
 def _drawn(reader: sa.Connection, run_id: int, position: int, sample: Sample) -> Drawn | None:
-    """The draws, excluded ones included, without the grid that may follow them; None if they are not stored whole."""
-    draws, columns = sample.samples + sample.excluded, stored_columns(reader, run_id, position)
-    if columns is None or len(columns.status) < draws:
+    """The first draws, excluded ones included, without the grid that may follow; None if they are not stored whole.
+
+    As many draws of an independent sample are one, too, if their number does not follow from what came out.
+    """
+    draws, of = sample.samples + sample.excluded, (Stage.run_id == run_id, Stage.position == position)
+    if int(reader.scalar(sa.select(Stage.evaluations).where(*of)) or 0) < draws:
         return None
-    return Drawn(columns.points[:draws], columns.costs[:draws, 0], columns.status[:draws])
+    used = min(draws, MOST)
+    rows = chunks(reader, run_id, position, *EvaluationChunk.__table__.columns, where=EvaluationChunk.first < used)
+    columns = join([as_columns(row) for row in rows])
+    if columns is None:
+        return None
+    return Drawn(columns.points[:used], columns.costs[:used, 0], columns.status[:used])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from backend.likelihood import service
 from campaigns.asked.distributions import Normal, Uniform
 from campaigns.claims import reweighted as claims
 from campaigns.claims.spans import words
@@ -113,3 +114,15 @@ def test_a_sample_that_is_not_stored_whole_is_not_re_weighted(service: Service, 
     finish_fully(service)
     found = client.post(f"/api/v1/runs/{run}/reweighted", json={}).json()
     assert (found["probability"], found["text"]) == (None, words(claims.not_whole()))
+
+
+def test_of_a_large_sample_the_first_draws_count(
+    client: httpx.Client, sampled: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(service, "MOST", 1500)
+    found = client.post(f"/api/v1/runs/{sampled}/reweighted", json={}).json()
+    mass = 4.0 + 2.0 * POINTS[:1500, 0]
+    excluded = int(np.count_nonzero(mass > 5.7))
+    assert (found["samples"], found["excluded"]) == (1500 - excluded, excluded)
+    assert found["violations"] == np.count_nonzero(mass <= 4.5)
+    assert found["probability"] == pytest.approx(found["violations"] / found["samples"])

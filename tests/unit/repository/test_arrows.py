@@ -374,6 +374,7 @@ def test_every_module_has_a_docstring() -> None:
 
 Loads = list[tuple[str, set[str]]]
 CLI = "from clearance.cli import invoke; invoke(['--help']); invoke(['token', 'list', '--data', '/nowhere'])"
+STAGES = "from worker.engine.stages.found import stages; stages()"
 RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.installed import catalogue; catalogue()"
 
 
@@ -403,6 +404,7 @@ RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.insta
             (CLI, {"numba", "scipy", "fastapi"}),
             ("import worker.running.processes.supervisor", {"numba", "scipy", "fastapi"}),
             (RUNNER, {"SALib", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"}),
+            (STAGES, {"SALib", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"}),
         ],
     ],
     ids=["service", "worker"],

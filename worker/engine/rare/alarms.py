@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import stats
 
 from worker.engine.rare.evaluated import Evaluated, Floats
 from worker.engine.rare.interval import Interval
@@ -57,6 +56,8 @@ def alarms(terms: Floats, found: Interval, sample: Evaluated, known: Known, left
 
 def _contradicts(sample: Evaluated, found: Interval) -> bool:
     """Whether the independent sample has too many or too few violations for any probability in the interval."""
+    from scipy import stats  # imported late, as in all of this room: a campaign's process must start fast
+
     count, violations = int(np.count_nonzero(~sample.excluded)), int(np.count_nonzero(sample.violates))
     many = stats.binom.sf(violations - 1, count, found.high)
     few = stats.binom.cdf(violations, count, found.low)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
 
 from worker.engine.rare.evaluated import Evaluated, Floats
 
@@ -29,6 +28,8 @@ class Interval:
 
 def interval(weights: Floats, seen: Evaluated, sample: Evaluated, confidence: float) -> Interval:
     """From draws with their weights; excluded ones are not part of the population, which a nominal sample measures."""
+    from scipy import special
+
     kept = 1.0 - float(sample.excluded.mean())
     of_kept = (1.0 - kept) / max(kept * len(sample.points), 1e-300)
     z = WIDER * float(special.ndtri((1.0 + confidence) / 2.0))

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import special
 
 from worker.engine.rare.evaluated import Floats
 
@@ -37,6 +36,8 @@ class Mixture:
     @staticmethod
     def of(designs: Floats) -> Mixture:
         """As if every mode were the half-space beyond the tangent at its design point."""
+        from scipy import special
+
         centres, covariances = zip(*(_half_space(point) for point in designs), strict=True)
         likely = special.log_ndtr(-np.linalg.norm(designs, axis=1))
         return Mixture(designs, np.array(centres), np.array(covariances), special.softmax(likely))
@@ -69,10 +70,14 @@ class Mixture:
 
     def log_ratio(self, points: Floats) -> Floats:
         """The log of the density (m,) relative to the nominal one: minus the log of the weights."""
+        from scipy import special
+
         return np.asarray(special.logsumexp(self.log_components(points) + np.log(self.parts), axis=1))
 
     def responsible(self, points: Floats) -> Floats:
         """The probability (m, k) that a violation is of each mode."""
+        from scipy import special
+
         k = len(self.shares)
         both = self.log_components(points)[:, 1:] + np.log(self.parts[1:])
         return np.asarray(special.softmax(np.logaddexp(both[:, :k], both[:, k:]), axis=1))
@@ -100,6 +105,8 @@ class Mixture:
 
 def _half_space(design: Floats) -> tuple[Floats, Floats]:
     """Mean and covariance of the standard normal beyond the tangent plane; wider along the normal, for safety."""
+    from scipy import special
+
     length = float(np.linalg.norm(design))
     if length < 1e-6:
         return design, np.eye(len(design))

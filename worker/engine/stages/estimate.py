@@ -10,7 +10,6 @@ from collections.abc import Generator
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy import special
 
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import estimate as sentences
@@ -92,16 +91,25 @@ def _search(context: Context, points: Floats, budget: int, made: _Made) -> Gener
     problem, random = context.problem, stream(context.sample_seed.value, STREAM)
     if noise.noisy(context) or not len(points):
         return NOTHING
+    from scipy import special  # imported late: a campaign's process must start fast
+
     normal = special.ndtri(np.clip(problem.distributions.uniform(points), TAIL, 1.0 - TAIL))
     searching = estimated(normal, problem.threshold, budget, random, context.campaign.confidence)
     try:
         asked = next(searching)
         while True:
-            batch = yield problem.quantile(special.ndtr(asked))
+            batch = yield _cube(problem, asked)
             asked = searching.send(batch)
     except StopIteration as stopped:
         made.outcome = stopped.value
     return NOTHING if isinstance(made.outcome, Refused) else Ended("drawn", ENDED, draws=made.outcome.drawn)
+
+
+def _cube(problem: Problem, normal: Floats) -> Floats:
+    """Points of standard normal space as points of the unit cube."""
+    from scipy import special
+
+    return problem.quantile(special.ndtr(normal))
 
 
 def _refused(context: Context, refused: Refused, budget: int, empty: EstimateResult) -> EstimateResult:
@@ -168,7 +176,7 @@ def _density(mixture: Mixture) -> ImportanceDensity:
 def _mode(problem: Problem, mode: Mode, origins: list[Origin]) -> ViolationMode:
     return ViolationMode(
         share=mode.share,
-        parameters=problem.named(problem.quantile(special.ndtr(mode.design[None, :]))[0]),
+        parameters=problem.named(_cube(problem, mode.design[None, :])[0]),
         distance=float(np.linalg.norm(mode.design)),
         origins=[origins[k] for k in mode.origins or ()],
     )

@@ -14,6 +14,7 @@ from backend.db.rows import chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results import noise
 from backend.runs.service import campaign
+from campaigns import Campaign, Catalogue
 from campaigns.densities.joint import Joint, joint
 from campaigns.densities.likelihood import Rows, most_likely
 from campaigns.results.base import OK
@@ -24,26 +25,24 @@ Limits = dict[str, tuple[float, float, float]]
 _COSTS = [EvaluationChunk.first, EvaluationChunk.count, EvaluationChunk.costs, EvaluationChunk.status]
 
 
-def densities(reader: sa.Connection, run_id: int) -> tuple[Limits, Joint | None]:
-    """Nominal values and bounds of a run, and its joint density; None if bounds are not known. 404 without the run."""
-    of = campaign(reader, run_id)
-    limits = bounds(of, described(reader, run_id))
+def densities(of: Campaign, catalogue: Catalogue | None) -> tuple[Limits, Joint | None]:
+    """Nominal values and bounds of a run's campaign, and its joint density; None if bounds are not known."""
+    limits = bounds(of, catalogue)
     within = {path: (low, high) for path, (_, low, high) in limits.items()}
     return limits, joint(of, within) if within.keys() >= of.uncertain.keys() else None
 
 
 def violation(reader: sa.Connection, run_id: int) -> MostLikely:
     """The most likely of the stored violations; 404 if there is no such run."""
-    limits, of = densities(reader, run_id)
-    asked = campaign(reader, run_id)
-    deciding = criteria(asked.document(), described(reader, run_id))[0]
+    asked, catalogue = campaign(reader, run_id), described(reader, run_id)
+    limits, of = densities(asked, catalogue)
+    deciding = criteria(asked.document(), catalogue)[0]
     nominal = {path: triple[0] for path, triple in limits.items()}
-    return most_likely(asked.criterion.threshold, of, nominal, _violating(reader, run_id), deciding.unit)
+    return most_likely(asked.criterion.threshold, of, nominal, _violating(reader, run_id, asked), deciding.unit)
 
 
-def _violating(reader: sa.Connection, run_id: int) -> Iterator[Rows]:
+def _violating(reader: sa.Connection, run_id: int, asked: Campaign) -> Iterator[Rows]:
     """The chunks that have a violation, stage by stage; of the others only costs and status are read."""
-    asked = campaign(reader, run_id)
     drawn, threshold = noise.drawn(reader, run_id, asked), asked.criterion.threshold
     positions = sa.select(Stage.position).where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
     for position in reader.scalars(positions).all():

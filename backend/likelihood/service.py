@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import sqlalchemy as sa
 
-from backend.catalog.service import described
 from backend.db.rows import as_columns, chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.http.errors import RefusedError
@@ -35,7 +34,7 @@ SHARES = (0.01, 0.05, 0.5)
 def estimated(reader: sa.Connection, run_id: int, request: ReweightRequest) -> Reweighted:
     """The estimate under the moved distributions, or why there is none; `RefusedError` for what is no distribution."""
     asked = campaign(reader, run_id)
-    limits, stated = densities(asked, described(reader, run_id))
+    limits, stated = densities(reader, run_id, asked)
     if stated is None:
         return without(claims.no_bounds(), asked.confidence)
     moved = _moved(asked, limits, request.uncertain)

@@ -14,7 +14,7 @@ from backend.db.rows import chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results import noise
 from backend.runs.service import campaign
-from campaigns import Campaign, Catalogue
+from campaigns import Campaign
 from campaigns.densities.joint import Joint, joint
 from campaigns.densities.likelihood import Rows, most_likely
 from campaigns.results.base import OK
@@ -25,18 +25,18 @@ Limits = dict[str, tuple[float, float, float]]
 _COSTS = [EvaluationChunk.first, EvaluationChunk.count, EvaluationChunk.costs, EvaluationChunk.status]
 
 
-def densities(of: Campaign, catalogue: Catalogue | None) -> tuple[Limits, Joint | None]:
+def densities(reader: sa.Connection, run_id: int, of: Campaign) -> tuple[Limits, Joint | None]:
     """Nominal values and bounds of a run's campaign, and its joint density; None if bounds are not known."""
-    limits = bounds(of, catalogue)
+    limits = bounds(of, described(reader, run_id))
     within = {path: (low, high) for path, (_, low, high) in limits.items()}
     return limits, joint(of, within) if within.keys() >= of.uncertain.keys() else None
 
 
 def violation(reader: sa.Connection, run_id: int) -> MostLikely:
     """The most likely of the stored violations; 404 if there is no such run."""
-    asked, catalogue = campaign(reader, run_id), described(reader, run_id)
-    limits, of = densities(asked, catalogue)
-    deciding = criteria(asked.document(), catalogue)[0]
+    asked = campaign(reader, run_id)
+    limits, of = densities(reader, run_id, asked)
+    deciding = criteria(asked.document(), described(reader, run_id))[0]
     nominal = {path: triple[0] for path, triple in limits.items()}
     return most_likely(asked.criterion.threshold, of, nominal, _violating(reader, run_id, asked), deciding.unit)
 

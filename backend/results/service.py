@@ -8,7 +8,6 @@ import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
-from backend.catalog.service import described
 from backend.db.tables import Finding, Trace
 from backend.http.errors import not_found
 from backend.http.written import finite_all
@@ -29,7 +28,7 @@ from campaigns.runs import run_name
 
 def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
     """The findings of a run, the worst first; 404 if there is no such run."""
-    limits, of = likely.densities(campaign(reader, run_id), described(reader, run_id))
+    limits, of = likely.densities(reader, run_id, campaign(reader, run_id))
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
     traced = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
@@ -31,6 +31,7 @@ from tests.given.sampled_stages import DRAWN
 from tests.migrated import migrated
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
+from worker.engine.stages.parts import offered
 from worker.evidence.audit.judge import SPANS, Item, audit
 from worker.evidence.audit.record import of_folder
 from worker.evidence.scopes import rates
@@ -39,6 +40,8 @@ from worker.running.runs import identity
 from worker.running.runs.audited import known
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
+
+T = TypeVar("T")
 
 DIRECT = {"method": "direct", "evaluations": 100}
 
@@ -137,7 +140,17 @@ VERDICTS = {
 VERDICTS |= {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
 
 
-@cache
+def once(made: Callable[[str], T]) -> Callable[[str], T]:
+    """What is made of a name, once for all tests that confirm as many violations and make as many spot checks."""
+
+    @cache
+    def known(name: str, _at_most: int, _spot_checks: int) -> T:
+        return made(name)
+
+    return lambda name: known(name, offered.AT_MOST, offered.SPOT_CHECKS)
+
+
+@once
 def ran(name: str) -> tuple[Campaign, MemoryStore]:
     campaign, store = (RUNS | FORGED)[name](), MemoryStore(sample_seed=DRAWN)
     with pytest.MonkeyPatch.context() as patch:
@@ -154,7 +167,7 @@ def written(folder: Path, name: str) -> Path:
     return copied(files(name), folder)
 
 
-@cache
+@once
 def files(name: str) -> dict[str, bytes]:
     """The files of the record, written once for all tests."""
     return made(*ran(name))
@@ -544,7 +557,7 @@ CALLS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
 ]  # fmt: skip
 
 
-@cache
+@once
 def called(name: str) -> tuple[Campaign, MemoryStore]:
     """A run of a simulator that does not repeat."""
     how = {"violated": "rarely a violation", "retried": "none"}.get(name, "a coin")
@@ -561,7 +574,7 @@ def write_called(folder: Path, name: str) -> Path:
     return copied(files_called(name), folder)
 
 
-@cache
+@once
 def files_called(name: str) -> dict[str, bytes]:
     """The files of the record, written once for all tests."""
     campaign, store = called(name)

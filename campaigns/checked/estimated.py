@@ -1,4 +1,4 @@
-"""The problems of an estimate of P(violation): its design points assume that a case violates or does not."""
+"""The problems of an estimate of P(violation): it searches modes among the parameters, not in noise."""
 
 from __future__ import annotations
 
@@ -22,13 +22,14 @@ def estimated(campaign: Campaign, random: bool) -> Iterator[Problem]:
         )
         yield Problem(FIELD, f"{len(campaign.uncertain)} parameters", text)
     if random:
-        text = "the scenario has noise, and the estimate assumes that a case violates or does not; remove this"
+        text = (
+            "the scenario has noise, so P(violation) is also over its realisations, of which the estimate would miss "
+            "the rare ones without a sign; remove this"
+        )
         yield Problem(FIELD, "noise", text)
     if campaign.simulator is not None and campaign.simulator.calls > 1:
-        text = "an evaluation is several calls, and the estimate assumes that a case violates or does not; remove this"
+        text = (
+            "an evaluation is several calls of a simulator with noise, of which the estimate would miss rare "
+            "realisations without a sign; remove this"
+        )
         yield Problem(FIELD, f"{campaign.simulator.calls} calls", text)
-    normal = [path for path, uncertain in campaign.uncertain.items() if uncertain.distribution.kind == "normal"]
-    mixed = {path for c in campaign.correlations if c.value != 0.0 for path in c.between}
-    for path in sorted(mixed & set(normal)):
-        text = "a correlated normal distribution is drawn again beyond the bounds, which the estimate cannot weigh"
-        yield Problem(f"uncertain.{path}.distribution", "normal", f"{text}; make it truncated_normal")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from campaigns.claims.say import count, joined, listed, number, percent, say
 from campaigns.claims.spans import Spans
@@ -14,17 +15,48 @@ OPEN = (
 MISSING = "a mode seems to be missing: "
 
 
-def estimated(
-    probability: float, ends: tuple[float, float], confidence: float, draws: tuple[int, float], outside: float
-) -> Spans:
-    """P(violation) and its interval; draws: how many, and their effective number."""
-    drawn, effective = draws
-    beyond = say(", of whose upper end ", number(outside, digits=3), " is the probability beyond the bounds")
+class Draws(NamedTuple):
+    """Of an estimate: how many, their effective number, and how many failed; of the independent sample, how many draws
+    were excluded, and its size with these; the probability beyond the bounds; whether the seed was stated."""
+
+    count: int
+    effective: float
+    failed: int = 0
+    excluded: int = 0
+    sampled: int = 0
+    outside: float = 0.0
+    seed_stated: bool = False
+
+
+def estimated(probability: float, ends: tuple[float, float], confidence: float, draws: Draws) -> Spans:
+    """P(violation) and its interval, with what it is conditional on."""
+    beyond = say(", of whose upper end ", number(draws.outside, digits=3), " is the probability beyond the bounds")
+    failed = say(
+        "; of them ",
+        count(draws.failed, "failed"),
+        " failed, which the lower end counts as no violations and all else as violations",
+    )
+    excluded = say(
+        "; excluded cases, ",
+        count(draws.excluded, "excluded"),
+        " of ",
+        count(draws.sampled, "sampled"),
+        " independent draws, are not part of it",
+    )
     return say(
         *("P(violation) is about ", number(probability, "", "probability", 2), " [", number(ends[0], "", "low", 2)),
-        *(" to ", number(ends[1], "", "high", 2), ", ", percent(confidence, 6, "confidence"), "], from "),
-        *(count(drawn, "draws"), " draws (effective ", count(round(effective), "effective"), ")"),
-        beyond if outside else (),
+        *(
+            " to ",
+            number(ends[1], "", "high", 2),
+            ", ",
+            percent(confidence, 6, "confidence"),
+            "], for the stated distributions, from ",
+        ),
+        *(count(draws.count, "draws"), " draws (effective ", count(round(draws.effective), "effective"), ")"),
+        beyond if draws.outside else (),
+        failed if draws.failed else (),
+        excluded if draws.excluded else (),
+        "; their seed was stated, not drawn at the launch" if draws.seed_stated else (),
     )
 
 
@@ -91,7 +123,10 @@ def unsaturated(modes_met: int) -> Spans:
 
 
 NO_VIOLATION = say("no violation is known to begin with")
-NOISE = say("the results of the simulator do not repeat, and the estimate assumes that a case violates or does not")
+NOISE = say(
+    "the results of the simulator do not repeat, so P(violation) is also over its noise, of which the estimate would "
+    "miss rare realisations without a sign"
+)
 
 
 def too_few(least: int, parameters: int, given: int) -> Spans:

@@ -2,7 +2,7 @@
 
 Constants are set on the half `setting` (`--half setting`); the half `judging` judges, with other seeds. `--seeds N`
 takes N seeds per run, `--references` computes the probabilities of the public problems again, `--loops` compares with
-plain samples of closed loops.
+plain samples of closed loops, `--whole` begins with a search, `--subset` compares with subset simulation.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from tests.bench.rare import loops
+from tests.bench.rare import loops, subset, whole
 from tests.bench.rare.generated import PROBLEMS, generated
 from tests.bench.rare.judge import Outcome, figures, outcomes
+from tests.bench.rare.problem import Problem
 from tests.bench.rare.public import PUBLIC
 from tests.bench.rare.reference import probability
 
@@ -33,11 +34,16 @@ def main(arguments: Sequence[str] | None = None, build: Path = Path("build")) ->
     given.add_argument("--seeds", type=int, default=10)
     given.add_argument("--references", action="store_true")
     given.add_argument("--loops", action="store_true")
+    given.add_argument("--whole", action="store_true")
+    given.add_argument("--subset", action="store_true")
     asked = given.parse_args(arguments)
     if asked.references:
         return references()
     if asked.loops:
         return {"loops": loops.measured()}
+    if asked.whole or asked.subset:
+        compare = whole.measured if asked.whole else subset.measured
+        return {half: compare(*chosen(half, asked.seeds)) for half in asked.half or [*SEEDS]}
     began, halves = time.perf_counter(), {}
     for half in asked.half or [*SEEDS]:
         runs = measured(half, asked.seeds)
@@ -49,11 +55,16 @@ def main(arguments: Sequence[str] | None = None, build: Path = Path("build")) ->
     return result
 
 
+def chosen(half: str, seeds: int) -> tuple[list[Problem], range]:
+    """The problems and the seeds of a half."""
+    problems = [*PUBLIC, *(generated(i) for i in range(PROBLEMS))]
+    return [problem for problem in problems if problem.half == half], range(SEEDS[half], SEEDS[half] + seeds)
+
+
 def measured(half: str, seeds: int) -> list[Outcome]:
     """All runs of a half."""
-    problems = [*PUBLIC, *(generated(i) for i in range(PROBLEMS))]
-    chosen = range(SEEDS[half], SEEDS[half] + seeds)
-    return [run for problem in problems if problem.half == half for run in outcomes(problem, chosen)]
+    problems, of_half = chosen(half, seeds)
+    return [run for problem in problems for run in outcomes(problem, of_half)]
 
 
 def parts(runs: list[Outcome]) -> dict[str, list[Outcome]]:

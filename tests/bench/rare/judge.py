@@ -32,6 +32,7 @@ class Outcome:
     withheld: float
     found: bool
     ratio: float
+    high: float
     holds: bool
     variation: float
     alarms: tuple[str, ...]
@@ -45,11 +46,11 @@ def outcomes(problem: Problem, seeds: Sequence[int]) -> list[Outcome]:
     return [outcome(problem, mode, seed) for mode in withheld for seed in seeds]
 
 
-def outcome(problem: Problem, withheld: int | None, seed: int) -> Outcome:
+def outcome(problem: Problem, withheld: int | None, seed: int, budget: int = BUDGET) -> Outcome:
     """One run; every point that it requests is counted."""
     points = starts(problem) if withheld is None else np.delete(starts(problem), withheld, axis=0)
     random = np.random.default_rng([seed, *problem.name.encode(), 0 if withheld is None else 1 + withheld])
-    estimate, evaluations = carried_out(estimated(points, 0.0, BUDGET, random), problem.costs)
+    estimate, evaluations = carried_out(estimated(points, 0.0, budget, random), problem.costs)
     assert isinstance(estimate, Estimate), estimate
     return _judged(problem, withheld, estimate, evaluations)
 
@@ -80,6 +81,7 @@ def _judged(problem: Problem, withheld: int | None, estimate: Estimate, evaluati
         mode.probability / problem.probability if mode else 0.0,
         bool(mode and (mode.limit(designs) <= 0.01).any()),
         own.probability / problem.probability,
+        own.high / problem.probability,
         own.low <= problem.probability <= own.high,
         own.variation,
         tuple(alarm.why for alarm in estimate.alarms),

@@ -170,15 +170,8 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
     "an estimate of noise": (
         ESTIMATE | {"scenario__faults": [{"component": "sensor_noise", "parameters": {"sigma": 0.01}}]},
         ("stages.estimate", "noise",
-            "the scenario has noise, and the estimate assumes that a case violates or does not; remove this"),
-    ),
-    "an estimate of correlated normals": (
-        ESTIMATE | {
-            BOUNDS: {"low": 4, "high": 6, "distribution": {"kind": "normal", "mean": 5, "deviation": 1}},
-            "correlations": [{"between": ["vehicle.m", "vehicle.J"], "value": 0.5}],
-        },
-        ("uncertain.vehicle.m.distribution", "normal", "a correlated normal distribution is drawn again beyond the "
-            "bounds, which the estimate cannot weigh; make it truncated_normal"),
+            "the scenario has noise, so P(violation) is also over its realisations, of which the estimate would miss "
+            "the rare ones without a sign; remove this"),
     ),
 }  # fmt: skip
 

@@ -53,12 +53,18 @@ class Distributions:
         if any(beyond[k] > 0.0 for k in self.mixed):
             self.outside = min(1.0, float(sum(beyond)))
 
-    def quantile(self, uniform: Floats) -> Floats:
+    @property
+    def unbounded(self) -> list[int]:
+        """Indices of the correlated normal parameters, whose draws may be beyond the bounds."""
+        return [k for k in self.mixed if isinstance(self.ranges[k].distribution, Normal)]
+
+    def quantile(self, uniform: Floats, redrawn: bool = True) -> Floats:
         """Uniform samples (m, n) as points drawn from the campaign's distributions, all within the bounds.
 
         A value of an unbounded correlated normal that falls outside the bounds is redrawn inside: its position within
         the tail is itself uniform and serves as the new sample. So a point that needed no redraw is exactly the one of
-        the unbounded distributions, and the probability of any other point is at most `outside`.
+        the unbounded distributions, and the probability of any other point is at most `outside`. With `redrawn` false
+        it is put on the bound, which `beyond` shows: an estimate counts no violation there.
         """
         mixed = np.asarray(uniform, dtype=np.float64).copy()
         if self.mixed:
@@ -66,8 +72,16 @@ class Distributions:
 
             normal = special.ndtri(np.clip(mixed[:, self.mixed], LEAST, 1.0 - 2.0**-53)) @ self.factor.T
             for column, k in enumerate(self.mixed):
-                mixed[:, k] = _within(self.ranges[k], normal[:, column])
-        return self.marginals(mixed)
+                mixed[:, k] = _within(self.ranges[k], normal[:, column], redrawn)
+        points = self.marginals(mixed)
+        for k in () if redrawn else self.unbounded:  # exactly: a quantile of 0 or 1 is rounded
+            points[:, k] = np.where((mixed[:, k] <= 0.0) | (mixed[:, k] >= 1.0), mixed[:, k], points[:, k])
+        return points
+
+    def beyond(self, points: Floats) -> NDArray[np.bool_]:
+        """Which points (m, n) have a correlated normal value on a bound, where `quantile` puts those beyond it."""
+        own = points[:, self.unbounded]
+        return np.asarray(((own <= 0.0) | (own >= 1.0)).any(axis=1))
 
     def uniform(self, points: Floats) -> Floats:
         """The inverse of `quantile`: the uniform samples (m, n) of points in which no correlated value was redrawn."""
@@ -105,8 +119,8 @@ def _beyond(r: Range) -> float:
     return float(special.ndtr(-mean / deviation) + special.ndtr((mean - 1.0) / deviation))
 
 
-def _within(r: Range, normal: Floats) -> Floats:
-    """Standard normal samples as uniform samples of the distribution within the bounds."""
+def _within(r: Range, normal: Floats, redrawn: bool) -> Floats:
+    """Standard normal samples as uniform samples of the distribution within the bounds; on a bound if not redrawn."""
     from scipy import special
 
     if not isinstance(r.distribution, Normal):
@@ -116,6 +130,7 @@ def _within(r: Range, normal: Floats) -> Floats:
     below, above = special.ndtr(low), special.ndtr(-high)
     inside = (special.ndtr(normal) - below) / max(1.0 - below - above, LEAST)
     left = np.where(normal < low, special.ndtr(normal) / max(below, LEAST), special.ndtr(-normal) / max(above, LEAST))
+    left = left if redrawn else np.where(normal < low, 0.0, 1.0)
     return np.clip(np.where((normal < low) | (normal > high), left, inside), 0.0, 1.0)
 
 

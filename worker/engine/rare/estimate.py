@@ -7,6 +7,7 @@ was adapted to.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,7 +16,7 @@ import numpy as np
 from worker.engine.rare import hidden
 from worker.engine.rare.alarms import Alarm, alarms, effective
 from worker.engine.rare.design import cost
-from worker.engine.rare.evaluated import Allowance, Asking, Evaluated, Floats, evaluated
+from worker.engine.rare.evaluated import Allowance, Asking, Bools, Evaluated, Floats, evaluated
 from worker.engine.rare.explained import explained
 from worker.engine.rare.interval import Interval, interval
 from worker.engine.rare.known import Known
@@ -68,9 +69,17 @@ class Refused:
 
 
 def estimated(
-    violations: Floats, threshold: float, budget: int, random: np.random.Generator, confidence: float = 0.95
+    violations: Floats,
+    threshold: float,
+    budget: int,
+    random: np.random.Generator,
+    confidence: float = 0.95,
+    inside: Callable[[Floats], Bools] = lambda points: np.ones(len(points), dtype=bool),
 ) -> Asking[Estimate | Refused]:
-    """The estimate from violations (k, n) in standard normal space, the lowest cost first, in `budget` evaluations."""
+    """The estimate from violations (k, n) in standard normal space, the lowest cost first, in `budget` evaluations.
+
+    The search for modes counts points that are not inside like any other, the estimate as no violations.
+    """
     allowed = Allowance(threshold, budget)
     rounds, keep = int(ADAPTING * budget), int(FINAL * budget) + ROUNDS * int(ADAPTING * budget)
     started = yield from _started(violations, allowed, keep)
@@ -83,9 +92,10 @@ def estimated(
     left += yield from hidden.searched(sample, known, random, allowed, int(WIDE * budget), keep)
     mixture = yield from _adapted(Mixture.of(known.designs), random, rounds, allowed)
     seen = yield from evaluated(mixture.draws(random, allowed.left), allowed)
+    seen, sample = (of.counted(inside(of.points)) for of in (seen, sample))
     weights = np.exp(-mixture.log_ratio(seen.points))
     found = interval(weights, seen, sample, confidence)
-    terms = np.where(seen.violates, weights, 0.0)
+    terms = np.where(seen.violates & (found.probability > 0.0), weights, 0.0)
     return Estimate(
         found,
         _modes(known, mixture, seen, terms),

@@ -41,6 +41,11 @@ class Evaluated:
     def excluded(self) -> Bools:
         return np.asarray(self.status == EXCLUDED)
 
+    def counted(self, inside: Bools) -> Evaluated:
+        """The same, in which no point outside counts as a violation; excluded ones stay excluded."""
+        status = np.where(inside | self.excluded, self.status, OK).astype(np.uint8)
+        return Evaluated(self.points, np.where(inside, self.margins, np.inf), status)
+
     def where(self, rows: Bools | NDArray[np.int64]) -> Evaluated:
         return Evaluated(self.points[rows], self.margins[rows], self.status[rows])
 

@@ -25,6 +25,7 @@ from campaigns.results.estimate import (
 )
 from campaigns.stages.estimate import EstimateResult
 from worker.engine.problem.problem import Problem
+from worker.engine.rare import starts
 from worker.engine.rare.alarms import FEWEST, Alarm
 from worker.engine.rare.estimate import Estimate, Mode, Refused, estimated
 from worker.engine.rare.mixture import Mixture
@@ -37,11 +38,6 @@ from worker.engine.stages.parts.streams import stream
 
 STREAM = 2**25
 """Index of the random stream; searches use those from 0 on."""
-APART, MOST, EACH = 0.1, 100, 50
-"""Of the violations that it begins with: how far they are apart at least, as a fraction of a range; how many at most,
-and one for so many evaluations."""
-TAIL = 1e-9
-"""A violation on a bound counts as this far in the tail of the distribution."""
 ENDED = "drew {draws} weighted samples"
 NOTHING = "estimated nothing"
 
@@ -55,7 +51,7 @@ def run(context: Context, position: int) -> Outcome[EstimateResult]:
     """Search for the modes, draw, and state what follows."""
     request, seed = context.campaign.stages.estimate, context.sample_seed
     assert request is not None
-    points, origins = _violations(context, position, min(MOST, request.evaluations // EACH))
+    points, origins = _violations(context, position, request.evaluations)
     made, outside = _Made(), context.problem.distributions.outside
     driven = drive(context, position, _search(context, points, request.evaluations, made), request.evaluations + 1)
     empty = EstimateResult(
@@ -68,9 +64,9 @@ def run(context: Context, position: int) -> Outcome[EstimateResult]:
     return Outcome(_estimated(made.outcome, modes, driven.columns, request.evaluations, empty))
 
 
-def _violations(context: Context, position: int, most: int) -> tuple[Floats, list[Origin]]:
+def _violations(context: Context, position: int, budget: int) -> tuple[Floats, list[Origin]]:
     """Stored violations, the lowest first, and failed evaluations after them, that are apart; and where they are."""
-    problem, points, costs, origins = context.problem, [], [], []
+    problem, points, costs, origins = context.problem, [np.empty((0, context.problem.dimension))], [np.empty(0)], []
     for at, columns in all_columns(context, list(range(position))):
         ok = columns.status == OK
         low = np.where(ok, np.nan_to_num(columns.costs[:, 0], nan=np.inf), np.inf)
@@ -78,12 +74,8 @@ def _violations(context: Context, position: int, most: int) -> tuple[Floats, lis
         points.append(columns.points[rows])
         costs.append(low[rows])
         origins += [Origin(position=at, index=int(row)) for row in rows]
-    left = np.argsort(np.concatenate([np.empty(0), *costs]), kind="stable")
-    every, chosen = np.concatenate([np.empty((0, problem.dimension)), *points]), list[int]()
-    while len(left) and len(chosen) < most:
-        chosen.append(int(left[0]))
-        left = left[np.abs(every[left] - every[left[0]]).max(axis=1) > APART]
-    return every[chosen], [origins[k] for k in chosen]
+    rows = starts.chosen(np.concatenate(points), np.concatenate(costs), budget)
+    return np.concatenate(points)[rows], [origins[row] for row in rows]
 
 
 def _search(context: Context, points: Floats, budget: int, made: _Made) -> Generator[Floats, Batch, str]:
@@ -91,10 +83,11 @@ def _search(context: Context, points: Floats, budget: int, made: _Made) -> Gener
     problem, random = context.problem, stream(context.sample_seed.value, STREAM)
     if noise.noisy(context) or not len(points):
         return NOTHING
-    from scipy import special  # imported late: a campaign's process must start fast
-
-    normal = special.ndtri(np.clip(problem.distributions.uniform(points), TAIL, 1.0 - TAIL))
-    searching = estimated(normal, problem.threshold, budget, random, context.campaign.confidence)
+    normal = starts.normal(problem.distributions.uniform(points))
+    distributions, confidence = problem.distributions, context.campaign.confidence
+    searching = estimated(
+        normal, problem.threshold, budget, random, confidence, lambda u: ~distributions.beyond(_cube(problem, u))
+    )
     try:
         asked = next(searching)
         while True:
@@ -106,10 +99,10 @@ def _search(context: Context, points: Floats, budget: int, made: _Made) -> Gener
 
 
 def _cube(problem: Problem, normal: Floats) -> Floats:
-    """Points of standard normal space as points of the unit cube."""
-    from scipy import special
+    """Points of standard normal space as points of the unit cube; correlated normal values beyond a bound are on it."""
+    from scipy import special  # imported late: a campaign's process must start fast
 
-    return problem.quantile(special.ndtr(normal))
+    return problem.distributions.quantile(special.ndtr(normal), redrawn=False)
 
 
 def _refused(context: Context, refused: Refused, budget: int, empty: EstimateResult) -> EstimateResult:
@@ -136,7 +129,7 @@ def _estimated(
     alarms = [_alarm(alarm, size, found.probability, budget) for alarm in made.alarms]
     drawn = {
         "probability": found.probability,
-        "low": None if alarms else found.low,
+        "low": None if alarms else found.low * (1.0 - empty.outside),
         "high": None if alarms else min(1.0, found.high + empty.outside),
         "variation": found.variation if np.isfinite(found.variation) else None,
         "effective": made.effective,
@@ -149,17 +142,21 @@ def _estimated(
         "final": Rows(first=len(columns.status) - made.drawn, count=made.drawn),
     }
     result = empty.model_copy(update=drawn)
-    return result.model_copy(update={"statement": _statement(result)})
+    return result.model_copy(update={"statement": _statement(result, count - size)})
 
 
-def _statement(result: EstimateResult) -> Spans:
-    """The sentence on an estimate."""
+def _statement(result: EstimateResult, excluded: int) -> Spans:
+    """The sentence on an estimate; excluded: draws of the independent sample."""
     if result.low is None or result.high is None:
         return sentences.alarmed([alarm.statement for alarm in result.alarms])
     assert result.probability is not None
     assert result.effective is not None
-    ends, draws = (result.low, result.high), (result.draws, result.effective)
-    about = sentences.estimated(result.probability, ends, result.confidence, draws, result.outside)
+    assert result.independent is not None
+    sampled, stated = result.independent.count, not result.drawn_at_launch
+    draws = sentences.Draws(
+        result.draws, result.effective, result.failed_draws, excluded, sampled, result.outside, stated
+    )
+    about = sentences.estimated(result.probability, (result.low, result.high), result.confidence, draws)
     hidden = [mode.share for mode in result.modes if not mode.origins]
     return sentences.whole(about, sentences.modes([mode.share for mode in result.modes], len(hidden), sum(hidden)))
 

@@ -1,7 +1,7 @@
 """Recomputes the estimate of P(violation) from its stored draws and the density that they came from.
 
-Taken as given: that density, which may be any that was fixed before the draws; which violations led to a mode; how many
-violations no mode explains, and how many modes were met once.
+The numbers are computed here; the density, the origins of modes and the two alarms of the search for modes come from
+the search repeated over the stored evaluations (`replayed`).
 """
 
 from __future__ import annotations
@@ -15,9 +15,12 @@ import numpy as np
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import estimate as templates
 from campaigns.results.base import EXCLUDED, OK
+from worker.engine.rare.estimate import Estimate, Refused
 from worker.evidence.audit import draw
 from worker.evidence.audit.binomial import cumulative
 from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.record import MISSING
+from worker.evidence.audit.replayed import replayed
 
 STREAM, SAMPLED = 2**25, 0.06
 """The random stream of the stage, which begins with the independent sample: this fraction of the budget."""
@@ -37,24 +40,37 @@ def placed(run: Run, k: int) -> Tree:
     """What the stored points must be, and are: the independent sample that follows from the seed, draws whose weights
     have the mean 1, and origins that violate."""
     stated = run.claims["results"][k]
+    made = replayed(run, k)[0]
+    follows: Tree = {f"search of stage {k}": (1, int(made is not None) if run.same_engine or made else MISSING)}
     if stated.get("refused") is not None:
-        return {}
+        return {} if run.calls.noisy else follows
     first, count = stated["independent"]["first"], stated["independent"]["count"]
     points, final = run.rows(k)[0], stated["final"]["count"]
     seed = np.random.SeedSequence(int(stated["seed"]), spawn_key=(STREAM,))
     normal = np.random.default_rng(seed).standard_normal((int(SAMPLED * run.plan[k].planned), len(run.bounds)))
-    drawn = draw.distributed(run.campaign, run.bounds).quantile(UNIFORM(normal))
+    drawn = _cube(run, normal)
     near = np.abs(points[first : first + count] - drawn[:count]) <= draw.ROUNDING
-    weights = _weights(_normal(run, points[len(points) - final :]), stated["density"])[0]
-    error = float(weights.std(ddof=1)) / math.sqrt(len(weights))
-    fits = abs(float(weights.mean()) - 1.0) <= ERRORS * max(error, 1e-9)
+    last = points[len(points) - final :]
+    weights = np.where(_beyond(run, last), 0.0, _weights(_normal(run, last), stated["density"])[0])
+    error, mean = float(weights.std(ddof=1)) / math.sqrt(len(weights)), float(weights.mean())
+    fits = -run.outside() <= mean - 1.0 + ERRORS * max(error, 1e-9) and mean - 1.0 <= ERRORS * max(error, 1e-9)
     origins = [(one["position"], one["index"]) for mode in stated["modes"] for one in mode["origins"]]
     violating = sum(at < k and _violates(run, at)[index] for at, index in origins)
-    return {
+    return follows | {
         f"independent sample of stage {k}": (len(drawn), int(near.all(axis=1).sum())),
         f"weights of stage {k}": (1, int(fits)),
         f"origins of stage {k}": (len(origins), int(violating)),
     }
+
+
+def _cube(run: Run, normal: Any) -> Any:
+    """Points of standard normal space in the unit cube; correlated normal values beyond a bound are on it."""
+    return draw.distributed(run.campaign, run.bounds).quantile(UNIFORM(normal), redrawn=False)
+
+
+def _beyond(run: Run, points: Any) -> Any:
+    """Which points are no violations of the estimate, because a correlated normal value is on its bound."""
+    return draw.distributed(run.campaign, run.bounds).beyond(points)
 
 
 def estimated(run: Run, k: int) -> Tree:
@@ -64,23 +80,49 @@ def estimated(run: Run, k: int) -> Tree:
     if stated.get("refused") is not None:
         return found | _refused(run, k, stated)
     points, _, status = run.rows(k)
-    violates, budget = _violates(run, k), run.plan[k].planned
+    outside = _beyond(run, points)
+    violates, budget = _violates(run, k) & ~outside, run.plan[k].planned
     first, count, drawn = stated["independent"]["first"], int(SAMPLED * budget), stated["final"]["count"]
     last, own = len(status) - drawn, slice(first, first + count)
     weights, responsible = _weights(_normal(run, points[last:]), stated["density"])
-    failed = (status[last:] != OK) & (status[last:] != EXCLUDED)
+    failed = (status[last:] != OK) & (status[last:] != EXCLUDED) & ~outside[last:]
     terms, kept = np.where(violates[last:], weights, 0.0), int(np.count_nonzero(status[own] != EXCLUDED))
     made = _interval(terms, np.where(failed, 0.0, terms), (kept, count), run.campaign.confidence)
+    terms = terms if made["probability"] else np.zeros_like(terms)
     sample = int(np.count_nonzero(violates[own])), kept
-    numbers, alarms = _numbers(terms, made, run.outside()), _alarms(stated, terms, made, sample)
+    again, starts = replayed(run, k)
+    searched = _searched(stated, again)
+    numbers, alarms = _numbers(terms, made, run.outside()), _alarms(searched, terms, made, sample)
     if alarms:
         numbers |= {"low": None, "high": None}
     numbers = {name: _near(value, stated[name]) for name, value in numbers.items()}
+    if isinstance(again, Estimate):
+        found["density"] = _density(again, stated["density"])
     shares = (terms @ responsible / max(float(terms.sum()), 1e-300)).tolist()
     found |= numbers | {"draws": drawn, "failed_draws": int(np.count_nonzero(failed))}
-    found |= {"final": {"first": last}, "independent": {"count": count}, "modes": _modes(run, stated, shares)}
+    found |= {
+        "final": {"first": last},
+        "independent": {"count": count},
+        "modes": _modes(run, stated, shares, again, starts),
+    }
     found["alarms"] = [_told(run, k, alarm, sample, numbers["probability"]) for alarm in alarms]
-    return found if run.reworded else found | {"statement": _statement(run, stated, found)}
+    return found if run.reworded else found | {"statement": _statement(run, stated, found, count - kept)}
+
+
+def _searched(stated: Tree, again: Estimate | Refused | None) -> dict[str, float]:
+    """The alarms with their values: of the search from its repetition, without one as stated."""
+    given = {alarm["why"]: float(alarm["value"]) for alarm in stated["alarms"]}
+    if not isinstance(again, Estimate):
+        return given
+    made = {alarm.why: alarm.value for alarm in again.alarms if alarm.why in ("unexplained", "unsaturated")}
+    return {why: value for why, value in given.items() if why not in ("unexplained", "unsaturated")} | made
+
+
+def _density(again: Estimate, stated: Tree) -> Tree:
+    """The density that the search adapted; what differs by rounding is as stated."""
+    made = {name: getattr(again.mixture, name).tolist() for name in (*FIELDS, "shares")}
+    near = {n: np.shape(v) == np.shape(stated[n]) and np.allclose(v, stated[n], TOLERANCE) for n, v in made.items()}
+    return {name: stated[name] if near[name] else value for name, value in made.items()}
 
 
 def _violates(run: Run, k: int) -> Any:
@@ -140,21 +182,25 @@ def _interval(high: Any, low: Any, sample: tuple[int, int], confidence: float) -
 def _numbers(terms: Any, made: Tree, outside: float) -> Tree:
     effective = float(terms.sum() ** 2 / max(float(np.sum(terms**2)), 1e-300))
     variation = made["variation"] if math.isfinite(made["variation"]) else None
-    return made | {"high": min(1.0, made["high"] + outside), "variation": variation, "effective": effective}
+    return made | {
+        "low": made["low"] * (1.0 - outside),
+        "high": min(1.0, made["high"] + outside),
+        "variation": variation,
+        "effective": effective,
+    }
 
 
-def _alarms(stated: Tree, terms: Any, made: Tree, sample: tuple[int, int]) -> list[Tree]:
-    """All alarms in their order; those that rest on the search for modes are taken from the record."""
-    given = {alarm["why"]: alarm["value"] for alarm in stated["alarms"]}
+def _alarms(given: dict[str, float], terms: Any, made: Tree, sample: tuple[int, int]) -> list[Tree]:
+    """All alarms in their order; given: their values as stated, those of the search as repeated."""
     largest = float(terms.max() / max(float(terms.sum()), 1e-300))
     effective, (violations, size) = _numbers(terms, made, 0.0)["effective"], sample
     many = _at_most(size - violations, size, 1.0 - made["high"])
     few = _at_most(violations, size, made["low"])
     raised = {
-        "unexplained": (given.get("unexplained", 0.0) >= 1.0, given.get("unexplained")),
+        "unexplained": ("unexplained" in given, given.get("unexplained")),
         "weight": (largest > LARGEST, largest),
         "few": (effective < FEWEST, effective),
-        "unsaturated": (given.get("unsaturated", 0.0) >= 1.0, given.get("unsaturated")),
+        "unsaturated": ("unsaturated" in given, given.get("unsaturated")),
         "sample": (min(many, few) < CHANCE / 2.0, float(violations)),
     }
     return [{"why": why, "value": _near(value, given.get(why))} for why, (on, value) in raised.items() if on]
@@ -180,38 +226,54 @@ def _told(run: Run, k: int, alarm: Tree, sample: tuple[int, int], probability: f
     return alarm if run.reworded else alarm | {"statement": made[alarm["why"]]()}
 
 
-def _modes(run: Run, stated: Tree, shares: list[float]) -> list[Tree]:
-    """The modes at the centres of the density."""
-    found = []
+def _modes(run: Run, stated: Tree, shares: list[float], again: Any, starts: list[tuple[int, int]]) -> list[Tree]:
+    """The modes at the centres of the density, with the stored violations that led to them."""
+    found: list[Tree] = []
     for design, share, mode in zip(stated["density"]["designs"], shares, stated["modes"], strict=True):
-        point = draw.distributed(run.campaign, run.bounds).quantile(UNIFORM(np.array([design])))[0]
+        point = _cube(run, np.array([design]))[0]
         near = share if abs(share - mode["share"]) > TOLERANCE else mode["share"]
         found.append({"share": near, "parameters": run.values(point), "distance": float(np.linalg.norm(design))})
+    for mode, made in zip(found, again.modes if isinstance(again, Estimate) else (), strict=False):
+        mode["origins"] = [dict(zip(("position", "index"), starts[one], strict=True)) for one in made.origins or ()]
     return found
 
 
-def _statement(run: Run, stated: Tree, found: Tree) -> Spans:
+def _statement(run: Run, stated: Tree, found: Tree, excluded: int) -> Spans:
     if found["alarms"]:
         return templates.alarmed([alarm["statement"] for alarm in found["alarms"]])
-    ends, drawn = (found["low"], found["high"]), (found["draws"], found["effective"])
-    about = templates.estimated(found["probability"], ends, run.campaign.confidence, drawn, found["outside"])
+    size, seed_stated = stated["independent"]["count"], not stated["drawn_at_launch"]
+    numbers = found["draws"], found["effective"], found["failed_draws"], excluded, size, found["outside"]
+    about = templates.estimated(
+        found["probability"],
+        (found["low"], found["high"]),
+        run.campaign.confidence,
+        templates.Draws(*numbers, seed_stated),
+    )
     shares = [mode["share"] for mode in found["modes"]]
     hidden = [share for share, mode in zip(shares, stated["modes"], strict=True) if not mode["origins"]]
     return templates.whole(about, templates.modes(shares, len(hidden), sum(hidden)))
 
 
 def _refused(run: Run, k: int, stated: Tree) -> Tree:
-    """Why there is no estimate; the least budget is taken as given if it is more than was given."""
-    n, limit, given = len(run.bounds), int(stated["refused"]["limit"]), run.plan[k].planned
+    """Why there is no estimate; the least budget is taken as given if the search cannot be repeated."""
+    n, given, again = len(run.bounds), run.plan[k].planned, replayed(run, k)[0]
+    why, limit = str(stated["refused"]["why"]), int(stated["refused"]["limit"])
     if run.calls.noisy:
-        why, limit, told = "noise", 0, templates.NOISE
+        why, limit = "noise", 0
     elif not any(_violates(run, at).any() for at in range(k)):
-        why, limit, told = "no_violation", 0, templates.NO_VIOLATION
+        why, limit = "no_violation", 0
     elif n > MOST:
-        why, limit, told = "parameters", MOST, templates.too_many(MOST, n)
+        why, limit = "parameters", MOST
+    elif isinstance(again, Refused):
+        why, limit = again.why, again.limit
     else:
         why, limit = "budget", max(limit, given + 1)
-        told = templates.too_few(limit, n, given)
+    told = {
+        "noise": templates.NOISE,
+        "no_violation": templates.NO_VIOLATION,
+        "parameters": templates.too_many(limit, n),
+        "budget": templates.too_few(limit, n, given),
+    }[why]
     none: Tree = dict.fromkeys(("probability", "low", "high", "variation", "effective"))
     none |= {"draws": 0, "failed_draws": 0, "modes": [], "alarms": [], "refused": {"why": why, "limit": limit}}
     if run.reworded:

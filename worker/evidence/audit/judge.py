@@ -62,12 +62,13 @@ class Item(NamedTuple):
 
 class Known(NamedTuple):
     """What is known of a run besides its record. sentences: as stored and as made again, by path; titles: how checks
-    are shown, likewise; components: how those that its record describes differ from the same ones here, as clauses. Or
-    why there is nothing to compare."""
+    are shown, likewise; components: how those that its record describes differ from the same ones here, as clauses; or
+    why there is nothing to compare. same_engine: whether the engine here made it."""
 
     sentences: Mapping[str, tuple[Any, Spans | Missing]] | Missing
     titles: Mapping[str, tuple[Any, Any]]
     components: list[str] | Missing
+    same_engine: bool = True
 
 
 NOTHING = Known(Missing("not made again"), {}, Missing("not compared"))
@@ -79,6 +80,7 @@ def audit(
     """Every claim with its recomputed value; raises `UnreadableError` for a record with a different structure."""
     try:
         run = Run(record)
+        run.same_engine = known.same_engine
         claims = run.claims | {"sound": True, "placed": True, "checks": _as_stated(run)}
         try:
             run.describe()

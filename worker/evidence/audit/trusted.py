@@ -54,11 +54,11 @@ TRUSTED = (
         (r"encounter", r"\.closest\."),
     ),
     Trusted(
-        "Of an estimate of P(violation): the density of its draws, the origins of a mode, the least budget, and the "
-        "alarms of violations without a mode and of modes met once",
-        "any density that was fixed before the draws gives an unbiased estimate; the search for modes is not run "
-        "again; the numbers, the interval, the shares and the other alarms are recomputed",
-        (r"density", r"origins", r"refused\.limit"),
+        "Of an estimate of P(violation) by another engine, whose search does not repeat here: the density of draws, "
+        "the origins of a mode, the least budget, and the alarms of violations without a mode and of modes met once",
+        "the engine here repeats the search over the stored evaluations, and any density that was fixed before the "
+        "draws gives an unbiased estimate; the numbers, the interval, the shares and the other alarms are recomputed",
+        (),
     ),
     Trusted(
         "Boundary of a violation, Morris' and Sobol's indices",

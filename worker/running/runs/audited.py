@@ -19,17 +19,24 @@ def audited(record: Record) -> list[Item]:
 
 def known(record: Record) -> Known:
     """The sentences of the record made again, and its components next to those that are installed."""
-    return Known(restated(record), titles(record), _components(record))
+    return Known(
+        restated(record), titles(record), _components(record), _code(record) == identity.code(record.campaign).digest
+    )
 
 
 def _components(record: Record) -> list[str] | Missing:
     """How the descriptions in the record differ from those here, if the code is the same; texts may have changed."""
     claims = record.claims
-    versions = Versions.of(claims["versions"] if "versions" in claims else claims.get("provenance"))
-    if "components" not in claims or versions.code is None:
+    if "components" not in claims or _code(record) is None:
         return Missing(MISSING)
-    if versions.code != identity.code(record.campaign).digest:
+    if _code(record) != identity.code(record.campaign).digest:
         return Missing("other code ran it: what its components meant there is taken from the record")
     found = [clause for clause in changes(claims["components"], catalogue()) if not clause.startswith("the text of ")]
     gone = [clause for clause in found if clause.endswith(" is no longer in this installation")]
     return Missing("; ".join(gone)) if gone else found
+
+
+def _code(record: Record) -> str | None:
+    """The digest of the code that ran it; None: not stored by its version."""
+    claims = record.claims
+    return Versions.of(claims["versions"] if "versions" in claims else claims.get("provenance")).code

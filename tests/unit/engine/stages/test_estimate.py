@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from campaigns.asked.load import load_document
 from campaigns.claims.stages import estimate as sentences
 from campaigns.results.stage import StageResult
+from campaigns.sample_seed import SampleSeed
 from campaigns.stages.estimate import EstimateResult
-from tests.given.sampled_stages import PROBABILITY, asked, context, costs, evaluate
+from clearance.testing.problems import Problem
+from tests.given.sampled_stages import PROBABILITY, THRESHOLD, asked, context, costs, evaluate
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import estimate
 from worker.engine.stages.parts.base import Cancelled, Context, drive, once
@@ -44,6 +48,63 @@ def test_the_interval_holds_the_known_probability() -> None:
         assert result.high is not None
         holds += result.low <= PROBABILITY <= result.high
     assert holds >= 7
+
+
+PAIR = [{"between": ["vehicle.m", "vehicle.J"], "value": 0.5}]
+BEYOND = 6.0 / np.sqrt(3.0)
+"""Of the sum of the two correlated normals of `correlated`, of which the variance is 3, in its standard deviations."""
+
+
+def correlated(bounds: float, violation: Callable[[Floats], Floats], seed: int) -> EstimateResult:
+    """An estimate for two correlated normal parameters with bounds at so many deviations; violation: by how much
+    deviations (m, 2) violate, above zero."""
+    uncertain = {
+        path: {
+            "low": middle * (1.0 - 0.04 * bounds),
+            "high": middle * (1.0 + 0.04 * bounds),
+            "distribution": {"kind": "normal", "mean": middle, "deviation": 0.04 * middle},
+        }
+        for path, middle in (("vehicle.m", 5.0), ("vehicle.J", 0.05))
+    }
+    stages = {"certify": None, "estimate": {"evaluations": BUDGET}}
+    campaign = asked(stages, uncertain=uncertain, correlations=PAIR)
+
+    def flown(points: Floats) -> tuple[Batch, dict[int, str]]:
+        by = violation((2.0 * points - 1.0) * bounds)
+        return Batch((THRESHOLD - 0.1 * by)[:, None], np.zeros(len(points), dtype=np.uint8)), {}
+
+    of = context(campaign, flown, Problem(campaign), seed)
+    of.plan = [StagePlan("search", "direct", 2), StagePlan("estimate", None, BUDGET)]
+    of.store.plan(of.plan)
+    drive(of, 0, once(np.array([[1.0, 0.99], [0.5, 0.5]]), "a search"), 3)
+    return made(of)
+
+
+def test_of_correlated_normals_the_interval_holds_the_known_probability() -> None:
+    holds = 0
+    for seed in range(8):
+        result = correlated(5.0, lambda z: z.sum(axis=1) - 6.0, seed)
+        assert result.low is not None
+        assert result.high is not None
+        holds += result.low <= stats.norm.sf(BEYOND) <= result.high
+        assert result.high < 1.5 * stats.norm.sf(BEYOND)
+    assert holds >= 7
+
+
+def test_a_draw_beyond_the_bounds_of_a_correlated_normal_is_no_violation_of_the_estimate_but_in_its_upper_end() -> None:
+    """Beyond 2.5 deviations are at most 2.5 %; what is put on the bound violates, and nothing else does."""
+    result = correlated(2.5, lambda z: np.where(np.abs(z).max(axis=1) >= 2.4999, 1.0, -1.0), 1)
+    assert result.outside == pytest.approx(4.0 * stats.norm.sf(2.5))
+    assert result.probability is not None
+    assert result.probability < 0.001
+    cut = correlated(2.5, lambda z: z.sum(axis=1) - 4.0, 1)
+    assert cut.low is not None
+    assert cut.high is not None
+    assert cut.probability is not None
+    draws = np.random.default_rng(1).multivariate_normal([0, 0], [[1.0, 0.5], [0.5, 1.0]], 1_000_000)
+    inside = float(np.mean((draws.sum(axis=1) > 4.0) & (np.abs(draws) < 2.5).all(axis=1)))
+    assert cut.low <= inside <= cut.high - cut.outside
+    assert cut.low <= stats.norm.sf(4.0 / np.sqrt(3.0)) <= cut.high
 
 
 def test_the_mode_leads_back_to_the_violations_of_the_search() -> None:
@@ -84,6 +145,24 @@ def test_failed_evaluations_count_as_violations_in_its_upper_end_only() -> None:
     assert some.low is not None
     assert none.low is not None
     assert some.low < none.low
+    assert f"{some.failed_draws} failed" in some.text
+
+
+def test_its_sentence_states_what_is_excluded_and_that_the_seed_was_stated() -> None:
+    """Of a tenth of the cube that is excluded nothing is claimed."""
+    of = after_a_search(flown=evaluate(excluded=lambda p: p[:, 0] > 0.9))
+    assert " independent draws, are not part of it" in made(of).text
+    assert "their seed was stated" not in made(after_a_search()).text
+    of = after_a_search()
+    of.store.sample_seed = SampleSeed(1)
+    assert "their seed was stated, not drawn at the launch" in made(of).text
+
+
+def test_if_every_independent_draw_is_excluded_there_is_no_interval() -> None:
+    points = np.array([[0.0002, 0.05], [0.0001, 0.1]])
+    result = made(after_a_search(points, evaluate(excluded=lambda p: p[:, 0] > 0.0003)))
+    assert [alarm.why for alarm in result.alarms]
+    assert (result.low, result.high) == (None, None)
 
 
 def test_with_an_alarm_it_has_no_interval() -> None:

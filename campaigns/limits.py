@@ -35,3 +35,6 @@ STORED_WHOLE = 100_000
 
 SEARCH, SEARCHED, SEARCHED_EACH = "auto", 5000, 1000
 """The search of a campaign that states none: the method, its evaluations at least, and those for each parameter."""
+
+BETWEEN = (0.2, 0.4, 0.6, 0.8)
+"""Positions on the straight line from a mode of an estimate to a finding that must violate for them to be the same."""

@@ -94,3 +94,15 @@ class Estimation(Described):
     seed: int
     """Of the draws: that of the independent sample."""
     drawn_at_launch: bool
+
+
+class NamedModes(Described):
+    """Which findings the modes of an estimate are: those to which the straight line from the most likely point of the
+    mode violates. A mode may be several findings, and several modes may be one."""
+
+    position: Count
+    """Of the stage that made the estimate."""
+    findings: list[list[str]]
+    """Of each mode the labels; empty if it is no finding."""
+    compared: list[list[str]]
+    """Of each mode the violating findings to which the line was evaluated before the allowance of validation ended."""

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE
 from campaigns.results.base import Described, MethodKind, Result, Status, Stop, Untraced, Values
+from campaigns.results.estimate import NamedModes
 from campaigns.results.finding import ClosestApproach, Validation
 from campaigns.results.stage import StageResult
 
@@ -241,3 +242,6 @@ class ValidateResult(StageResult, Described):
     basins: Annotated[list[CaseBasin], UNLESS_EMPTY] = []
     """What is known of the basin of each case of the baseline, in their order; omitted without one, and in results of
     earlier versions."""
+    modes: Annotated[NamedModes | None, UNLESS_NONE] = None
+    """Which findings the modes of an estimate of P(violation) are; omitted without one, and in results of earlier
+    versions."""

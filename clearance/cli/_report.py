@@ -122,9 +122,11 @@ def _ended(result: StageResult | None) -> str:
 
 
 def _estimated(store: MemoryStore) -> list[str]:
-    """The sentence of an estimate of P(violation)."""
+    """The sentences of an estimate of P(violation): it, and which findings its modes are."""
     found = [stage.result.estimation for stage in store.stages if stage.result is not None]
-    return [words(sentence(one.statement)) for one in found if one is not None]
+    validated = _validated(store)
+    named = [validated.modes] if validated is not None else []
+    return [words(sentence(one.statement)) for one in (*found, *named) if one is not None]
 
 
 def _validated(store: MemoryStore) -> ValidateResult | None:

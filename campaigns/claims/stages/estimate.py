@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from campaigns.claims.say import count, joined, listed, number, percent, say
-from campaigns.claims.spans import Spans
+from campaigns.claims.say import Part, count, joined, number, percent, say
+from campaigns.claims.spans import Span, Spans
 
 OPEN = (
     "this is an estimate from the violations that are known, not a bound: a mode that neither the searches nor this "
@@ -19,7 +19,7 @@ class Draws(NamedTuple):
     """Of an estimate: how many, their effective number, and how many failed; of the independent sample, how many draws
     were excluded, and its size with these; the probability beyond the bounds; whether the seed was stated."""
 
-    count: int
+    drawn: int
     effective: float
     failed: int = 0
     excluded: int = 0
@@ -52,7 +52,7 @@ def estimated(probability: float, ends: tuple[float, float], confidence: float, 
             percent(confidence, 6, "confidence"),
             "], for the stated distributions, from ",
         ),
-        *(count(draws.count, "draws"), " draws (effective ", count(round(draws.effective), "effective"), ")"),
+        *(count(draws.drawn, "draws"), " draws (effective ", count(round(draws.effective), "effective"), ")"),
         beyond if draws.outside else (),
         failed if draws.failed else (),
         excluded if draws.excluded else (),
@@ -63,12 +63,37 @@ def estimated(probability: float, ends: tuple[float, float], confidence: float, 
 def modes(shares: Sequence[float], hidden: int, carried: float) -> Spans:
     """The modes, and how much of P(violation) those carry that no search had found."""
     one = say("its violations are of one mode")
-    several = say(
-        "its ", count(len(shares), "modes"), " modes carry ", listed([percent(s, 2) for s in shares]), " of it"
-    )
+    several = say("its ", count(len(shares), "modes"), " modes carry ", _every([_share(s) for s in shares]), " of it")
     which = "; a mode that no search had found carries " if hidden == 1 else "; modes that no search had found carry "
     found = say(which, percent(carried, 2, "hidden"), " of it")
     return say(one if len(shares) == 1 else several, found if hidden else ())
+
+
+def named(
+    findings: Sequence[Sequence[str]],
+    shares: Sequence[float] | None,
+    unknown: Sequence[bool],
+    unconfirmed: Collection[str],
+) -> Spans:
+    """Which findings the modes are, with their shares of P(violation) if there is an interval; unknown: whether a mode
+    was not compared with all violating findings."""
+    clauses = []
+    for k, labels in enumerate(findings):
+        told = [f"{label} (not confirmed)" if label in unconfirmed else label for label in labels]
+        name = " and ".join(told) or ("a mode that is no finding", "a mode that may be a finding")[unknown[k]]
+        part = say("mode ", count(k + 1), " is ") if shares is None else say(_share(shares[k]), " from ")
+        clauses.append(say(part, name))
+    return say("of P(violation) " if shares is not None else "", _every(clauses))
+
+
+def _share(value: float) -> Span:
+    """Of P(violation); 100 % needs a third digit."""
+    return percent(value, 2 if value < 0.995 else 3)
+
+
+def _every(parts: Sequence[Part]) -> Spans:
+    """A, B and C, equal ones too."""
+    return say(joined(", ", parts[:-1]), " and " if len(parts) > 1 else "", parts[-1])
 
 
 def whole(first: Spans, modal: Spans) -> Spans:

@@ -20,7 +20,7 @@ from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.slices import Curve
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin, Downhill, Gathered
-from worker.engine.stages.parts import findings, incumbents, noise, offered, seeds
+from worker.engine.stages.parts import findings, incumbents, modes, noise, offered, seeds
 from worker.engine.stages.parts.base import Context, Driven, all_columns, drive
 from worker.engine.stages.parts.comparison import compare
 from worker.engine.stages.parts.confirm import Case, cases
@@ -74,6 +74,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         spent=left.spent(),
         since=_since(context, named, found, basins),
         basins=_basins(context, position, found),
+        modes=modes.named(context, found.lines, named),
     )
     return Outcome(result, named, tuple(t for t in flights if t is not None))
 

@@ -24,7 +24,7 @@ from campaigns.results.base import OK, STATUS
 from campaigns.results.draws import of_indices
 from campaigns.results.verdict import SCOPE
 from campaigns.stages.plan import most
-from worker.evidence.audit import charts, counted, limits
+from worker.evidence.audit import charts, counted, limits, modes
 from worker.evidence.audit.agreement import agreement, apart, family
 from worker.evidence.audit.estimate import estimated
 from worker.evidence.audit.likelihood import likely
@@ -210,7 +210,7 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs)) - out.get("spot_checks", 0)}}
     if run.sealed:
-        last |= _settings(run) | {"spent": _spent(run)}
+        last |= _settings(run) | {"spent": _spent(run)} | modes.named(run)
     if run.claims["results"][-1]["encounter"].get("beyond") is not None:
         last["encounter"]["beyond"] = {"times": limits.CONTINUED, "flights": _continued(run)}
     results: list[Tree] = [_stage(run, k) for k in range(len(run.plan) - 1)]

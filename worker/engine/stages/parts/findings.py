@@ -31,7 +31,7 @@ from worker.engine.search.parts.basins import (
     spread,
 )
 from worker.engine.search.parts.lowest import Lowest
-from worker.engine.stages.parts import seeds
+from worker.engine.stages.parts import modes, seeds
 from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.boundary import Around, after
 from worker.engine.stages.parts.falls import Falls, begun, fall
@@ -94,6 +94,8 @@ class Found:
     """Whether the descents from the cases of the baseline have ended."""
     seen: Lowest = field(default_factory=Lowest)
     falls: Falls = field(default_factory=Falls)
+    lines: modes.Lines = field(default_factory=dict)
+    """From the modes of an estimate to the worst cases."""
     evidence: dict[bytes, Evidence] = field(default_factory=dict)
 
     def of(self, basin: Basin) -> Evidence:
@@ -199,7 +201,13 @@ def _search(context: Context, position: int, found: Found) -> Search:
     while compared:
         yield from _polished(context, position, found, random)
         compared = yield from _fall(context, position, found)
+        compared |= yield from modes.joined(context, found.basins, found.lines, _room(context, found))
     return ends.FINDINGS
+
+
+def _room(context: Context, found: Found) -> int:
+    """The evaluations that are left of the allowance."""
+    return validation(context.campaign, noisy(context)).stored - found.seen.evaluations
 
 
 def walked(context: Context, position: int, found: Found, starts: Sequence[Basin]) -> frozenset[int]:
@@ -237,12 +245,11 @@ def _followed(context: Context, found: Found, starts: Sequence[Basin]) -> Part:
 
 def _fall(context: Context, position: int, found: Found) -> Generator[Floats, Batch, bool]:
     """Compare the cases of the baseline with stored violations, as far as the allowance goes."""
-    room = validation(context.campaign, noisy(context)).stored - found.seen.evaluations
     measured = context.results[0].repeatability
     spread = 0.0 if measured is None or measured.spread is None else measured.spread
     worst = min([c.cost for c in found.candidates] + [b.cost for b in found.basins])
     barrier = max(_rules(context, worst).barrier, ROUNDING * scale(context, worst), spread)
-    return (yield from fall(context, position, found.falls, room, barrier))
+    return (yield from fall(context, position, found.falls, _room(context, found), barrier))
 
 
 def _polished(context: Context, position: int, found: Found, random: np.random.Generator) -> Part:

@@ -1,7 +1,7 @@
-// The estimate of P(violation): its interval on a logarithmic axis and the modes with their shares; with an alarm neither.
+// The estimate of P(violation): its interval on a logarithmic axis and the modes with their findings and shares; with an alarm no interval and no shares.
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { EstimationResult } from '../../api/stages'
-import type { ViolationMode } from '../../client'
+import type { NamedModes, ViolationMode } from '../../client'
 import { count, plain } from '../../format/numbers'
 import { sentence } from '../../format/spans'
 import { Card } from '../../ui/Card'
@@ -15,10 +15,12 @@ import figures from '../../ui/figures.module.css'
 interface EstimateProps {
   parameters: readonly UncertainParameter[]
   result: EstimationResult
+  /** Which findings the modes are; null before validation, and in runs of earlier versions. */
+  named: NamedModes | null
   className: string | undefined
 }
 
-export function EstimateCard({ parameters, result, className }: EstimateProps) {
+export function EstimateCard({ parameters, result, named, className }: EstimateProps) {
   const { probability, low, high, alarms, modes, draws } = result
   const interval = probability !== null && low !== null && high !== null && { probability, low, high }
   return (
@@ -31,6 +33,7 @@ export function EstimateCard({ parameters, result, className }: EstimateProps) {
         <>
           {alarms.length > 0 && <IconAlertTriangle color="var(--unk)" size={16} aria-label="Alarm" />}{' '}
           <Spans spans={sentence(result.statement)} />
+          {named && <> <Spans spans={sentence(named.statement)} /></>}
         </>
       }
     >
@@ -41,7 +44,8 @@ export function EstimateCard({ parameters, result, className }: EstimateProps) {
           rows={modes}
           columns={[
             { head: 'Mode', num: true, cell: (_, i) => i + 1 },
-            { head: 'Share of P', num: true, tone: 'b', cell: ({ share }) => `${plain(100 * share, 3)} %` },
+            { head: 'Finding', tip: () => FINDING, cell: (_, i) => named?.findings[i]?.join(', ') || '—' },
+            ...(alarms.length > 0 ? [] : [{ head: 'Share of P', num: true, tone: 'b' as const, cell: ({ share }: ViolationMode) => `${plain(100 * share, 3)} %` }]),
             { head: 'Distance', num: true, tip: () => 'Of its most likely point from the median, in standard deviations', cell: ({ distance }) => plain(distance, 3) },
             { head: 'Found by', tone: 'sec', cell: ({ origins }) => (origins.length > 0 ? 'a search' : 'the estimate') },
             ...parameterColumns<ViolationMode>(parameters, (mode, { path }) => plain(mode.parameters[path] ?? null, 5), 'path'),
@@ -52,6 +56,7 @@ export function EstimateCard({ parameters, result, className }: EstimateProps) {
   )
 }
 
+const FINDING = 'The straight line from the most likely point of the mode to the finding violates at four points'
 const [HEIGHT, SIDE] = [64, 30]
 
 /** The interval between whole powers of ten. */

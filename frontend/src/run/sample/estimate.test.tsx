@@ -2,6 +2,7 @@
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import type { EstimationResult } from '../../api/stages'
+import type { NamedModes } from '../../client'
 import { words } from '../../format/spans'
 import { EstimateCard } from './EstimateCard'
 
@@ -15,16 +16,22 @@ const RESULT: EstimationResult = {
   alarms: [], seed: 1, drawn_at_launch: true,
 }
 const parameters = [{ path: 'vehicle.m', symbol: 'm', unit: 'kg', text: '', nominal: 5, low: 4, high: 6 }]
-const html = (more: Partial<EstimationResult> = {}) =>
-  renderToStaticMarkup(<EstimateCard parameters={parameters} result={{ ...RESULT, ...more }} className="" />)
+const NAMED: NamedModes = {
+  position: 3, findings: [['F2'], []], compared: [['F1', 'F2'], ['F1', 'F2']],
+  text: 'of P(violation) 74 % from F2', statement: [words('of P(violation) 74 % from F2')],
+}
+const html = (more: Partial<EstimationResult> = {}, named: NamedModes | null = NAMED) =>
+  renderToStaticMarkup(<EstimateCard parameters={parameters} result={{ ...RESULT, ...more }} named={named} className="" />)
 const text = (markup: string) => markup.replace(/<[^>]+>/g, ' ').replace(/\s+/g, ' ').replace(/ \./g, '.')
 
 it('shows the interval, its sentence and the modes with their shares', () => {
   const shown = html()
   expect(shown).toContain('interval 2e−7 to 4e−7')
   expect(text(shown)).toContain('P(violation) is about 3e-7')
-  expect(text(shown)).toMatch(/1 74 % 4\.8\d* a search 5\.5\d* 2 26 % 5\.1\d* the estimate 4\.2/)
+  expect(text(shown)).toMatch(/1 F2 74 % 4\.8\d* a search 5\.5\d* 2 — 26 % 5\.1\d* the estimate 4\.2/)
+  expect(text(shown)).toContain('Of P(violation) 74 % from F2.')
   expect(shown).not.toContain('Alarm')
+  expect(text(html({}, null))).not.toContain('F2')
 })
 
 it('shows the sentence of an alarm, and no interval', () => {
@@ -33,6 +40,7 @@ it('shows the sentence of an alarm, and no interval', () => {
   const shown = html({ low: null, high: null, alarms: [{ ...said, why: 'few', value: 18 }], statement })
   expect(shown).toContain('aria-label="Alarm"')
   expect(shown).not.toContain('<rect')
+  expect(shown).not.toContain('Share of P')
   expect(text(shown)).toContain('P(violation) has no interval: it rests on 18.')
 })
 

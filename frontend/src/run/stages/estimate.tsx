@@ -9,8 +9,11 @@ export const added: Added = {
     id: 'estimate',
     of: ({ data }) => resultWith(data.stages, 'alarms'),
     title: 'Estimate',
-    pieces: ({ data }, result) => [
-      { height: 190 + 34 * result.modes.length, card: <EstimateCard key="estimate" parameters={data.parameters} result={result} className="" /> },
+    pieces: ({ data, validation }, result) => [
+      {
+        height: 190 + 34 * result.modes.length,
+        card: <EstimateCard key="estimate" parameters={data.parameters} result={result} named={validation?.modes ?? null} className="" />,
+      },
     ],
   }),
 }

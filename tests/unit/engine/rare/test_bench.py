@@ -6,12 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import stats
 
-from tests.bench.rare.__main__ import main
+from tests.bench.rare.__main__ import chosen, main
 from tests.bench.rare.generated import generated
 from tests.bench.rare.problem import Problem
 from tests.bench.rare.public import PUBLIC
 from tests.bench.rare.reference import CLOSED, probability
+from tests.bench.rare.subset import equal
+from tests.bench.rare.whole import CUBES, measured, whole
 
 
 @pytest.mark.parametrize("problem", [p for p in PUBLIC if p.name in {*CLOSED, "RP22", "RP110"}], ids=lambda p: p.name)
@@ -42,3 +45,29 @@ def test_the_bars_hold_on_the_judging_half(tmp_path: Path) -> None:
     assert found["large_noticed"] >= 0.9
     assert found["false_alarms"] <= 0.05
     assert found["most_evaluations"] <= 5000
+
+
+@pytest.mark.parametrize("cube", CUBES)
+def test_after_a_search_the_stage_chooses_starts_from_which_the_estimate_holds(cube: str) -> None:
+    """A problem for setting, of two parameters and two modes."""
+    found = whole(generated(20), cube, 1)
+    assert not found.refused
+    assert not found.alarms
+    assert found.holds
+    assert found.found == found.large > 0
+
+
+def test_subset_simulation_is_near_the_probability_of_a_half_space_within_the_budget() -> None:
+    plane = Problem("plane", 3, lambda u: 4.0 - u[:, 0], float(stats.norm.sf(4.0)), "setting")
+    found = [equal(plane, seed) for seed in range(5)]
+    assert max(one.evaluations for one in found) <= 5000
+    assert np.mean([one.probability for one in found]) == pytest.approx(plane.probability, rel=0.35)
+    assert all((plane.costs(one.violations) <= 0.0).all() for one in found)
+
+
+@pytest.mark.nightly
+def test_after_a_search_large_modes_are_found_or_alarmed_on_the_judging_half() -> None:
+    for figures in measured(*chosen("judging", 1)).values():
+        assert figures["large_noticed"] >= 0.9
+        assert figures["holds_or_alarm"] >= 0.9
+        assert figures["no_violation"] == 0

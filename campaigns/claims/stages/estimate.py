@@ -12,6 +12,8 @@ OPEN = (
     "this is an estimate from the violations that are known, not a bound: a mode that neither the searches nor this "
     "stage found is not in it"
 )
+NO_FINDING, MAY_BE = "a mode that is no finding", "a mode that may be a finding"
+SEED_STATED = "; their seed was stated, not drawn at the launch"
 MISSING = "a mode seems to be missing: "
 
 
@@ -56,7 +58,7 @@ def estimated(probability: float, ends: tuple[float, float], confidence: float, 
         beyond if draws.outside else (),
         failed if draws.failed else (),
         excluded if draws.excluded else (),
-        "; their seed was stated, not drawn at the launch" if draws.seed_stated else (),
+        SEED_STATED if draws.seed_stated else (),
     )
 
 
@@ -80,7 +82,7 @@ def named(
     clauses = []
     for k, labels in enumerate(findings):
         told = [f"{label} (not confirmed)" if label in unconfirmed else label for label in labels]
-        name = " and ".join(told) or ("a mode that is no finding", "a mode that may be a finding")[unknown[k]]
+        name = " and ".join(told) or (NO_FINDING, MAY_BE)[unknown[k]]
         part = say("mode ", count(k + 1), " is ") if shares is None else say(_share(shares[k]), " from ")
         clauses.append(say(part, name))
     return say("of P(violation) " if shares is not None else "", _every(clauses))

@@ -1,26 +1,24 @@
 """Recomputes the estimate of P(violation) from its stored draws and the density that they came from.
 
 The numbers are computed here; the density, the origins of modes and the two alarms of the search for modes come from
-the search repeated over the stored evaluations (`replayed`).
+the search that the engine repeats over the stored evaluations (`Searched`).
 """
 
 from __future__ import annotations
 
 import math
 from statistics import NormalDist
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import estimate as templates
 from campaigns.results.base import EXCLUDED, OK
-from worker.engine.rare.estimate import Estimate, Refused
 from worker.evidence.audit import draw
 from worker.evidence.audit.binomial import cumulative
 from worker.evidence.audit.recompute import Run, Tree
-from worker.evidence.audit.record import MISSING
-from worker.evidence.audit.replayed import replayed
+from worker.evidence.audit.record import Missing
 
 STREAM, SAMPLED = 2**25, 0.06
 """The random stream of the stage, which begins with the independent sample: this fraction of the budget."""
@@ -36,12 +34,31 @@ QUANTILE = np.vectorize(NormalDist().inv_cdf, otypes=[float])
 """The standard normal distribution function and its inverse."""
 
 
+class Searched(NamedTuple):
+    """The search of an estimate, repeated over its stored evaluations: why it refused, or its density, the stored
+    violations that led to each mode, and its alarms."""
+
+    refused: tuple[str, int] | None
+    density: Tree
+    origins: list[list[dict[str, int]]]
+    alarms: dict[str, float]
+
+
+UNKNOWN = Missing("the search of the estimate was not repeated: another engine made it")
+
+
+def _again(run: Run, k: int) -> Searched | None:
+    """The repeated search that is an estimate; None if it was not repeated, or refused."""
+    found = run.searched.get(k)
+    return found if isinstance(found, Searched) and found.refused is None else None
+
+
 def placed(run: Run, k: int) -> Tree:
     """What the stored points must be, and are: the independent sample that follows from the seed, draws whose weights
     have the mean 1, and origins that violate."""
     stated = run.claims["results"][k]
-    made = replayed(run, k)[0]
-    follows: Tree = {f"search of stage {k}": (1, int(made is not None) if run.same_engine or made else MISSING)}
+    made = run.searched.get(k, UNKNOWN)
+    follows: Tree = {f"search of stage {k}": (1, made if isinstance(made, Missing) else int(made is not None))}
     if stated.get("refused") is not None:
         return {} if run.calls.noisy else follows
     first, count = stated["independent"]["first"], stated["independent"]["count"]
@@ -90,38 +107,38 @@ def estimated(run: Run, k: int) -> Tree:
     made = _interval(terms, np.where(failed, 0.0, terms), (kept, count), run.campaign.confidence)
     terms = terms if made["probability"] else np.zeros_like(terms)
     sample = int(np.count_nonzero(violates[own])), kept
-    again, starts = replayed(run, k)
+    again = _again(run, k)
     searched = _searched(stated, again)
     numbers, alarms = _numbers(terms, made, run.outside()), _alarms(searched, terms, made, sample)
     if alarms:
         numbers |= {"low": None, "high": None}
     numbers = {name: _near(value, stated[name]) for name, value in numbers.items()}
-    if isinstance(again, Estimate):
+    if again is not None:
         found["density"] = _density(again, stated["density"])
     shares = (terms @ responsible / max(float(terms.sum()), 1e-300)).tolist()
     found |= numbers | {"draws": drawn, "failed_draws": int(np.count_nonzero(failed))}
     found |= {
         "final": {"first": last},
         "independent": {"count": count},
-        "modes": _modes(run, stated, shares, again, starts),
+        "modes": _modes(run, stated, shares, again),
     }
     found["alarms"] = [_told(run, k, alarm, sample, numbers["probability"]) for alarm in alarms]
     return found if run.reworded else found | {"statement": _statement(run, stated, found, count - kept)}
 
 
-def _searched(stated: Tree, again: Estimate | Refused | None) -> dict[str, float]:
+def _searched(stated: Tree, again: Searched | None) -> dict[str, float]:
     """The alarms with their values: of the search from its repetition, without one as stated."""
     given = {alarm["why"]: float(alarm["value"]) for alarm in stated["alarms"]}
-    if not isinstance(again, Estimate):
+    if again is None:
         return given
-    made = {alarm.why: alarm.value for alarm in again.alarms if alarm.why in ("unexplained", "unsaturated")}
-    return {why: value for why, value in given.items() if why not in ("unexplained", "unsaturated")} | made
+    return {why: value for why, value in given.items() if why not in ("unexplained", "unsaturated")} | again.alarms
 
 
-def _density(again: Estimate, stated: Tree) -> Tree:
+def _density(again: Searched, stated: Tree) -> Tree:
     """The density that the search adapted; what differs by rounding is as stated."""
-    made = {name: getattr(again.mixture, name).tolist() for name in (*FIELDS, "shares")}
-    near = {n: np.shape(v) == np.shape(stated[n]) and np.allclose(v, stated[n], TOLERANCE) for n, v in made.items()}
+    made, near = again.density, {}
+    for name, value in made.items():
+        near[name] = np.shape(value) == np.shape(stated[name]) and np.allclose(value, stated[name], TOLERANCE)
     return {name: stated[name] if near[name] else value for name, value in made.items()}
 
 
@@ -226,15 +243,15 @@ def _told(run: Run, k: int, alarm: Tree, sample: tuple[int, int], probability: f
     return alarm if run.reworded else alarm | {"statement": made[alarm["why"]]()}
 
 
-def _modes(run: Run, stated: Tree, shares: list[float], again: Any, starts: list[tuple[int, int]]) -> list[Tree]:
+def _modes(run: Run, stated: Tree, shares: list[float], again: Searched | None) -> list[Tree]:
     """The modes at the centres of the density, with the stored violations that led to them."""
     found: list[Tree] = []
     for design, share, mode in zip(stated["density"]["designs"], shares, stated["modes"], strict=True):
         point = _cube(run, np.array([design]))[0]
         near = share if abs(share - mode["share"]) > TOLERANCE else mode["share"]
         found.append({"share": near, "parameters": run.values(point), "distance": float(np.linalg.norm(design))})
-    for mode, made in zip(found, again.modes if isinstance(again, Estimate) else (), strict=False):
-        mode["origins"] = [dict(zip(("position", "index"), starts[one], strict=True)) for one in made.origins or ()]
+    for mode, origins in zip(found, () if again is None else again.origins, strict=False):
+        mode["origins"] = origins
     return found
 
 
@@ -256,7 +273,7 @@ def _statement(run: Run, stated: Tree, found: Tree, excluded: int) -> Spans:
 
 def _refused(run: Run, k: int, stated: Tree) -> Tree:
     """Why there is no estimate; the least budget is taken as given if the search cannot be repeated."""
-    n, given, again = len(run.bounds), run.plan[k].planned, replayed(run, k)[0]
+    n, given, again = len(run.bounds), run.plan[k].planned, run.searched.get(k)
     why, limit = str(stated["refused"]["why"]), int(stated["refused"]["limit"])
     if run.calls.noisy:
         why, limit = "noise", 0
@@ -264,8 +281,8 @@ def _refused(run: Run, k: int, stated: Tree) -> Tree:
         why, limit = "no_violation", 0
     elif n > MOST:
         why, limit = "parameters", MOST
-    elif isinstance(again, Refused):
-        why, limit = again.why, again.limit
+    elif isinstance(again, Searched) and again.refused is not None:
+        why, limit = again.refused
     else:
         why, limit = "budget", max(limit, given + 1)
     told = {

@@ -26,7 +26,7 @@ from campaigns.results.verdict import SCOPE
 from campaigns.stages.plan import most
 from worker.evidence.audit import charts, counted, limits, modes
 from worker.evidence.audit.agreement import agreement, apart, family
-from worker.evidence.audit.estimate import estimated
+from worker.evidence.audit.estimate import Searched, estimated
 from worker.evidence.audit.likelihood import likely
 from worker.evidence.audit.points import grid, required
 from worker.evidence.audit.recompute import Run, Tree
@@ -63,12 +63,13 @@ class Item(NamedTuple):
 class Known(NamedTuple):
     """What is known of a run besides its record. sentences: as stored and as made again, by path; titles: how checks
     are shown, likewise; components: how those that its record describes differ from the same ones here, as clauses; or
-    why there is nothing to compare. same_engine: whether the engine here made it."""
+    why there is nothing to compare. searches: of estimates, by
+    stage; None if its stored evaluations are not those that it requests."""
 
     sentences: Mapping[str, tuple[Any, Spans | Missing]] | Missing
     titles: Mapping[str, tuple[Any, Any]]
     components: list[str] | Missing
-    same_engine: bool = True
+    searches: Mapping[int, Searched | Missing | None] = {}
 
 
 NOTHING = Known(Missing("not made again"), {}, Missing("not compared"))
@@ -80,7 +81,7 @@ def audit(
     """Every claim with its recomputed value; raises `UnreadableError` for a record with a different structure."""
     try:
         run = Run(record)
-        run.same_engine = known.same_engine
+        run.searched = known.searches
         claims = run.claims | {"sound": True, "placed": True, "checks": _as_stated(run)}
         try:
             run.describe()

@@ -6,6 +6,7 @@ Wilks (Annals of Mathematical Statistics 12, 1941).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import count
 from typing import Any
 
@@ -111,10 +112,8 @@ class Run:
         self.stated = min(map(self._granted, violating), default=self.lowest) if known else self.lowest
         self.worst = min(violating, key=self._granted, default=None)
         self.bound: Any = MISSING
-        self.same_engine = True
-        """Whether the engine here is the one that made it; else a search of it may not be repeatable here."""
-        self.replayed: dict[int, Any] = {}
-        """The estimates that were repeated, by stage."""
+        self.searched: Mapping[int, Any] = {}
+        """The searches of its estimates that were repeated, by stage."""
 
     def _decides(self, components: Catalogue) -> tuple[str, str]:
         """The quantity and unit of the deciding criterion."""

@@ -5,11 +5,13 @@ from __future__ import annotations
 from campaigns.checked.snapshot import changes
 from campaigns.versions import Versions
 from worker.evidence.audit import judge
+from worker.evidence.audit.estimate import UNKNOWN, Searched
 from worker.evidence.audit.judge import Item, Known
 from worker.evidence.audit.record import MISSING, Missing, Record
 from worker.evidence.restatement.restate import restated, titles
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs import identity
+from worker.running.runs.estimates import repeated
 
 
 def audited(record: Record) -> list[Item]:
@@ -19,9 +21,10 @@ def audited(record: Record) -> list[Item]:
 
 def known(record: Record) -> Known:
     """The sentences of the record made again, and its components next to those that are installed."""
-    return Known(
-        restated(record), titles(record), _components(record), _code(record) == identity.code(record.campaign).digest
-    )
+    searches: dict[int, Searched | Missing | None] = {**repeated(record)}
+    if _code(record) not in (None, identity.code(record.campaign).digest):
+        searches = {k: UNKNOWN if found is None else found for k, found in searches.items()}
+    return Known(restated(record), titles(record), _components(record), searches)
 
 
 def _components(record: Record) -> list[str] | Missing:

@@ -75,14 +75,14 @@ def test_a_mode_that_is_no_finding_says_so() -> None:
     _, _, named = ran(campaign(at_most=1))
     assert sorted(named.findings) == [[], ["F1"]]
     assert all(labels == ["F1"] for labels in named.compared)
-    assert "from a mode that is no finding" in named.text
+    assert templates.NO_FINDING in named.text
 
 
 def test_what_was_not_compared_may_be_a_finding_and_equal_shares_are_all_stated() -> None:
     spans = templates.named([["F1", "F3"], [], []], [0.5, 0.25, 0.25], [False, False, True], {"F3"})
     assert words(spans) == (
-        "of P(violation) 50 % from F1 and F3 (not confirmed), 25 % from a mode that is no finding and 25 % from a mode "
-        "that may be a finding"
+        f"of P(violation) 50 % from F1 and F3 (not confirmed), 25 % from {templates.NO_FINDING} and 25 % from "
+        f"{templates.MAY_BE}"
     )
     assert words(templates.modes([0.5, 0.25, 0.25], 0, 0.0)) == "its 3 modes carry 50 %, 25 % and 25 % of it"
     assert words(templates.named([["F2"]], None, [False], {})) == "mode 1 is F2"

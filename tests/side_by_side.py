@@ -129,6 +129,8 @@ class Parent:
             report = hook.pytest_report_from_serializable(config=self.session.config, data=content)
             report.node = _named(fork)
             hook.pytest_runtest_logreport(report=report)
+            if report.failed:  # at once: a run of an hour may be ended before it prints its failures
+                self.session.config.get_terminal_writer().line(f"\nfailed: {report.nodeid}")
         elif statement == "started":
             hook.pytest_runtest_logstart(**content)
         else:

@@ -57,6 +57,13 @@ def test_every_outcome_is_reported_and_a_process_that_dies_takes_no_test_with_it
     statement = re.findall(r"(\d+) (failed|passed|skipped|xfailed|warning)", last)
     assert {word: int(number) for number, word in statement} == counts
     assert re.search(r"\d errors?\b", last)
-    texts = ("test_dies - process", "ended by signal 9", "what it printed", "Timeout (>0.1s)", "the last of all")
+    texts = (
+        "\nfailed: test_a_odd.py::test_fails\n",
+        "test_dies - process",
+        "ended by signal 9",
+        "what it printed",
+        "Timeout (>0.1s)",
+        "the last of all",
+    )
     assert [text for text in texts if text not in result.stdout] == []
     assert result.returncode == 1, result.stderr

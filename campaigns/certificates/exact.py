@@ -7,6 +7,7 @@ Sums of squares by Gram matrices (Parrilo, Math. Program. 96, 2003); V decreases
 from __future__ import annotations
 
 from fractions import Fraction
+from math import ceil
 from typing import NamedTuple
 
 from campaigns.certificates.polynomials import Monomial, Polynomial, added, along, degree, monomials, of_gram, times
@@ -14,6 +15,8 @@ from campaigns.certificates.polynomials import Monomial, Polynomial, added, alon
 Exact = list[list[Fraction]]
 MARGIN = Fraction(1, 2**24)
 """Of positivity and of decrease, times |x|^2."""
+MOST = 8
+"""Degree of V."""
 
 
 class Certificate(NamedTuple):
@@ -40,6 +43,11 @@ class Bases(NamedTuple):
         """of_v: degree of V; half: of the multiplier's degree."""
         n, most = len(flow), max(of_v + max(map(degree, flow)) - 1, 2 * half + of_v)
         return cls(monomials(n, 1, of_v // 2), monomials(n, 1, half), monomials(n, 1, (most + 1) // 2))
+
+
+def coefficient(limit: float) -> Fraction:
+    """A multiple of 2^-40 that is not below 1 / limit^2."""
+    return Fraction(ceil(2**40 / Fraction(limit) ** 2), 2**40)
 
 
 def squares(n: int, margin: Fraction) -> Polynomial:
@@ -70,7 +78,8 @@ def semidefinite(matrix: Exact) -> bool:
 
 def wrong(found: Certificate, flow: list[Polynomial], limits: list[Polynomial], margin: Fraction = MARGIN) -> str:
     """What of a certificate does not hold, in a few words; empty if it proves the region."""
-    if margin <= 0 or not found.v or len(found.positive) != 1 + len(limits):
+    proper = found.v and all(len(m) == len(flow) and sum(m) <= MOST for m in found.v) and any(found.v.values())
+    if margin <= 0 or not proper or len(found.positive) != 1 + len(limits):
         return "it has not what a certificate has"
     sides = [len(one) for one in (*found.positive, found.multiplier, found.decrease)]
     half = next((h for h in range(1, 8) if len(monomials(len(flow), 1, h)) == sides[-2]), 0)

@@ -149,7 +149,7 @@ class Attraction(Described):
     """dx/dt of the deviations."""
     degree: Count = 0
     """Of V."""
-    certificate: Annotated[StoredCertificate | None, UNLESS_NONE] = None
+    proof: Annotated[StoredCertificate | None, UNLESS_NONE] = None
     refused: Annotated[NoAttraction | None, UNLESS_NONE] = None
     fraction: float | None = None
     """Measured: its volume relative to that from which the loop returns in simulation."""

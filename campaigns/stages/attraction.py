@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.asked.spec import Campaign
 from campaigns.results.attraction import Attraction
 from campaigns.results.stage import StageResult
 from campaigns.stages.declared import Declared

@@ -35,14 +35,18 @@ def proved(of: Facts) -> Spans:
     """The statement of a certified region: what is proved, then what is measured."""
     about = joined(", ", [say(text, " ", number(value, unit)) for text, value, unit in of.held])
     what = say(
-        *("proved for the polynomial model of degree ", count(of.model, "model"), " about trim (", about, "), not for "),
+        *(
+            "proved for the polynomial model of degree ",
+            count(of.model, "model"),
+            " about trim (",
+            about,
+            "), not for ",
+        ),
         *("the loop as flown: from every state with V < 1, V of degree ", count(of.degree, "degree"), " in "),
         listed([symbol for symbol, _, _ in of.states]),
     )
     limits = [
-        say(symbol, " within ", number(limit, unit, digits=3))
-        for symbol, limit, unit in of.states
-        if limit is not None
+        say(symbol, " within ", number(limit, unit, digits=4)) for symbol, limit, unit in of.states if limit is not None
     ]
     within = say(" and keeps ", listed(limits), " of it") if limits else ()
     return say(what, ", the model returns to the trim", within, "; ", _measured(of))
@@ -52,7 +56,9 @@ def _measured(of: Facts) -> Spans:
     """What is not proved: the volume, and how far the model is from the loop."""
     rays = say(count(of.rays, "rays"), " rays")
     if of.contradicting:
-        volume = say("on ", count(of.contradicting, "contradicting"), " of ", rays, " the simulated loop did not return")
+        volume = say(
+            "on ", count(of.contradicting, "contradicting"), " of ", rays, " the simulated loop did not return"
+        )
     elif of.fraction is None:
         volume = say("the region from which the loop returns in simulation has no end on some of ", rays)
     else:

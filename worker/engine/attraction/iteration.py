@@ -1,7 +1,7 @@
-"""Larger and larger regions of attraction {V < 1}: the V-s iteration of Tan, Packard (IEEE Trans. Autom. Control 53, 2008).
+"""Larger and larger regions of attraction {V < 1}: V-s iteration of Tan, Packard (IEEE Trans. Autom. Control 53, 2008).
 
 Their shape function is replaced by the volume itself: its first-order change, as boundary points have it, is linear in
-the coefficients of V. Every V between the old and the new one is certified by the same multiplier, and the best is taken.
+the coefficients of V. Every V between the old and the new one is certified by the same multiplier; the best is taken.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 
 from campaigns.certificates.exact import Bases
 from campaigns.certificates.polynomials import Polynomial, added, along, degree, monomials, times
-from worker.engine.attraction.program import Affine, Program, at, combined, fixed, product
 from campaigns.certificates.rays import Floats, directions, radii, volume
+from worker.engine.attraction.program import Program, at, combined, fixed, product
 
 MARGIN = 1e-6
 """Of positivity and of decrease, times |x|^2."""

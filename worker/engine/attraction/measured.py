@@ -1,4 +1,4 @@
-"""What is measured of a certified region: how much of the simulated one it has, and how far the model is from the loop."""
+"""What is measured of a certified region: its part of the simulated one, and how far the model is from the loop."""
 
 from __future__ import annotations
 

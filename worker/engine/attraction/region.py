@@ -1,6 +1,6 @@
 """The largest certified region of attraction {V < 1} of a polynomial loop about its origin that is found.
 
-A quadratic V grows first, in coordinates in which it becomes round; then one of each higher degree, from the one before.
+A quadratic V grows first, in coordinates in which it becomes round; then one of each higher degree, from the last.
 What is returned was accepted by `campaigns.certificates.exact`.
 """
 
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from math import ceil
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -26,8 +25,6 @@ DEGREES = {1: 6, 2: 6, 3: 4, 4: 2}
 ROUNDS, PHASES = 15, 8
 BACK = (1.0, 0.9999, 0.999, 0.99, 0.95)
 """Fractions of the level that are tried, because rounding needs room."""
-FINENESS = 2**40
-"""Of the coefficients of the limits."""
 Why = Literal["unstable", "no_region", "rounding"]
 Stopping = Callable[[], bool]
 
@@ -39,16 +36,11 @@ class Region(NamedTuple):
     certificate: Certificate
 
 
-def coefficient(limit: float) -> Fraction:
-    """A multiple of 2^-k that is not below 1 / limit^2."""
-    return Fraction(ceil(FINENESS / Fraction(limit) ** 2), FINENESS)
-
-
 def found(
     flow: list[Polynomial], limits: Mapping[int, float], degree: int, stopping: Stopping = lambda: False
 ) -> Region | Why:
     """The region of an exact flow, within the limits of its states."""
-    n, bounds = len(flow), {k: coefficient(limit) for k, limit in limits.items()}
+    n, bounds = len(flow), {k: exact.coefficient(limit) for k, limit in limits.items()}
     if np.linalg.eigvals(linearised(flow)).real.max() >= 0.0:
         return "unstable"
     matrix = coordinates.scaling(_scales(flow, bounds))
@@ -96,7 +88,8 @@ def _scales(flow: list[Polynomial], bounds: Mapping[int, Fraction]) -> Any:
 def _grown(loop: Loop, v: Polynomial | None, stopping: Stopping) -> Polynomial | None:
     """The last V of the rounds; None if the first is not certified."""
     last = None
-    for last in grown(loop, ROUNDS, v) if v is not None else ():
+    for one in grown(loop, ROUNDS, v) if v is not None else ():
+        last = one
         if stopping():
             break
     return last

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.certificates.polynomials import Polynomial
-from worker.engine.attraction.iteration import as_form, linear, linearised
 from campaigns.certificates.rays import INSIDE, Floats
+from worker.engine.attraction.iteration import as_form, linear, linearised
 
 FALL, TIMES = 0.3, 4.0
 """The fraction of the distance, and the time for it, in time constants of the slowest mode."""

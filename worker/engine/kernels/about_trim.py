@@ -57,7 +57,7 @@ def simulation(derivative: Any, command: Any, about: AboutTrim, constants: tuple
     n = len(at.trim)
     inline = njit(error_model="numpy")
 
-    @inline  # type: ignore[untyped-decorator]
+    @inline
     def rates(x: Any, found: Any) -> None:
         state, memory = place(x, trim)
         inputs, inner = command(0.0, state, memory, demand, controller)
@@ -65,7 +65,7 @@ def simulation(derivative: Any, command: Any, about: AboutTrim, constants: tuple
         for k in range(n):
             found[k] = rate[k]
 
-    @inline  # type: ignore[untyped-decorator]
+    @inline
     def returns(starts: Any, limits: Any, norm: Any, fall: float, step: float, steps: int) -> Any:
         done = np.zeros(len(starts), np.bool_)
         k, total, y = np.empty(n), np.empty(n), np.empty(n)

@@ -14,6 +14,7 @@ from typing import Any, Literal
 
 from worker.engine.kernels import signatures as sig
 from worker.engine.kernels.about_trim import AboutTrim as AboutTrim
+from worker.engine.kernels.about_trim import Polynomial as Polynomial
 from worker.engine.kernels.about_trim import Trimmed as Trimmed
 from worker.engine.kernels.look import ObstacleLook as ObstacleLook  # components import all that they need from here
 from worker.engine.kernels.look import VehicleLook as VehicleLook

@@ -79,7 +79,7 @@ def _stated(empty: AttractionResult, loop: PolynomialLoop, found: Region) -> Att
         update={
             "states": [state.model_copy(update={"reach": reach}) for state, reach in states],
             "degree": degree(found.certificate.v),
-            "certificate": StoredCertificate.of(found.matrix, found.certificate),
+            "proof": StoredCertificate.of(found.matrix, found.certificate),
             "simulated": _ends(made.simulated),
             "fraction": rays.fraction(drawn.certified, made.simulated, len(flow)),
             "contradicting": rays.contradicting(drawn.certified, made.simulated),

@@ -126,7 +126,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class PolynomialLoop:
-    """A closed loop about its trim in deviations from it: dx/dt as exact polynomials, and as the system evaluates it."""
+    """A closed loop in deviations from its trim: dx/dt as exact polynomials, and as the system evaluates it."""
 
     states: tuple[tuple[str, str, str], ...]
     """Name, symbol and unit of each."""

@@ -22,7 +22,16 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import AboutTrim, Controller, Derived, NoTrim, Parameter, Signal, Trimmed
+from worker.engine.kernels.component import (
+    AboutTrim,
+    Controller,
+    Derived,
+    NoTrim,
+    Parameter,
+    Polynomial,
+    Signal,
+    Trimmed,
+)
 from worker.engine.kernels.maths import atan2, clip, kernel, sincos
 
 
@@ -146,7 +155,7 @@ def trimmed(values: Mapping[str, float], trim: Any) -> Trimmed:
     per_u, per_w = Fraction(trim.per_u), Fraction(trim.per_w)
     c_wuw, along, turning = Fraction(trim.c_wuw), Fraction(trim.c_u), Fraction(trim.c_w)
     u, w, sum_u, sum_w = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
-    flow = (
+    flow: tuple[Polynomial, ...] = (
         {(0, 2, 0, 0): Fraction(trim.c_uww), u: -along - per_u * K_1, sum_u: per_u * K_3},
         {(1, 1, 0, 0): -c_wuw, w: -c_wuw * Fraction(u_0) - turning - per_w * K_2, sum_w: per_w * K_4},
         {u: Fraction(-1)},

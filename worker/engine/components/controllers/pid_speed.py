@@ -21,7 +21,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import AboutTrim, Controller, Parameter, Signal, Trimmed
+from worker.engine.kernels.component import AboutTrim, Controller, Parameter, Polynomial, Signal, Trimmed
 from worker.engine.kernels.maths import atan2, kernel, sincos
 
 
@@ -102,15 +102,20 @@ def trimmed(values: Mapping[str, float], trim: Any) -> Trimmed:
     k_theta, K_p2, K_i2, K_d2, N = gains
     per_J = Fraction(1.0 / values["vehicle.J"])
     theta, omega, total, filtered = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
-    error = {theta: -k_theta, omega: Fraction(-1)}
-    rate = {theta: -N * k_theta, omega: -N, filtered: -N}
-    torque = {
+    error: Polynomial = {theta: -k_theta, omega: Fraction(-1)}
+    rate: Polynomial = {theta: -N * k_theta, omega: -N, filtered: -N}
+    torque: Polynomial = {
         theta: -(K_p2 + K_d2 * N) * k_theta,
         omega: -(K_p2 + K_d2 * N),
         total: K_i2,
         filtered: -K_d2 * N,
     }
-    flow = ({omega: Fraction(1)}, {m: c * per_J for m, c in torque.items()}, error, rate)
+    flow: tuple[Polynomial, ...] = (
+        {omega: Fraction(1)},
+        {m: c * per_J for m, c in torque.items()},
+        error,
+        rate,
+    )
     return Trimmed(
         (0.0,) * 4, flow, (math.pi, FASTEST_TURN, None, None), (1.0, 0.0), (("heading", 0.0, "rad"),)
     )  # fmt: skip

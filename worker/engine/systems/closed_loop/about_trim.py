@@ -26,7 +26,7 @@ def about_trim(flights: Flights) -> PolynomialLoop | None:
         at = about.trimmed(values, trim)
     except NoTrim as error:
         raise CampaignUnusable([Wrong("stages.attraction", controller.name, str(error))]) from None
-    constants = tuple(_constants(part, role, values, trim) for part, role in ((vehicle, "vehicle"), (controller, "controller")))
+    constants = _constants(vehicle, "vehicle", values, trim), _constants(controller, "controller", values, trim)
     made: list[Any] = []
 
     def compiled() -> Any:

@@ -9,6 +9,7 @@ import pytest
 from campaigns import Catalogue, check
 from campaigns.asked.load import load_document
 from campaigns.catalogue import MethodEntry
+from campaigns.checked.attracted import attracted
 from campaigns.checked.check import parameters
 from campaigns.checked.estimated import estimated
 from clearance.testing.problems import Problem
@@ -230,6 +231,22 @@ def test_a_controller_is_accepted_only_for_vehicles_it_fits() -> None:
     assert [(p.field, p.given, p.message) for p in problems] == [
         ("scenario.controller.component", "pid_speed", "this controller controls quadrotor, blimp, not unicycle")
     ]
+
+
+def test_a_region_of_attraction_needs_a_polynomial_model() -> None:
+    asked = campaign(stages__attraction={})
+    assert check(asked, catalogue()) == []
+    problems = check(asked, altered("pid_speed", about_trim=[]))
+    assert [(p.field, p.given, p.message) for p in problems] == [
+        (
+            *("stages.attraction", "controller pid_speed"),
+            "it declares no polynomial model about trim; use pi_anti_windup, or leave attraction out",
+        )
+    ]
+    simulated = package.campaign()
+    simulated["stages"]["attraction"] = {}
+    (problem,) = attracted(load_document(simulated), catalogue())
+    assert problem.message.startswith("a region of attraction is proved for a closed loop of components only")
 
 
 def test_components_share_their_dimension() -> None:

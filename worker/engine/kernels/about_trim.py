@@ -66,26 +66,39 @@ def simulation(derivative: Any, command: Any, about: AboutTrim, constants: tuple
             found[k] = rate[k]
 
     @inline
+    def size(x: Any, limits: Any, norm: Any) -> float:
+        """x' norm x; infinite beyond the limits. In loops, since an array a step would take most of the time."""
+        found = 0.0
+        for i in range(n):
+            if not abs(x[i]) <= limits[i]:
+                return np.inf
+            for j in range(n):
+                found += x[i] * norm[i, j] * x[j]
+        return found
+
+    @inline
     def returns(starts: Any, limits: Any, norm: Any, fall: float, step: float, steps: int) -> Any:
         done = np.zeros(len(starts), np.bool_)
         k, total, y = np.empty(n), np.empty(n), np.empty(n)
         for row in range(len(starts)):
             x = starts[row].copy()
-            least = fall * fall * (x @ norm @ x)
-            for _ in range(steps if (np.abs(x) <= limits).all() else 0):
-                total[:] = 0.0
+            now = size(x, limits, norm)
+            least = fall * fall * now
+            for _ in range(steps):
+                if not least < now < np.inf:
+                    break
                 for stage in range(4):
-                    reach = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+                    reach = 1.0 if stage == 3 else 0.5
+                    weight = 1.0 if stage == 0 or stage == 3 else 2.0
                     for i in range(n):
                         y[i] = x[i] + reach * step * k[i] if stage else x[i]
                     rates(y, k)
-                    total += k * (1.0 if stage == 0 or stage == 3 else 2.0)
-                x += step / 6.0 * total
-                if not (np.abs(x) <= limits).all():
-                    break
-                if x @ norm @ x <= least:
-                    done[row] = True
-                    break
+                    for i in range(n):
+                        total[i] = weight * k[i] + (total[i] if stage else 0.0)
+                for i in range(n):
+                    x[i] += step / 6.0 * total[i]
+                now = size(x, limits, norm)
+            done[row] = now <= least < np.inf
         return done
 
     return rates, returns

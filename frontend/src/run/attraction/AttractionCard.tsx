@@ -2,7 +2,7 @@
 import { useState } from 'react'
 import type { AttractionOfResult } from '../../api/stages'
 import type { TrimState } from '../../client'
-import { plain } from '../../format/numbers'
+import { linearTicks, tickText } from '../../charts/ticks'
 import { sentence } from '../../format/spans'
 import { unitText } from '../../format/units'
 import { Card } from '../../ui/Card'
@@ -63,24 +63,25 @@ function Section({ proved, simulated, x, y }: SectionProps) {
   const [[left, right], [low, high]] = [extent(every.map(([a]) => a)), extent(every.map(([, b]) => b))]
   const across = (value: number) => LEFT + ((value - left) / (right - left)) * (width - LEFT - RIGHT)
   const up = (value: number) => HEIGHT - BOTTOM - ((value - low) / (high - low)) * (HEIGHT - BOTTOM - TOP)
+  const [below, beside] = [linearTicks(left, right, 4), linearTicks(low, high, 4)]
   const title = (state: TrimState) => `${state.symbol}, ${unitText(state.unit)}`
   const path = proved.map(([a, b], i) => `${i ? 'L' : 'M'}${across(a).toFixed(1)} ${up(b).toFixed(1)}`).join('')
   return (
     <div ref={holder}>
       <div className={figures.ytitle}>{title(y)}</div>
       <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`Section of ${title(x)} and ${title(y)}: proved region and simulated ends`}>
-        {ticks(low, high).map((tick) => (
+        {beside.map((tick) => (
           <g key={tick}>
             <path className={figures.g} d={`M${LEFT} ${up(tick)}H${width - RIGHT}`} />
             <text x={LEFT - 6} y={up(tick) + 4} textAnchor="end">
-              {plain(tick, 4)}
+              {tickText(beside)(tick)}
             </text>
           </g>
         ))}
         <path className={figures.a} d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
-        {ticks(left, right).map((tick) => (
+        {below.map((tick) => (
           <text key={tick} x={across(tick)} y={HEIGHT - BOTTOM + 16} textAnchor="middle">
-            {plain(tick, 4)}
+            {tickText(below)(tick)}
           </text>
         ))}
         <text x={(LEFT + width - RIGHT) / 2} y={HEIGHT - 4} textAnchor="middle">
@@ -110,13 +111,4 @@ function Section({ proved, simulated, x, y }: SectionProps) {
       <p className={figures.fig}>A section: the other states are at trim.</p>
     </div>
   )
-}
-
-/** About four round numbers within a range. */
-function ticks(low: number, high: number): number[] {
-  const raw = (high - low) / 4
-  const power = 10 ** Math.floor(Math.log10(raw))
-  const step = ([1, 2, 2.5, 5].find((m) => m * power >= raw * 0.999) ?? 10) * power
-  const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)]
-  return Array.from({ length: Math.max(0, last - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(12)))
 }

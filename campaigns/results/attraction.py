@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Annotated, Literal, Self
 
+from pydantic import Field
+
 from campaigns.certificates.exact import Certificate, Exact
 from campaigns.certificates.polynomials import Polynomial, degree
 from campaigns.claims.stages.attraction import Facts
@@ -19,7 +21,7 @@ NoAttractionWhy = Literal["solver", "unstable", "no_region", "rounding"]
 class Dyadic(Result):
     """Exact numbers: whole numbers over 2^bits."""
 
-    bits: Count
+    bits: Annotated[int, Field(ge=0, le=4096)]
     numbers: list[str]
 
     @classmethod
@@ -34,7 +36,7 @@ class Dyadic(Result):
 class StoredPolynomial(Result):
     """A polynomial: the powers of the variables in each term, and its coefficients."""
 
-    powers: list[list[Count]]
+    powers: list[list[Annotated[int, Field(ge=0, le=16)]]]
     coefficients: Dyadic
 
     @classmethod

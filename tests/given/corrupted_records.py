@@ -139,7 +139,7 @@ FORGED: dict[str, Callable[[], Campaign]] = {
 
 VERDICTS = {
     "estimated": "violated",
-    "attracted": "violated",
+    "attracted": "inconclusive",
     "counted": "cleared",
     "counted correlations": "inconclusive",
     "counted noise": "cleared",

@@ -376,6 +376,7 @@ def test_every_module_has_a_docstring() -> None:
 
 Loads = list[tuple[str, set[str]]]
 CLI = "from clearance.cli import invoke; invoke(['--help']); invoke(['token', 'list', '--data', '/nowhere'])"
+HEAVY = {"SALib", "clarabel", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"}
 STAGES = "from worker.engine.stages.found import stages; stages()"
 RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.installed import catalogue; catalogue()"
 

@@ -45,7 +45,7 @@ def _holds(stated: Attraction) -> str:
             return "it has other states"
         limits = {i: exact.coefficient(s.limit) for i, s in enumerate(stated.states) if s.limit is not None}
         return exact.wrong(stated.proof.certificate(), *transformed(flow, limits, matrix)) or HOLDS
-    except (ValueError, StopIteration):  # no number, no triangle, or coordinates without an inverse
+    except (ValueError, StopIteration, ArithmeticError):  # no number, no triangle, or coordinates without an inverse
         return "it cannot be read"
 
 
@@ -78,7 +78,8 @@ def attracted(run: Run, k: int) -> Tree:
         why = templates.REASONS[stated.refused.why]
         worded = {"statement": templates.refused(why), "refused": {"statement": why}}
         return found | ({} if run.reworded else worded) | {"fraction": None, "proof": None, "sections": []}
-    assert stated.proof is not None
+    if stated.proof is None or len(stated.states) > MOST:
+        raise ValueError("a region without a proof, or of more states than any")
     drawn = rays.drawn(stated.proof.v.polynomial(), stated.proof.matrix())
     ended = np.array([math.inf if r is None else r for r in stated.simulated])
     states: Any = found.get("states", [{} for _ in stated.states])

@@ -16,6 +16,7 @@ from campaigns.results.attraction import Section, TrimState
 
 PROVED = "#009e73"
 SIDE = 205
+SECTION = "the proved region and simulated ends"
 
 
 class Stated(NamedTuple):
@@ -44,7 +45,7 @@ def _section(section: Section, states: list[TrimState]) -> Markup:
     for point in simulated:
         axes.dot(*point, plot.NOMINAL, 2.2)
     axes.text(axes.left, 8, y, "start", plot.INK2)
-    return axes.svg(f"{y} over {x}: the proved region and simulated ends")
+    return axes.svg(f"{y} over {x}: {SECTION}")
 
 
 def _points(radii: list[float] | list[float | None], states: list[TrimState]) -> list[plot.Point]:

@@ -17,6 +17,9 @@ MARGIN = Fraction(1, 2**24)
 """Of positivity and of decrease, times |x|^2."""
 MOST = 8
 """Degree of V."""
+SHAPE, SIZE = "it has not what a certificate has", "a Gram matrix has another size"
+IDENTITY, NEGATIVE = "an identity does not hold", "a Gram matrix is not positive semidefinite"
+"""What of a certificate may not hold."""
 
 
 class Certificate(NamedTuple):
@@ -80,19 +83,19 @@ def wrong(found: Certificate, flow: list[Polynomial], limits: list[Polynomial], 
     """What of a certificate does not hold, in a few words; empty if it proves the region."""
     proper = found.v and all(len(m) == len(flow) and sum(m) <= MOST for m in found.v) and any(found.v.values())
     if margin <= 0 or not proper or len(found.positive) != 1 + len(limits):
-        return "it has not what a certificate has"
+        return SHAPE
     sides = [len(one) for one in (*found.positive, found.multiplier, found.decrease)]
     half = next((h for h in range(1, 8) if len(monomials(len(flow), 1, h)) == sides[-2]), 0)
     bases = Bases.of(flow, degree(found.v), half)
     if sides != [len(bases.positive)] * len(found.positive) + [len(bases.multiplier), len(bases.decrease)]:
-        return "a Gram matrix has another size"
+        return SIZE
     s = of_gram(bases.multiplier, found.multiplier)
     wanted = [added((1, found.v), (-1, q)) for q in (squares(len(flow), margin), *limits)]
     grams = [(p, bases.positive, gram) for p, gram in zip(wanted, found.positive, strict=True)]
     grams.append((decreasing(found.v, s, flow, margin), bases.decrease, found.decrease))
     for p, basis, gram in grams:
         if any(added((1, p), (-1, of_gram(basis, gram))).values()):
-            return "an identity does not hold"
+            return IDENTITY
     if not all(map(semidefinite, (*found.positive, found.multiplier, found.decrease))):
-        return "a Gram matrix is not positive semidefinite"
+        return NEGATIVE
     return ""

@@ -89,7 +89,7 @@ function Section({ proved, simulated, x, y }: SectionProps) {
         </text>
         <path d={`${path}Z`} fill="var(--ok)" fillOpacity={0.15} stroke="var(--ok)" strokeWidth={1.8} />
         {simulated.map(([a, b], i) => (
-          <circle key={i} cx={across(a)} cy={up(b)} r={3} fill="var(--c-nominal)" />
+          <circle key={i} cx={across(a)} cy={up(b)} r={3} fill="var(--c-nom)" />
         ))}
         <path d={`M${across(x.trim) - 5} ${up(y.trim)}h10m-5 -5v10`} stroke="var(--ink)" strokeWidth={1.25} />
       </svg>
@@ -102,7 +102,7 @@ function Section({ proved, simulated, x, y }: SectionProps) {
         </span>
         <span className={figures.k}>
           <svg className={figures.mk} viewBox="0 0 10 10" aria-hidden="true">
-            <circle cx="5" cy="5" r="3" fill="var(--c-nominal)" />
+            <circle cx="5" cy="5" r="3" fill="var(--c-nom)" />
           </svg>
           Up to here the loop returns in simulation
         </span>

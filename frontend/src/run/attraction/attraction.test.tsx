@@ -30,7 +30,7 @@ it('draws the boundary about the trim in the units of the states', () => {
 it('shows the section, one dot for every end of a simulation, and what is proved of what', () => {
   const shown = html()
   expect(shown).toContain('Section of u, m/s and v, m/s')
-  expect(shown.match(/<circle[^>]*r="3" fill="var\(--c-nominal\)"/g)).toHaveLength(2)
+  expect(shown.match(/<circle[^>]*r="3" fill="var\(--c-nom\)"/g)).toHaveLength(2)
   expect(shown).toContain('u and w</option>')
   expect(shown).toContain('not for the loop as flown')
 })

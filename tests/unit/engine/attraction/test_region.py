@@ -102,7 +102,7 @@ def test_a_linear_loop_is_certified_up_to_its_limit() -> None:
 def test_without_integral_gains_there_is_no_trim() -> None:
     document = load_file(library()["pioneer_moving"]).document()
     document["scenario"]["controller"]["parameters"]["K_4"] = 0.0
-    with pytest.raises(CampaignUnusable, match="make K_3 and K_4 positive"):
+    with pytest.raises(CampaignUnusable, match="K_3"):
         opened.problem(load_document(document)).system.about_trim()
 
 

@@ -9,6 +9,8 @@ from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 
 FIELD = "stages.attraction"
+MOST = {1: 6, 2: 6, 3: 6, 4: 4}
+"""The degree of V by the number of states: a higher one takes hours."""
 
 
 def attracted(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
@@ -25,3 +27,6 @@ def attracted(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         known = " or ".join(c.name for c in catalogue.components if c.role == "controller" and c.about_trim)
         text = f"it declares no polynomial model about trim; use {known}, or leave attraction out"
         yield Problem(FIELD, f"controller {name}", text)
+    elif entry is not None and (most := MOST.get(len(entry.about_trim), 0)) < (campaign.stages.attraction.degree or 2):
+        text = f"a region of a loop with {len(entry.about_trim)} states is sought with a degree of at most {most}"
+        yield Problem(f"{FIELD}.degree", f"{campaign.stages.attraction.degree or 2}", text)

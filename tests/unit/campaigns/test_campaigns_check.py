@@ -239,6 +239,11 @@ def test_a_region_of_attraction_needs_a_polynomial_model() -> None:
     (problem,) = check(asked, altered("pid_speed", about_trim=[]))
     assert (problem.field, problem.given) == ("stages.attraction", "controller pid_speed")
     assert "pi_anti_windup" in problem.message
+    assert check(campaign(stages__attraction={"degree": 4}), catalogue()) == []
+    (problem,) = check(campaign(stages__attraction={"degree": 6}), catalogue())
+    assert (problem.field, problem.given) == ("stages.attraction.degree", "6")
+    (problem,) = check(asked, altered("pid_speed", about_trim=list("abcde")))
+    assert (problem.field, problem.given) == ("stages.attraction.degree", "2")
     simulated = package.campaign()
     simulated["stages"]["attraction"] = {}
     (problem,) = attracted(load_document(simulated), catalogue())

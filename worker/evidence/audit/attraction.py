@@ -72,8 +72,11 @@ def attracted(run: Run, k: int) -> Tree:
     stated = Attraction.model_validate(run.claims["results"][k])
     own, found = _model(run), Tree()
     if own is not None:
-        found["states"] = [{"trim": t, "limit": limit} for t, limit in zip(own.trim, own.limits, strict=True)]
-        found["held"] = [{"value": value} for value in own.held]
+        found["states"] = [
+            {"name": name, "symbol": symbol, "unit": unit, "trim": trim, "limit": limit}
+            for (name, symbol, unit), trim, limit in zip(own.states, own.trim, own.limits, strict=True)
+        ]
+        found["held"] = [{"text": text, "value": value, "unit": unit} for text, value, unit in own.held]
     if stated.refused is not None:
         why = templates.REASONS[stated.refused.why]
         worded = {"statement": templates.refused(why), "refused": {"statement": why}}

@@ -17,9 +17,11 @@ A, B, C, D = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
 class Model(NamedTuple):
     """What a record states of a model."""
 
+    states: list[tuple[str, str, str]]
+    """Name, symbol, unit."""
     trim: list[float]
     limits: list[float | None]
-    held: list[float]
+    held: list[tuple[str, float, str]]
     flow: list[Terms]
 
 
@@ -29,7 +31,8 @@ def heading(p: Values) -> Model:
     P, I, F = (p[f"controller.K_{gain}2"] for gain in "pid")
     torque: Terms = {A: -(P + F * N) * k / J, B: -(P + F * N) / J, C: I / J, D: -F * N / J}
     flow: list[Terms] = [{B: 1.0}, torque, {A: -k, B: -1.0}, {A: -N * k, B: -N, D: -N}]
-    return Model([0.0] * 4, [math.pi, 1e3, None, None], [0.0], flow)
+    states = [("theta", "θ", "rad"), ("omega", "ω", "rad/s"), ("sum_w", "∫e_ω", "rad"), ("filtered_w", "x_f", "rad/s")]
+    return Model(states, [0.0] * 4, [math.pi, 1e3, None, None], [("heading", 0.0, "rad")], flow)
 
 
 def speeds(p: Values) -> Model:
@@ -54,7 +57,9 @@ def speeds(p: Values) -> Model:
         {B: -1.0},
     ]
     sums = [(four * u - v["delta_u"] * one) / K[2], -v["delta_w"] * two / K[3]]
-    return Model([u, 0.0, *sums], [min(u - low, high - u), v["w_max"], None, None], [u, 0.0], flow)
+    states = [("u", "u", "m/s"), ("omega", "ω", "rad/s"), ("sum_u", "∫e_u", "m"), ("sum_w", "∫e_ω", "rad")]
+    held = [("speed", u, "m/s"), ("turn rate", 0.0, "rad/s")]
+    return Model(states, [u, 0.0, *sums], [min(u - low, high - u), v["w_max"], None, None], held, flow)
 
 
 MODELS: dict[tuple[str, str], Callable[[Values], Model]] = {

@@ -122,7 +122,7 @@ export const STAGES: Group[] = [
       {
         at: ['stages', 'attraction', 'degree'],
         label: 'Degree of V',
-        text: 'Proves a region from which the loop returns to its trim, for its polynomial model: 2, 4 or 6; empty omits it',
+        text: 'Proves a region from which the loop returns to its trim, for its polynomial model; 2 takes seconds, 4 minutes; empty omits it',
         empty: 'omitted',
       },
     ],

@@ -7,6 +7,7 @@ that is not shipped.
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from worker.evidence.audit.recompute import Run, Tree
 HOLDS = "holds"
 MOST = 4
 """States."""
-TOLERANCE = 1e-9
+TOLERANCE = Fraction(1, 10**9)
 """Relative: how near a coefficient of the model is to that of the equations."""
 
 
@@ -60,7 +61,7 @@ def _same(stated: Attraction, own: Model) -> list[bool]:
     """Which rates are those of the equations."""
     return [
         terms.keys() == expected.keys()
-        and all(math.isclose(float(terms[m]), c, rel_tol=TOLERANCE) for m, c in expected.items())
+        and all(abs(terms[m] - Fraction(c)) <= TOLERANCE * abs(Fraction(c)) for m, c in expected.items())
         for terms, expected in zip(
             (p.polynomial() for p in stated.flow), ({m: c for m, c in e.items() if c} for e in own.flow), strict=True
         )
@@ -83,7 +84,10 @@ def attracted(run: Run, k: int) -> Tree:
         return found | ({} if run.reworded else worded) | {"fraction": None, "proof": None, "sections": []}
     if stated.proof is None or len(stated.states) > MOST:
         raise ValueError("a region without a proof, or of more states than any")
-    drawn = rays.drawn(stated.proof.v.polynomial(), stated.proof.matrix())
+    if _holds(stated) != HOLDS:  # which is stated elsewhere: of another V nothing follows
+        return found
+    with np.errstate(all="ignore"):
+        drawn = rays.drawn(stated.proof.v.polynomial(), stated.proof.matrix())
     ended = np.array([math.inf if r is None else r for r in stated.simulated])
     states: Any = found.get("states", [{} for _ in stated.states])
     found |= {

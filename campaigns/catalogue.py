@@ -96,6 +96,8 @@ class ComponentEntry(Entry):
     """The demand of an avoider: force or velocity."""
     demands: list[str] = []
     """The kinds of demand that a controller follows."""
+    about_trim: Annotated[list[str], UNSTATED] = []
+    """The states of the polynomial model of a controller and its vehicle about trim; omitted if it has none."""
     inputs: list[str] = []
     """The inputs of a vehicle, to which actuator faults apply."""
     path: str = ""

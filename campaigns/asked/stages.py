@@ -119,6 +119,17 @@ class Estimate(Strict):
     evaluations: Annotated[int, Field(ge=1000, le=MAX_EVALUATIONS), AS_WHOLE] = 5000
 
 
+class Attraction(Strict):
+    """A region from which the closed loop returns to its trim, proved for its polynomial model by sums of squares.
+
+    It takes no evaluations and enters no verdict.
+    """
+
+    degree: Annotated[Literal[2, 4, 6] | None, UNSTATED] = None
+    """Of the Lyapunov function; omitted: 6 for two states, 4 for three, 2 for four. Degree 4 with four states takes
+    minutes."""
+
+
 def _usual(repeats: int) -> bool:
     return repeats == limits.REPEATS
 
@@ -167,5 +178,7 @@ class Stages(Strict):
     """If omitted, 300 samples of a closed loop and 59 of a simulator; null draws none, and then nothing is cleared."""
     estimate: Annotated[Estimate | None, UNSTATED] = None
     """If omitted, P(violation) is not estimated. Omitted from the canonical form if null."""
+    attraction: Annotated[Attraction | None, UNSTATED] = None
+    """If omitted, no region of attraction is sought. Omitted from the canonical form if null."""
     findings: Findings = Findings()
     validate_: Validate = Field(default=Validate(), alias="validate")

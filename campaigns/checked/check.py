@@ -15,7 +15,7 @@ from campaigns.asked.problem import MOST, Problem
 from campaigns.asked.spec import Campaign, Part
 from campaigns.asked.values import MAX_EVALUATIONS
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
-from campaigns.checked import effort, estimated, extents, frames, limits, simulated, texts, uncertainty
+from campaigns.checked import attracted, effort, estimated, extents, frames, limits, simulated, texts, uncertainty
 from campaigns.limits import CONFIDENCE_AT_LEAST
 
 SEED = "seed"
@@ -106,6 +106,7 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from uncertainty.correlated(campaign)
     yield from _searches(campaign, catalogue, known)
     yield from _certified(campaign)
+    yield from attracted.attracted(campaign, catalogue)
     yield from estimated.estimated(campaign, bool(seeded(campaign, catalogue)))
 
 

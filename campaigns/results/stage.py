@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
+from campaigns.results.attraction import Attraction
 from campaigns.results.base import Result, Status, Stop, Values
 from campaigns.results.estimate import Estimation
 from campaigns.results.indices import IndexStudy
@@ -81,6 +82,11 @@ class StageResult(Result):
     @property
     def estimation(self) -> Estimation | None:
         """The estimate of P(violation) over the modes of violations, if it made one or states why not."""
+        return None
+
+    @property
+    def attraction(self) -> Attraction | None:
+        """The region of attraction about the trim, if it proved one or states why not."""
         return None
 
     @property

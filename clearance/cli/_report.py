@@ -69,7 +69,7 @@ def print_report(
         for line in [*_how_found(store), *_likely(campaign, store, verdict)]:
             console.print(Text(line), soft_wrap=not console.is_terminal)
     console.print(_checks(verdict))
-    for line in [*failures(store), *_again(store), *_estimated(store)]:
+    for line in [*failures(store), *_again(store), *_estimated(store), *_attraction(store)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)
     if note:
         console.print(Text(note), soft_wrap=not console.is_terminal)
@@ -127,6 +127,12 @@ def _estimated(store: MemoryStore) -> list[str]:
     validated = _validated(store)
     named = [validated.modes] if validated is not None else []
     return [words(sentence(one.statement)) for one in (*found, *named) if one is not None]
+
+
+def _attraction(store: MemoryStore) -> list[str]:
+    """The sentence of a region of attraction."""
+    found = [stage.result.attraction for stage in store.stages if stage.result is not None]
+    return [words(sentence(one.statement)) for one in found if one is not None]
 
 
 def _validated(store: MemoryStore) -> ValidateResult | None:

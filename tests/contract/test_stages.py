@@ -26,6 +26,7 @@ ASKED: dict[str, Any] = {
     "search": [{"method": "direct", "evaluations": 1}],
     "certify": {"samples": 1},
     "estimate": {"evaluations": 1000},
+    "attraction": {},
 }
 BASELINE = {
     "run": "R-0001",

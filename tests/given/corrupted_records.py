@@ -89,10 +89,19 @@ def estimating(**changes: Any) -> Campaign:
     return load_document(document)
 
 
+def attracting(**changes: Any) -> Campaign:
+    """With a region of attraction, of a loop whose slowest mode takes a second instead of minutes."""
+    gains = {"scenario__controller__parameters__K_i2": 5.0}
+    document = searching(DIRECT, **(SHORT | {"criterion__threshold": 0.942} | gains | changes)).document()
+    document["stages"] |= {"certify": None, "attraction": {}}
+    return load_document(document)
+
+
 RUNS: dict[str, Callable[[], Campaign]] = {
     "cleared": lambda: certifying(150, uncertain=NORMAL, correlations=PAIR),
     "violated": lambda: searching(DIRECT, SQP, SAMPLE, criterion__threshold=0.94175, stages__certify=None, **SHORT),
     "estimated": lambda: estimating(),
+    "attracted": lambda: attracting(),
     "inconclusive": lambda: searching(DIRECT, scenario__horizon=1.0),
     "noisy": lambda: certifying(60, **NOISE),
     "alone": lambda: certifying(60, {"method": "auto", "evaluations": 300}),
@@ -130,6 +139,7 @@ FORGED: dict[str, Callable[[], Campaign]] = {
 
 VERDICTS = {
     "estimated": "violated",
+    "attracted": "inconclusive",
     "counted": "cleared",
     "counted correlations": "inconclusive",
     "counted noise": "cleared",

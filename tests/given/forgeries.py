@@ -20,6 +20,8 @@ from worker.evidence.audit.judge import SPANS
 ESTIMATE = 3
 ESTIMATE_ = f"evidence/results/{ESTIMATE}"
 """The estimate of the run with one."""
+ATTRACTION_ = "evidence/results/3"
+"""The region of attraction of the run with one."""
 BOLD = " No worse case exists."
 LAST = 4
 """The position of the last stage of the run with excluded evaluations."""
@@ -98,6 +100,37 @@ def _nothing_estimated(folder: Folder) -> None:
     stated |= {"draws": 0, "failed_draws": 0, "modes": [], "alarms": []}
     refused = {"why": "no_violation", "limit": 0, "statement": [span.model_dump(mode="json") for span in why]}
     stated |= {"refused": refused | {"text": words(why)}, "statement": told, "text": words(templates.refused(why))}
+
+
+def _digit(place: str) -> Callable[[Folder], None]:
+    """The last digit of a number of the proof."""
+
+    def change(folder: Folder) -> None:
+        *above, last = place.split("/")
+        held: Any = folder.evidence["results"][3]["proof"]
+        for key in above:
+            held = held[int(key)] if isinstance(held, list) else held[key]
+        held[int(last)] = str(int(held[int(last)]) + 1)
+
+    return change
+
+
+def _doubled(place: str) -> Callable[[Folder], None]:
+    """All numbers of a part of the proof half as large."""
+
+    def change(folder: Folder) -> None:
+        held: Any = folder.evidence["results"][3]["proof"]
+        for key in place.split("/"):
+            held = held[key]
+        held["bits"] += 1
+
+    return change
+
+
+def _slower_loop(folder: Folder) -> None:
+    """A coefficient of the model, by a thousandth."""
+    numbers = folder.evidence["results"][3]["flow"][1]["coefficients"]["numbers"]
+    numbers[0] = str(int(numbers[0]) * 1001 // 1000)
 
 
 def _surer(folder: Folder) -> None:
@@ -337,6 +370,28 @@ FORGERIES: list[Forgery] = [
     Forgery("another density", "estimated", edit(f"{ESTIMATE_}/density/covariances/0/0/0", 9.0)),
     Forgery("an origin that does not violate", "estimated", edit(f"{ESTIMATE_}/modes/0/origins/0/index", 0)),
     Forgery("nothing estimated", "estimated", _nothing_estimated),
+    Forgery("a coefficient of V", "attracted", _digit("v/coefficients/numbers/0")),
+    Forgery("a Gram matrix of positivity", "attracted", _digit("positive/0/numbers/1")),
+    Forgery("a Gram matrix of a limit", "attracted", _digit("positive/1/numbers/0")),
+    Forgery("a multiplier", "attracted", _digit("multiplier/numbers/0")),
+    Forgery("a Gram matrix of the decrease", "attracted", _digit("decrease/numbers/3")),
+    Forgery("coordinates of a region", "attracted", _digit("coordinates/numbers/1")),
+    Forgery("a finer scale of V", "attracted", _doubled("v/coefficients")),
+    Forgery("a power of V", "attracted", edit(f"{ATTRACTION_}/proof/v/powers/0/0", 3)),
+    Forgery("a proof left out", "attracted", lambda f: f.evidence["results"][3].pop("proof")),
+    Forgery("a number that is none", "attracted", edit(f"{ATTRACTION_}/proof/multiplier/numbers/0", "many")),
+    Forgery("a model of another loop", "attracted", _slower_loop),
+    Forgery("a trim", "attracted", edit(f"{ATTRACTION_}/states/0/trim", 0.1)),
+    Forgery("a wider limit", "attracted", edit(f"{ATTRACTION_}/states/0/limit", 6.3)),
+    Forgery("no limit", "attracted", edit(f"{ATTRACTION_}/states/1/limit", None)),
+    Forgery("a reference that is held", "attracted", edit(f"{ATTRACTION_}/held/0/value", 1.0)),
+    Forgery("a reach", "attracted", edit(f"{ATTRACTION_}/states/0/reach", 3.1)),
+    Forgery("a fraction", "attracted", edit(f"{ATTRACTION_}/fraction", 0.9)),
+    Forgery("a section", "attracted", edit(f"{ATTRACTION_}/sections/0/proved/5", 2.0)),
+    Forgery("another degree of V", "attracted", edit(f"{ATTRACTION_}/degree", 4)),
+    Forgery("rays that contradict", "attracted", edit(f"{ATTRACTION_}/contradicting", 1)),
+    Forgery("an end of a simulation in a section", "attracted", edit(f"{ATTRACTION_}/sections/0/simulated/1", 9.0),
+            "results.#.sections.#.simulated"),
     Forgery("seconds of a stage", "cleared", edit("result/stages/2/seconds", 9e9), "result.stages.#.seconds"),
 ]  # fmt: skip
 

@@ -82,6 +82,7 @@ export interface Campaign {
     } | null
     search: SearchStage[]
     estimate?: { evaluations?: Raw } | null
+    attraction?: { degree?: Raw } | null
     certify?: { samples?: Raw; quantile?: Raw; keep?: string; until?: string; grid?: { points: Raw } | null } | null
     findings?: { at_most?: Raw; evaluations?: Raw; distance?: Raw; barrier?: Raw }
     validate?: { tolerance?: Raw; neighbours?: Raw; reach?: Raw }

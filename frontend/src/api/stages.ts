@@ -21,6 +21,9 @@ export type SlicesResult = Having<'curves'>
 /** A result with an estimate of P(violation). */
 export type EstimationResult = Having<'alarms'>
 
+/** A result with a region of attraction. */
+export type AttractionOfResult = Having<'contradicting'>
+
 const has = <P extends string>(result: Result, property: P): result is Having<P> => property in result
 
 /** The first result that has this property, of whatever kind of stage; null if there is none yet. */

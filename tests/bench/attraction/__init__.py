@@ -1,1 +1,1 @@
-"""Regions of attraction of polynomial closed loops by sums of squares: a measurement, not a part of the product."""
+"""Regions of attraction of a loop whose region is known: how much of it the product certifies."""

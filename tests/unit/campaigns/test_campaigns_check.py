@@ -9,6 +9,7 @@ import pytest
 from campaigns import Catalogue, check
 from campaigns.asked.load import load_document
 from campaigns.catalogue import MethodEntry
+from campaigns.checked.attracted import attracted
 from campaigns.checked.check import parameters
 from campaigns.checked.estimated import estimated
 from clearance.testing.problems import Problem
@@ -223,6 +224,23 @@ def test_a_controller_is_accepted_only_for_vehicles_it_fits() -> None:
     assert [(p.field, p.given, p.message) for p in problems] == [
         ("scenario.controller.component", "pid_speed", "this controller controls quadrotor, blimp, not unicycle")
     ]
+
+
+def test_a_region_of_attraction_needs_a_polynomial_model() -> None:
+    asked = campaign(stages__attraction={})
+    assert check(asked, catalogue()) == []
+    (problem,) = check(asked, altered("pid_speed", about_trim=[]))
+    assert (problem.field, problem.given) == ("stages.attraction", "controller pid_speed")
+    assert "pi_anti_windup" in problem.message
+    assert check(campaign(stages__attraction={"degree": 4}), catalogue()) == []
+    (problem,) = check(campaign(stages__attraction={"degree": 6}), catalogue())
+    assert (problem.field, problem.given) == ("stages.attraction.degree", "6")
+    (problem,) = check(asked, altered("pid_speed", about_trim=list("abcde")))
+    assert (problem.field, problem.given) == ("stages.attraction.degree", "2")
+    simulated = package.campaign()
+    simulated["stages"]["attraction"] = {}
+    (problem,) = attracted(load_document(simulated), catalogue())
+    assert (problem.field, problem.given) == ("stages.attraction", f"simulator {simulated['simulator']['name']}")
 
 
 def test_components_share_their_dimension() -> None:

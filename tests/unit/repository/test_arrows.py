@@ -81,6 +81,8 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.engine.search": ("campaigns.results.base", "campaigns.effort"),
     # The probability of rare violations: like a search, it knows points and their costs.
     "worker.engine.rare": ("worker.engine.search.base", "campaigns.results.base"),
+    # Regions of attraction: polynomials alone.
+    "worker.engine.attraction": ("campaigns.certificates",),
     # Compiled methods are stored as kernels are.
     "worker.engine.search.racing.state": ("worker.engine.search.base", "worker.engine.kernels.numba_internals"),
     # The interface: modules above it do not depend on the closed loop or any other system.
@@ -101,7 +103,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.engine.reference": ("worker.engine.kernels", "worker.engine.systems"),
     "worker.engine.stages": (
         *("worker.engine.problem", "worker.engine.systems.base", "worker.engine.search", "worker.engine.rare"),
-        "campaigns",
+        *("worker.engine.attraction", "campaigns"),
     ),
     # What may change a claim.
     "worker.evidence.scopes": ("worker.engine.systems", "campaigns"),
@@ -374,6 +376,7 @@ def test_every_module_has_a_docstring() -> None:
 
 Loads = list[tuple[str, set[str]]]
 CLI = "from clearance.cli import invoke; invoke(['--help']); invoke(['token', 'list', '--data', '/nowhere'])"
+HEAVY = {"SALib", "clarabel", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"}
 STAGES = "from worker.engine.stages.found import stages; stages()"
 RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.installed import catalogue; catalogue()"
 
@@ -403,8 +406,14 @@ RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.insta
             ),
             (CLI, {"numba", "scipy", "fastapi"}),
             ("import worker.running.processes.supervisor", {"numba", "scipy", "fastapi"}),
-            (RUNNER, {"SALib", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"}),
-            (STAGES, {"SALib", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"}),
+            (
+                RUNNER,
+                {"SALib", "clarabel", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"},
+            ),
+            (
+                STAGES,
+                {"SALib", "clarabel", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"},
+            ),
         ],
     ],
     ids=["service", "worker"],

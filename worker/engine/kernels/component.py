@@ -13,6 +13,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from worker.engine.kernels import signatures as sig
+from worker.engine.kernels.about_trim import AboutTrim as AboutTrim
+from worker.engine.kernels.about_trim import Polynomial as Polynomial
+from worker.engine.kernels.about_trim import Trimmed as Trimmed
 from worker.engine.kernels.look import ObstacleLook as ObstacleLook  # components import all that they need from here
 from worker.engine.kernels.look import VehicleLook as VehicleLook
 from worker.engine.kernels.maths import kernel
@@ -123,6 +126,8 @@ class Controller:
     references: dict[str, sig.References]
     translate: dict[str, sig.Translate] | None = None
     derived: Derived | None = None
+    about_trim: AboutTrim | None = None
+    """The polynomial model of the loop with a vehicle that it fits, for the region of attraction."""
     role: Literal["controller"] = "controller"
 
 

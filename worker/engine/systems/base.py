@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -124,6 +125,26 @@ class Shown:
 
 
 @dataclass(frozen=True)
+class PolynomialLoop:
+    """A closed loop in deviations from its trim: dx/dt as exact polynomials, and as the system evaluates it."""
+
+    states: tuple[tuple[str, str, str], ...]
+    """Name, symbol and unit of each."""
+    trim: tuple[float, ...]
+    flow: tuple[dict[tuple[int, ...], Fraction], ...]
+    """{exponents: coefficient} of each dx/dt."""
+    limits: tuple[float | None, ...]
+    """The largest magnitude of each deviation for which the polynomials apply; None without one."""
+    held: tuple[tuple[str, float, str], ...]
+    """The references that are held: words, value and unit."""
+    rates: Callable[[Floats], Floats]
+    """dx/dt at deviations (m, n) as the system evaluates it."""
+    returns: Callable[[Floats, Floats, float, float], NDArray[np.bool_]]
+    """Of starts (m, n), a norm (n, n), a fraction and a time [s]: which stay within the limits until their norm has
+    fallen to that fraction, at the system's own step."""
+
+
+@dataclass(frozen=True)
 class Settings:
     """What provenance stores of a system besides its digest; None if not applicable."""
 
@@ -228,6 +249,11 @@ class System(ABC):
 
         seeds: those of vectors with their own noise.
         """
+        return None
+
+    def about_trim(self) -> PolynomialLoop | None:
+        """The closed loop about its trim; None if it has no polynomial model. Raises `CampaignUnusable` without a
+        trim."""
         return None
 
     def warm(self) -> None:  # noqa: B027  optional

@@ -26,6 +26,7 @@ from campaigns.results.verdict import SCOPE
 from campaigns.stages.plan import most
 from worker.evidence.audit import charts, counted, limits, modes
 from worker.evidence.audit.agreement import agreement, apart, family
+from worker.evidence.audit.attraction import attracted
 from worker.evidence.audit.estimate import Searched, estimated
 from worker.evidence.audit.likelihood import likely
 from worker.evidence.audit.points import grid, required
@@ -282,6 +283,8 @@ def _stage(run: Run, k: int) -> Tree:
         return {"curves": charts.curves(run, k)} | ({} if asked is None else {"points": asked.points})
     if run.plan[k].kind == "estimate":
         return estimated(run, k)
+    if run.plan[k].kind == "attraction":
+        return attracted(run, k)
     if sample is None:
         return {"sample": None} if k in run.searches else {}
     if not run.sealed:

@@ -10,7 +10,7 @@ import numpy as np
 from campaigns import cube
 from campaigns.claims.stages import sample as templates
 from campaigns.results.base import OK
-from worker.evidence.audit import counted, draw, estimate
+from worker.evidence.audit import attraction, counted, draw, estimate
 from worker.evidence.audit.recompute import Run, Tree, counts
 
 SLACK = 1e-9
@@ -31,6 +31,8 @@ def required(run: Run) -> Tree:
             pairs[f"stage {k}"] = _baseline(run, k)
         if planned.kind == "estimate":
             pairs |= estimate.placed(run, k)
+        if planned.kind == "attraction":
+            pairs |= attraction.placed(run, k)
         if planned.kind == "validate":
             pairs[f"distinct in stage {k}"] = _distinct(run, k)
     return {name: pair for name, pair in pairs.items() if pair is not None}

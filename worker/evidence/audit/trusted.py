@@ -61,6 +61,13 @@ TRUSTED = (
         (),
     ),
     Trusted(
+        "Of a region of attraction: how far the loop returns in simulation, the difference of model and loop, the "
+        "model of a component that is not shipped, and why there is no region",
+        "they are measured, which the sentence states; the certificate is checked exactly, and with it the model of a "
+        "shipped loop, the sections and the fraction are recomputed",
+        (r"results\.#\.simulated", r"sections\.#\.simulated", r"results\.#\.difference", r"refused\.why"),
+    ),
+    Trusted(
         "Boundary of a violation, Morris' and Sobol's indices",
         "they illustrate; no verdict rests on them",
         (r"boundary", r"morris", r"sobol"),

@@ -39,6 +39,7 @@ def component_entry(component: Component, module: ModuleType) -> ComponentEntry:
         "goals": [_parameter_entry(p) for p in declared(component.goal)] if isinstance(component, Avoider) else [],
         "fits": list(component.fits) if isinstance(component, Controller) else [],
         "demands": list(component.command) if isinstance(component, Controller) else [],
+        "about_trim": _about_trim(component),
         "inputs": [s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
         "reach": _reach(component),
         "rate": _rate(component),
@@ -51,6 +52,12 @@ def component_entry(component: Component, module: ModuleType) -> ComponentEntry:
 def _shared(thing: Component | Method | Declared, entry: type[BaseModel]) -> dict[str, Any]:
     """What an entry has under the names of the declaration."""
     return {name: getattr(thing, name) for name in entry.model_fields if hasattr(thing, name)}
+
+
+def _about_trim(component: Component) -> list[str]:
+    """The states of a polynomial model."""
+    about = component.about_trim if isinstance(component, Controller) else None
+    return [] if about is None else [name for name, _, _ in about.states]
 
 
 def _dimension(component: Component) -> int | None:

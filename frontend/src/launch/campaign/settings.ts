@@ -115,6 +115,19 @@ export const STAGES: Group[] = [
     ],
   },
   {
+    title: 'Attraction',
+    field: 'stages.attraction',
+    digest: ({ stages: { attraction } }) => (attraction ? 'region of attraction about trim' : 'omitted'),
+    settings: [
+      {
+        at: ['stages', 'attraction', 'degree'],
+        label: 'Degree of V',
+        text: 'Proves a region from which the loop returns to its trim, for its polynomial model; 2 takes seconds, 4 minutes; empty omits it',
+        empty: 'omitted',
+      },
+    ],
+  },
+  {
     title: 'Sensitivity',
     field: 'stages.sensitivity',
     digest: ({ stages: { sensitivity } }) =>

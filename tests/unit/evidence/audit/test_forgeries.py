@@ -130,7 +130,7 @@ def test_a_record_of_an_earlier_version_states_no_chance_of_a_lower_case(tmp_pat
 
 @pytest.mark.parametrize("count", [25, pytest.param(2000, marks=[pytest.mark.nightly, pytest.mark.timeout(3600)])])
 @pytest.mark.parametrize(
-    "name", ["cleared", "violated", "inconclusive", "noisy", "excluded", "alone", "counted", "estimated"]
+    "name", ["cleared", "violated", "inconclusive", "noisy", "excluded", "alone", "counted", "estimated", "attracted"]
 )
 def test_any_other_value_is_rejected_or_documented(name: str, count: int, tmp_path: Path) -> None:
     path = written(tmp_path / "out", name)

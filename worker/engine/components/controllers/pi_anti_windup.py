@@ -11,15 +11,27 @@ D is the demanded force or velocity; a velocity is followed directly, with k_p =
 Anti-windup: while a speed is at its stop and the robot would accelerate beyond it, the integral is
 int(e - k_aw A), A the acceleration removed by the stop. The controller does not measure A: it computes A from the
 *nominal* robot's model (3.18, 3.19) and its own output, so A is known up to the uncertainty of the parameters.
+About trim, both references held, the loop is quadratic in u, omega and both integrals between the stops.
 Source: Srikanthakumar, equations 3.22 (PI), 3.25 to 3.27 and 3.37. Reconstructed: all gains (they are not given),
 the wrapped angle, the form of the anti-windup (only named there). The reference speeds have no limits of their own.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from fractions import Fraction
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Controller, Derived, Parameter, Signal
+from worker.engine.kernels.component import (
+    AboutTrim,
+    Controller,
+    Derived,
+    NoTrim,
+    Parameter,
+    Polynomial,
+    Signal,
+    Trimmed,
+)
 from worker.engine.kernels.maths import atan2, clip, kernel, sincos
 
 
@@ -126,6 +138,45 @@ def command_velocity(t: float, x: State, c: Pair, demand: Pair, p: Constants) ->
     return control(x, c, follow_velocity(x, demand, p), p)
 
 
+# The loop about trim: straight ahead, half way between the stops; u, omega and both integrals.
+
+Four = tuple[float, float, float, float]
+
+
+def trimmed(values: Mapping[str, float], trim: Any) -> Trimmed:
+    """With u_d held and omega_d = 0; the integrals hold against friction and unmodelled accelerations."""
+    K_1, K_2, K_3, K_4 = (Fraction(values[f"controller.K_{k}"]) for k in "1234")
+    if not K_3 or not K_4:
+        raise NoTrim("without integral gains the controller does not reach its references; make K_3 and K_4 positive")
+    low, high = max(trim.u_min, values["controller.u_low"]), min(trim.u_max, values["controller.u_high"])
+    if not low < high:
+        raise NoTrim(f"no speed is between the stops, {low:g} and {high:g} m/s; make u_max larger than u_min")
+    u_0, w_0 = (low + high) / 2.0, 0.0
+    per_u, per_w = Fraction(trim.per_u), Fraction(trim.per_w)
+    c_wuw, along, turning = Fraction(trim.c_wuw), Fraction(trim.c_u), Fraction(trim.c_w)
+    u, w, sum_u, sum_w = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
+    flow: tuple[Polynomial, ...] = (
+        {(0, 2, 0, 0): Fraction(trim.c_uww), u: -along - per_u * K_1, sum_u: per_u * K_3},
+        {(1, 1, 0, 0): -c_wuw, w: -c_wuw * Fraction(u_0) - turning - per_w * K_2, sum_w: per_w * K_4},
+        {u: Fraction(-1)},
+        {w: Fraction(-1)},
+    )
+    sums = (along * Fraction(u_0) - Fraction(trim.delta_u)) / (per_u * K_3), -Fraction(trim.delta_w) / (per_w * K_4)
+    held = (("speed", u_0, "m/s"), ("turn rate", w_0, "rad/s"))
+    limits = (min(u_0 - low, high - u_0), trim.w_max, None, None)
+    return Trimmed((u_0, w_0, *map(float, sums)), flow, limits, (u_0, 0.0), held)
+
+
+@kernel
+def place(d: Four, trim: Four) -> tuple[State, Pair]:
+    return (0.0, 0.0, 0.0, trim[0] + d[0], trim[1] + d[1]), (trim[2] + d[2], trim[3] + d[3])
+
+
+@kernel
+def pick(rates: State, inner: Pair) -> Four:
+    return rates[3], rates[4], inner[0], inner[1]
+
+
 component = Controller(
     name="pi_anti_windup",
     title="PI with anti-windup",
@@ -137,4 +188,10 @@ component = Controller(
     command={"force": command_force, "velocity": command_velocity},
     references={"force": follow_force, "velocity": follow_velocity},
     derived=Derived(Constants, derive),
+    about_trim=AboutTrim(
+        (("u", "u", "m/s"), ("omega", "ω", "rad/s"), ("sum_u", "∫e_u", "m"), ("sum_w", "∫e_ω", "rad")),
+        trimmed,
+        place,
+        pick,
+    ),
 )

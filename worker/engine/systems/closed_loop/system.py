@@ -17,6 +17,7 @@ from worker.engine.systems.base import (
     Confirmed,
     Floats,
     Parameter,
+    PolynomialLoop,
     Reasons,
     Seeds,
     Settings,
@@ -24,7 +25,7 @@ from worker.engine.systems.base import (
     Stopping,
     System,
 )
-from worker.engine.systems.closed_loop import beyond, confirm, encounter, refused
+from worker.engine.systems.closed_loop import about_trim, beyond, confirm, encounter, refused
 from worker.engine.systems.closed_loop.assemble import LANES
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.parts import Installed
@@ -88,6 +89,9 @@ class ClosedLoop(Flights, System):
         self, names: Sequence[str], vectors: Floats, seeds: Sequence[int | None], below: float, cancelled: Stopping
     ) -> Beyond | None:
         return beyond.met(self, names, vectors, seeds, below, cancelled)
+
+    def about_trim(self) -> PolynomialLoop | None:
+        return about_trim.about_trim(self)
 
     def warm(self) -> None:
         """Compile; a component that the compiler refuses raises `CampaignUnusable` with file, line and sentence."""

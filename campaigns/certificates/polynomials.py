@@ -1,19 +1,15 @@
-"""Polynomials as {exponents: coefficient}, with floats or fractions, and affine ones in the unknowns of a program."""
+"""Polynomials as {exponents: coefficient}, with floats or fractions."""
 
 from __future__ import annotations
 
 import itertools
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 Monomial = tuple[int, ...]
 Polynomial = dict[Monomial, Any]
-CONSTANT = -1
-"""The key of the part of an affine polynomial without an unknown."""
-Affine = dict[int, Polynomial]
-"""{unknown: polynomial}: the sum of unknown times polynomial, and the constant part."""
 
 
 def monomials(n: int, low: int, high: int) -> list[Monomial]:
@@ -59,9 +55,26 @@ def of_gram(basis: list[Monomial], gram: Any) -> Polynomial:
     return dict(found)
 
 
-def rational(p: Mapping[Monomial, float], bits: int) -> Polynomial:
+def dyadic(p: Mapping[Monomial, float], bits: int) -> Polynomial:
     """Coefficients rounded to multiples of 2^-bits."""
     return {m: Fraction(round(float(c) * 2**bits), 2**bits) for m, c in p.items()}
+
+
+def exactly(p: Mapping[Monomial, float]) -> Polynomial:
+    """Coefficients as the fractions that they are."""
+    return {m: Fraction(c) for m, c in p.items() if c != 0}
+
+
+def substituted(p: Polynomial, rows: Sequence[Polynomial]) -> Polynomial:
+    """p with a polynomial in place of each variable."""
+    n, terms = len(next(iter(rows[0]))), []
+    for m, c in p.items():
+        term: Polynomial = {(0,) * n: c}
+        for row, power in zip(rows, m, strict=True):
+            for _ in range(power):
+                term = times(term, row)
+        terms.append((1, term))
+    return added(*terms)
 
 
 def values(p: Polynomial, points: Iterable[Any]) -> Any:

@@ -6,12 +6,18 @@ The objective is the least eigenvalue of all Gram matrices, so that solutions ar
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from tests.bench.attraction.polynomials import CONSTANT, Affine, Monomial, Polynomial, added, times
+from campaigns.certificates.polynomials import Monomial, Polynomial, added, times
+
+CONSTANT = -1
+"""The key of the part of an affine polynomial without an unknown."""
+Affine = dict[int, Polynomial]
+"""{unknown: polynomial}: the sum of unknown times polynomial, and the constant part."""
 
 
 class Program:
@@ -43,13 +49,17 @@ class Program:
     def is_squares(self, p: Affine, basis: list[Monomial]) -> None:
         self.zero.append(combined((1.0, p), (-1.0, self.squares(basis))))
 
-    def solved(self) -> tuple[float, np.ndarray] | None:
-        """The least eigenvalue and the unknowns; None if the solver finds none."""
+    def solved(self, costs: Mapping[int, float] | None = None, least: float = 0.0) -> tuple[float, np.ndarray] | None:
+        """The least eigenvalue and the unknowns; None if the solver finds none.
+
+        The eigenvalue is as large as possible, or, with costs of unknowns, at least so large.
+        """
         import clarabel
 
-        a, b, cones = self._constraints(clarabel)
+        a, b, cones = self._constraints(clarabel, least)
         q = np.zeros(self.unknowns)
-        q[0] = -1.0
+        for u, cost in ({0: -1.0} if costs is None else costs).items():
+            q[u] = cost
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         solver = clarabel.DefaultSolver(sp.csc_matrix((self.unknowns,) * 2), q, a, b, cones, settings)
@@ -66,16 +76,16 @@ class Program:
             found[i, j] = found[j, i] = x[first + k]
         return found
 
-    def _constraints(self, clarabel: Any) -> tuple[Any, np.ndarray, list[Any]]:
+    def _constraints(self, clarabel: Any, least: float) -> tuple[Any, np.ndarray, list[Any]]:
         rows: list[dict[int, float]] = []
         b: list[float] = []
         for p in self.zero:
             for m in sorted({m for part in p.values() for m in part}):
                 rows.append({u: part[m] for u, part in p.items() if u != CONSTANT and m in part})
                 b.append(-p.get(CONSTANT, {}).get(m, 0.0))
-        cones = [clarabel.ZeroConeT(len(rows)), clarabel.NonnegativeConeT(1)]
-        rows.append({0: 1.0})
-        b.append(1.0)  # the least eigenvalue is at most 1
+        cones = [clarabel.ZeroConeT(len(rows)), clarabel.NonnegativeConeT(2)]
+        rows += [{0: 1.0}, {0: -1.0}]
+        b += [1.0, -least if least else 1.0]  # the least eigenvalue is at most 1
         for basis, pairs, first in self.grams:
             for k, (i, j) in enumerate(pairs):
                 rows.append({first + k: -1.0, 0: 1.0} if i == j else {first + k: -math.sqrt(2.0)})

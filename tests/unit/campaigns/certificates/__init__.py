@@ -1,0 +1,1 @@
+"""Certificates: polynomials, coordinates, the exact check."""

@@ -1,0 +1,1 @@
+"""Regions of attraction: search, rounding, simulation."""

@@ -1,0 +1,1 @@
+"""Regions of attraction of polynomial closed loops, certified by sums of squares."""

@@ -1,0 +1,45 @@
+"""What is measured of a certified region: its part of the simulated one, and how far the model is from the loop."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from campaigns.certificates.polynomials import Polynomial
+from campaigns.certificates.rays import ANGLES, EVERY, Floats, all_around, directions, drawn
+from worker.engine.attraction.region import Region
+from worker.engine.attraction.simulated import Simulation
+
+
+class Measured(NamedTuple):
+    """Radii along the rays of the volume and of every section, as simulated."""
+
+    simulated: Floats
+    sections: dict[tuple[int, int], Floats]
+    points: Floats
+    """Deviations inside the region, at which model and loop are compared."""
+
+
+def measured(region: Region, simulation: Simulation) -> Measured:
+    """Simulated along the rays of `drawn`."""
+    of = drawn(region.certificate.v, region.matrix)
+    matrix, n = np.array([[float(c) for c in row] for row in region.matrix]), len(region.matrix)
+    rays = all_around(n) @ matrix.T
+    sections, some = {}, directions(2, ANGLES)[::EVERY]
+    for (i, k), proved in of.sections.items():
+        plane = np.zeros((len(some), n))
+        plane[:, [i, k]] = some * np.array(of.reach)[[i, k]]
+        sections[i, k] = simulation.radii(plane, proved[::EVERY])
+    inside = np.random.default_rng(1).random((len(rays), 1)) * of.certified[:, None]
+    return Measured(simulation.radii(rays, of.certified), sections, rays * inside)
+
+
+def difference(flow: list[Polynomial], points: Floats, rates: Floats) -> float:
+    """The largest difference of dx/dt from the rates, relative to the largest rate of the same state."""
+    model = np.zeros_like(rates)
+    for k, p in enumerate(flow):
+        for m, c in p.items():
+            model[:, k] += float(c) * np.prod(points ** np.array(m), axis=1)
+    largest = np.maximum(np.abs(rates).max(axis=0), 1e-300)
+    return float((np.abs(model - rates).max(axis=0) / largest).max())

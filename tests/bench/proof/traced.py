@@ -205,6 +205,10 @@ def _known(kernel: Any, form: Any) -> Any:
 INSTEAD = {kernel: _known(kernel, form) for kernel, form in FORMS.items()} | {math: SimpleNamespace(sqrt=_root)}
 
 
+ON_ROWS: dict[str, Any] = {kernel.__name__: INSTEAD[kernel] for kernel in FORMS} | {"sqrt": _root}
+"""The same by name."""
+
+
 def part(loop: Any, name: str) -> Any:
     """A function of the loop's generated text, on rows."""
     return plain(loop.kernel(name), INSTEAD)

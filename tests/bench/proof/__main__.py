@@ -1,8 +1,8 @@
 """How much of each campaign is proved free of violations, and in what processor time.
 
-`python -m tests.bench.proof [SECONDS [CAMPAIGN ...]]` prints a table and writes build/proof.json; it ends with 1 if a flight
-in a proved box comes closer than the box's bound. Proved is the loop as flown until the given time, no longer: the rest of a
-flight, near the goal, is left open here.
+`python -m tests.bench.proof [SECONDS [CAMPAIGN ...]]` prints a table and writes build/proof.json; it ends with 1 if a
+flight in a proved box comes closer than the box's bound. Proved is the loop as flown until the given time, no longer:
+the rest of a flight, near the goal, is left open here.
 """
 
 from __future__ import annotations
@@ -60,13 +60,13 @@ def measured(name: str, until: float, seconds: float) -> dict[str, Any]:
     loop = opened(name)
     steps = round(until / loop.plan.step)
     began = time.process_time()
-    metric, back = swept(loop, steps)
+    metric, back, apart = swept(loop, steps)
     swept_in = time.process_time() - began
-    none, span = np.zeros((0, 3 + loop.plan.n_x)), loop.high - loop.low
+    span = loop.high - loop.low
 
     def bound(low: Any, high: Any) -> tuple[float, int]:
         a, b = loop.low + low * span, loop.low + high * span
-        return flight(loop.plan, a, b, loop.s, loop.threshold, steps, metric, back, none)  # type: ignore[no-any-return]
+        return flight(loop.plan, a, b, loop.s, loop.threshold, steps, metric, back)  # type: ignore[no-any-return]
 
     n = len(span)
     began = time.process_time()
@@ -81,21 +81,26 @@ def measured(name: str, until: float, seconds: float) -> dict[str, Any]:
         "paths": loop.paths, "threshold": loop.threshold, "until": until, "share": done[1], "boxes": len(proof.bound),
         "tried": done[2], "seconds": done[0], "curve": proof.curve[:: max(1, len(proof.curve) // 200)],
         "one_flight": one, "sweep": swept_in, "widths": widths.tolist(), "together": (together * widths).tolist(),
-        "at_centre": {"bound": point, "flown": float(loop.fly(0.5 * (loop.low + loop.high)[None, :])[0])},
+        "apart": apart, "bound_at_centre": point,
+        "flown_at_centre": float(loop.fly(0.5 * (loop.low + loop.high)[None, :])[0]),
         "flights": FLIGHTS if len(proof.bound) else 0, "below": below, "nearest": nearest,
         "least": float(proof.bound.min()) if len(proof.bound) else None,
     }  # fmt: skip
 
 
-def swept(loop: Loop, steps: int) -> tuple[Any, Any]:
-    """The metric of every step, from the nominal flight."""
+def swept(loop: Loop, steps: int) -> tuple[Any, Any, float]:
+    """The metric of every step and its inverse, from the flight at the centre of the ranges, and how far that flight is
+    from the product's, over all states and steps until then."""
     plan, m = loop.plan, loop.plan.n_x + loop.plan.n_g
     jacobians, states = np.zeros((plan.steps, m, m)), np.zeros((plan.steps, m))
     centre = 0.5 * (loop.low + loop.high)
     linearised(plan, centre, shape(m, m, 4 * plan.births + plan.n_g, False), jacobians, states)
     scale = 0.1 / (np.abs(states).max(axis=0) + 1e-3)
     scale[: 3 if plan.n_g else 2] += 1.0  # positions, in metres
-    return weights(jacobians, scale, steps, 1e-6)
+    vector = loop.flights.vector(dict(zip(loop.paths, centre, strict=True)))[None, :]
+    trace = loop.flights.loop.simulate(vector, plan.step, *loop.flights.counts(plan.step), traced=1).trace[0]
+    apart = np.abs(trace[:steps, : plan.n_x] - states[:steps, : plan.n_x]).max()
+    return *weights(jacobians, scale, steps, 1e-6), float(apart)
 
 
 def flown(loop: Loop, proof: Proof) -> tuple[int, float]:

@@ -1,4 +1,4 @@
-"""One flight of a whole box of parameters: the steps of the product's loop (worker/engine/kernels/loop.py) over rows."""
+"""One flight of a whole box of parameters: the steps of worker/engine/kernels/loop.py over rows."""
 
 from __future__ import annotations
 
@@ -9,13 +9,52 @@ import numpy as np
 
 from tests.bench.proof.frame import reframed
 from tests.bench.proof.functions import (
-    absolute, chosen, firas, frozen, largest, limited, polar, recip, root, sincos, wrapped,
+    absolute,
+    angle,
+    chosen,
+    firas,
+    frozen,
+    largest,
+    limited,
+    recip,
+    root,
+    sincos,
+    wrapped,
 )
 from tests.bench.proof.rows import (
-    LINEAR, UP, born, bounds, combine, constant, copy, jit, lin1, lin2, lin3, mul, parameter, square,
+    LINEAR,
+    UP,
+    born,
+    bounds,
+    combine,
+    constant,
+    copy,
+    jit,
+    lin1,
+    lin2,
+    lin3,
+    mul,
+    parameter,
+    square,
 )
 from tests.bench.proof.traced import (
-    ABS, ANGLE, BORN, CHOOSE, FIRAS, FREEZE, LIMIT, LIN1, LIN2, MAX, MUL, RECIP, ROOT, SINCOS, SQUARE, TURN, WRAP,
+    ABS,
+    ANGLE,
+    BORN,
+    CHOOSE,
+    FIRAS,
+    FREEZE,
+    LIMIT,
+    LIN1,
+    LIN2,
+    MAX,
+    MUL,
+    RECIP,
+    ROOT,
+    SINCOS,
+    SQUARE,
+    TURN,
+    WRAP,
 )
 
 
@@ -72,8 +111,8 @@ def run(w, codes, constants, fresh, s):
             root(w, o, x, s)
         elif op == SINCOS:
             sincos(w, o, o2, x, s)
-        elif op == ANGLE or op == TURN:
-            polar(w, o, o, x, y, a, b, op == TURN, s)
+        elif op in (ANGLE, TURN):
+            angle(w, o, x, y, a, b, op == TURN, s)
         elif op == ABS:
             absolute(w, o, x, s)
         elif op == MAX:
@@ -124,7 +163,6 @@ def stepped(w, plan, i, X, s):
     XS = 1 + plan.n_p
     K = X + m
     t = i * dt
-    fresh = 0
     constant(w, 0, t)
     for j in range(m):
         copy(w, XS + j, X + j)
@@ -179,12 +217,8 @@ def inside(w, plan, X, s):
 
 
 @jit
-def flight(plan, low, high, s, threshold, until, metric, back, seen):
-    """A lower bound of d_min over the box [low, high] until step `until`: (bound or -1, how many steps were proved).
-
-    seen (rows, 3 + n_x), rows may be 0, takes low and high of the squared distance, the share of the remainders in its
-    width, and the remainders' radius of each state.
-    """
+def flight(plan, low, high, s, threshold, until, metric, back):
+    """A lower bound of d_min over the box [low, high] until step `until`: (bound or -1, how many steps were proved)."""
     m = plan.n_x + plan.n_g
     w = np.zeros((plan.rows + m + 4 * plan.n_x + plan.n_y + 3 * plan.n_y + 4, s.width))
     X = plan.rows
@@ -209,20 +243,13 @@ def flight(plan, low, high, s, threshold, until, metric, back, seen):
                 rest += abs(w[d, j])
                 w[d, j] = 0.0
             w[d, 1] = rest * UP
-            lo, hi = bounds(w, d, s)
+            lo = bounds(w, d, s)[0]
             if i >= 2:  # a parabola's vertex lies at most an eighth of the second difference below the lowest sample
                 lin3(w, w.shape[0] - 1, 1.0, d, -2.0, d + 1, 1.0, d + 2, 0.0)
                 bend = bounds(w, w.shape[0] - 1, s)[1]
                 before = bounds(w, d + 1, s)[0] - (bend / 8.0 * UP if bend > 0.0 else 0.0)
                 lowest = before if not before > lowest else lowest
             lowest = lo if not lo > lowest else lowest
-            if c == 0 and seen.shape[0] > i:
-                seen[i, 0], seen[i, 1], seen[i, 2] = lo, hi, w[d, 1]
-                for j in range(plan.n_x):
-                    r = w[X + j, 1]
-                    for k in range(s.frame, s.used):
-                        r += abs(w[X + j, k])
-                    seen[i, 3 + j] = r
         if not (lowest > threshold * threshold * UP and inside(w, plan, X, s)):
             return -1.0, i
         if i < until:

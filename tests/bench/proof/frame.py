@@ -1,6 +1,6 @@
 """The frame: everything of a state that is no polynomial of the parameters, enclosed by as many symbols as states.
 
-Lohner, Einschliessung der Loesung gewoehnlicher Anfangs- und Randwertaufgaben (1988): orthogonal directions, the longest
+Lohner, Einschliessung der Loesung gewoehnlicher Anfangs- und Randwertaufgaben (1988): orthogonal directions, longest
 generator first. Here they are orthogonal in the metric of what errors do later, from a backward sweep of the nominal
 flight (`weights`). Soundness does not rest on it: what the subtraction leaves is added to the remainders.
 """

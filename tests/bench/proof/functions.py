@@ -1,4 +1,4 @@
-"""Functions of affine numbers: value, slope and curvature at the centre and a bound on the third derivative, or an interval.
+"""Functions of affine numbers: value, slope, curvature at the centre, a bound on the third derivative.
 
 The declared errors of sine, cosine and arctangent (5e-15, 4e-15) cover those of the product's polynomials as well.
 """
@@ -8,7 +8,19 @@ from __future__ import annotations
 import math
 
 from tests.bench.proof.rows import (
-    TINY, ULPS, UP, bounds, chord, constant, copy, expand, interval, jit, lin1, lin2, lin3, mul, radii, square,
+    UP,
+    bounds,
+    chord,
+    constant,
+    copy,
+    expand,
+    interval,
+    jit,
+    lin1,
+    lin2,
+    lin3,
+    mul,
+    radii,
 )
 
 PI = 3.141592653589793
@@ -63,17 +75,16 @@ def root(w, o, x, s):
 
 
 @jit
-def polar(w, od, oa, x, y, a, b, periodic, s):
-    """od = |(x, y)|, oa = atan2(y, x); a, b: two rows to work in. Pass the same row for od and oa to get the angle.
+def angle(w, o, x, y, a, b, periodic, s):
+    """o = atan2(y, x), up to whole turns if `periodic`; a, b: two rows to work in.
 
-    With z the centre and A + iB = ((x, y) - z) / z:   angle = arg z + B - A B + ...,   |.| = |z| (1 + A + B B / 2 + ...)
-    and the third derivatives are known: at most 2 and 1.155 over (1 - |A + iB|)^3 and ^2.
+    With z the centre and A + iB = ((x, y) - z) / z the angle is arg z + B - A B + ..., and its third derivatives are at
+    most 2 / (1 - |A + iB|)^3.
     """
     p, q = w[x, 0], w[y, 0]
     rr = p * p + q * q
     if not rr > 0.0:
-        interval(w, oa, 1.0, 0.0)
-        interval(w, od, 1.0, 0.0)
+        interval(w, o, 1.0, 0.0)
         return
     lin2(w, a, p / rr, x, q / rr, y, 0.0)
     w[a, 0] = 0.0
@@ -83,37 +94,18 @@ def polar(w, od, oa, x, y, a, b, periodic, s):
     lb, gb = radii(w, b, s)
     t = math.sqrt((la + ga) * (la + ga) + (lb + gb) * (lb + gb)) * UP
     arg = math.atan2(q, p)
-    if not t < 0.9:
+    arc = math.asin(t) * UP + 1e-14 if t < 0.9 else math.inf
+    if (not periodic and abs(arg) + arc > 3.14159265358979) or not t < 0.9:
         known = w[x, 1] < math.inf and w[y, 1] < math.inf
-        if oa != od:
-            low, high = 1.0, 0.0
-            if known:
-                low = 0.0
-                ax, bx = bounds(w, x, s)
-                ay, by = bounds(w, y, s)
-                high = (max(abs(ax), abs(bx)) + max(abs(ay), abs(by))) * UP
-            interval(w, od, low, high)
-        interval(w, oa, -3.141592653589794 if known else 1.0, 3.141592653589794 if known else 0.0)
+        interval(w, o, -3.141592653589794 if known else 1.0, 3.141592653589794 if known else 0.0)  # any angle
         return
     left = 1.0 - t
-    rest = t * t * t * UP
-    if oa != od:
-        length = math.sqrt(rr)
-        square(w, od, b, s)
-        lin2(w, od, 0.5 * length, od, length, a, length)
-        w[od, 1] += (0.19246 * length * rest / (left * left) + 4.0 * ULPS * length) * UP
-        w[od, 2] += w[od, 1]
-    arc = math.asin(t) * UP + 1e-14
-    if not periodic and abs(arg) + arc > 3.14159265358979:
-        interval(w, oa, -3.141592653589794, 3.141592653589794)  # the cut: any angle
-        return
-    mul(w, oa, a, b, s)
-    lin2(w, oa, -1.0, oa, 1.0, b, arg)
-    w[oa, 1] += (rest / (3.0 * left * left * left) + 4e-15) * UP
-    w[oa, 2] += w[oa, 1]
-    l, g = radii(w, oa, s)
-    if not w[oa, 1] < arc:
-        interval(w, oa, arg - arc, arg + arc)
+    mul(w, o, a, b, s)
+    lin2(w, o, -1.0, o, 1.0, b, arg)
+    w[o, 1] += (t * t * t * UP / (3.0 * left * left * left) + 4e-15) * UP
+    w[o, 2] += w[o, 1]
+    if not w[o, 1] < arc:
+        interval(w, o, arg - arc, arg + arc)
 
 
 @jit
@@ -149,24 +141,6 @@ def largest(w, o, x, y, a, s):
         low, high = bounds(w, o, s)
         if high - low > max(hx, hy) - max(lx, ly):
             interval(w, o, max(lx, ly), max(hx, hy))
-
-
-@jit
-def smallest(w, o, x, y, a, s):
-    lin2(w, a, 1.0, x, -1.0, y, 0.0)
-    low, high = bounds(w, a, s)
-    if low >= 0.0:
-        copy(w, o, y)
-    elif high <= 0.0:
-        copy(w, o, x)
-    else:
-        absolute(w, a, a, s)
-        lx, hx = bounds(w, x, s)
-        ly, hy = bounds(w, y, s)
-        lin3(w, o, 0.5, x, 0.5, y, -0.5, a, 0.0)
-        low, high = bounds(w, o, s)
-        if high - low > min(hx, hy) - min(lx, ly):
-            interval(w, o, min(lx, ly), min(hx, hy))
 
 
 @jit

@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns import library, load_file
-from tests.bench.proof.flight import Code, Plan, flight, linearised
-from tests.bench.proof.frame import weights
+from tests.bench.proof.flight import Code, Plan
 from tests.bench.proof.rows import Shape, shape
 from tests.bench.proof.traced import Row, Tape, part, program
 from worker.running.opening.opened import closed_loop

@@ -4,11 +4,12 @@ A number is a row of a table,
 
     centre, rest, size | linear 0..n-1 | products i<=j | frame 0.. | fresh 0.. | cross i k
 
-for every value  centre + sum(linear_i e_i) + sum(product_ij e_i e_j) + sum(frame_k f_k) + sum(fresh_k g_k) + sum(cross_ik
-e_i f_k) + r  with all e, f, g in [-1, 1] and |r| <= rest. e: the uncertain parameters, kept for the whole flight; f: the
-symbols that re-enter at every step; g: those born in it. size bounds the magnitudes and serves for rounding alone.
-Every operation adds ULPS of the magnitudes that entered it to `rest`, three times what rounding to nearest needs in any
-order, fused or not: a row holds the real result, and the rounded one as flown. What cannot be bounded has rest = inf.
+for every value  centre + sum(linear_i e_i) + sum(product_ij e_i e_j) + sum(frame_k f_k) + sum(fresh_k g_k) +
+sum(cross_ik e_i f_k) + r  with all e, f, g in [-1, 1] and |r| <= rest. e: the uncertain parameters, kept for the whole
+flight; f: the symbols that re-enter at every step; g: those born in it. size bounds the magnitudes and serves for
+rounding alone. Every operation adds ULPS of the magnitudes that entered it to `rest`, three times what rounding to
+nearest needs in any order, fused or not: a row holds the real result, and the rounded one as flown. What cannot be
+bounded has rest = inf.
 Stolfi and de Figueiredo, Self-validated numerical methods (1997); Makino and Berz, Taylor models (2003).
 """
 

@@ -42,8 +42,8 @@ def widest(bound: Bound, way: Floats, tries: int = 8) -> float:
 def proved(bound: Bound, widths: Floats, seconds: float) -> Proof:
     """Prove as much of the cube as that processor time allows, largest box first.
 
-    widths: of the widest provable box about the centre; a box is halved along the side that is longest measured by them,
-    untried if one is longer than `LONGEST`.
+    widths: of the widest provable box about the centre; a box is halved along the side that is longest measured by
+    them, untried if that is longer than `LONGEST`.
     """
     began, tried, share = time.process_time(), 0, 0.0
     found, curve = [], [(0.0, 0.0, 0)]

@@ -69,9 +69,7 @@ def member(row: Any, e: Any, f: Any, pick: float) -> Fraction:
     total += sum(Fraction(row[S.products + k]) * Fraction(e[i]) * Fraction(e[j]) for k, (i, j) in enumerate(pairs))
     total += sum(Fraction(row[S.frame + k]) * Fraction(f[k]) for k in range(FRAME + FRESH))
     crossed = [(i, k) for i in range(2) for k in range(FRAME)]
-    return total + sum(
-        Fraction(row[S.cross + j]) * Fraction(e[i]) * Fraction(f[k]) for j, (i, k) in enumerate(crossed)
-    )
+    return total + sum(Fraction(row[S.cross + j]) * Fraction(e[i]) * Fraction(f[k]) for j, (i, k) in enumerate(crossed))
 
 
 def outside(form: Any, truth: Any, rng: np.random.Generator, slack: float) -> tuple[int, int]:

@@ -16,7 +16,9 @@ from worker.engine.kernels import maths
 from worker.engine.kernels.bind import plain
 from worker.engine.physics import autopilot, fields
 
-LIN1, LIN2, MUL, SQUARE, RECIP, ROOT, SINCOS, ANGLE, TURN, ABS, MAX, LIMIT, CHOOSE, FREEZE, WRAP, FIRAS, BORN = range(17)
+LIN1, LIN2, MUL, SQUARE, RECIP, ROOT, SINCOS, ANGLE, TURN, ABS, MAX, LIMIT, CHOOSE, FREEZE, WRAP, FIRAS, BORN = range(
+    17
+)
 BEARING = (LIMIT, CHOOSE, ANGLE, FIRAS)
 """Operations whose remainder becomes a symbol, so that what follows can cancel it."""
 
@@ -214,7 +216,9 @@ def part(loop: Any, name: str) -> Any:
     return plain(loop.kernel(name), INSTEAD)
 
 
-def program(tape: Tape, inputs: int, outputs: list[Any], bearing: bool = False, all_: bool = False) -> tuple[Any, Any, list[int], int, int]:
+def program(
+    tape: Tape, inputs: int, outputs: list[Any], bearing: bool = False, all_: bool = False
+) -> tuple[Any, Any, list[int], int, int]:
     """The operations that the outputs need, with temporary rows used again: codes, constants, where the outputs are,
     the numbers of rows and of symbols born; the first `inputs` rows and the outputs keep their place until the end."""
     outputs = [row(tape, x) for x in outputs]

@@ -110,7 +110,7 @@ def test_random_numbers_are_written_as_on_the_pages(pages: Ask, cases: list[tupl
 
 @given(value=PROBABILITIES, digits=st.integers(1, 6))
 def test_a_bound_is_never_written_below_itself(value: float, digits: int) -> None:
-    """Read back, an upper bound is no smaller, a lower one no larger, and neither is off by more than its last digit."""
+    """Read back, an upper bound is no smaller, a lower one no larger, and they differ by a last digit at most."""
 
     def read(form: Format) -> Fraction:
         number, *percents = numbers.written(value, form=form, digits=digits).split()

@@ -71,7 +71,7 @@ function Search({ onDone }: { onDone: () => void }) {
             placeholder="Run, campaign, method, component, page, help"
             aria-label="Search or jump to"
             autoComplete="off"
-            onFocus={() => setText((now) => now + typedEarly())}
+            onFocus={() => setText(text + typedEarly())}
             onChange={(event) => setText(event.target.value)}
           />
         </Combobox.EventsTarget>

@@ -119,12 +119,12 @@ def counted(draws: int, blocks: int, stored: int) -> Spans:
 
 
 class Drawn(NamedTuple):
-    """What is known of a sample while it is drawn; beyond: whether a distribution has a part beyond the bounds."""
+    """What is known of a sample while it is drawn; outside: the probability beyond the bounds, None if not known."""
 
     violations: int
     samples: int
     confidence: float
-    beyond: bool
+    outside: float | None
 
 
 def violate(failed: int) -> Spans:
@@ -162,12 +162,16 @@ def certified(drawing: Spans, quantile: Spans, samples: int, requested: int) -> 
 
 def so_far(counts: Drawn, upper: float, left: int, at_end: float) -> Spans:
     """A sample that is being drawn: its bound if it ended now, and its bound if none of those left violates."""
-    where = " within the bounds" if counts.beyond else ""
+    where = " within the bounds" if counts.outside is None else ""
+    beyond = say(
+        ", of which ", probability(counts.outside or 0.0, name="outside"), " is the probability beyond the bounds"
+    )
     return say(
         *("so far ", count(counts.violations, "violations"), " of ", count(counts.samples, "samples")),
         *(f" samples violate the criterion: P(violation){where} is at most ", at_most(upper, name="upper_bound")),
         *(" with ", percent(counts.confidence, 6, "confidence"), " confidence if it ended now, "),
         *(at_most(at_end, name="at_end"), " if none of the other ", count(left, "left"), " does"),
+        beyond if counts.outside else (),
     )
 
 

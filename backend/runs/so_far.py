@@ -10,10 +10,9 @@ from backend.catalog.service import bounds, described
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from campaigns import Campaign
+from campaigns.asked.distributions import Normal
 from campaigns.claims.stages.sample import Drawn, so_far
 from campaigns.densities.joint import joint
-from campaigns.documents import JsonObject
-from campaigns.limits import CONFIDENCE
 from campaigns.results.remedies import bound
 from campaigns.results.sample import SoFar
 from campaigns.runs import StageState
@@ -28,15 +27,15 @@ def of_run(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
         return {}
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
     document = reader.execute(of).scalar_one()
-    confidence, outside = float(document.get("confidence", CONFIDENCE)), _outside(reader, run_id, document)
-    return {row.position: _shown(row, confidence, outside) for row in rows if row.counted > row.excluded}
-
-
-def _outside(reader: sa.Connection, run_id: int, document: JsonObject) -> float | None:
-    """The probability beyond the bounds, which is part of the bound; None if the bounds are not known here."""
-    if not any((u.get("distribution") or {}).get("kind") == "normal" for u in document["uncertain"].values()):
-        return 0.0
     campaign = Campaign.model_validate(document)
+    outside = _outside(reader, run_id, campaign)
+    return {row.position: _shown(row, campaign.confidence, outside) for row in rows if row.counted > row.excluded}
+
+
+def _outside(reader: sa.Connection, run_id: int, campaign: Campaign) -> float | None:
+    """The probability beyond the bounds, which is part of the bound; None if the bounds are not known here."""
+    if not any(isinstance(one.distribution, Normal) for one in campaign.uncertain.values()):
+        return 0.0
     known = {path: (low, high) for path, (_, low, high) in bounds(campaign, described(reader, run_id)).items()}
     return joint(campaign, known).outside if known.keys() >= campaign.uncertain.keys() else None
 

@@ -49,6 +49,11 @@ def not_whole() -> Spans:
     return say("no estimate: the independent sample is not stored whole")
 
 
+def ended_early() -> Spans:
+    """The size of such a sample follows from what came out, so its fraction of violations is too high."""
+    return say("no estimate: the independent sample ended early, when too many violated; draw one of a stated size")
+
+
 def no_bounds() -> Spans:
     """The descriptions of the run's components are not here."""
     return say("no estimate: the bounds of a parameter are not known in this installation")

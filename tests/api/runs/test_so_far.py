@@ -10,6 +10,8 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import CatalogueDocument, Run, Stage
+from campaigns.claims.spans import words
+from campaigns.claims.stages import sample as claims
 from campaigns.results.remedies import bound
 from campaigns.runs import StageState
 from campaigns.stored.records import StagePlan
@@ -23,6 +25,11 @@ UNCERTAIN = {
     "vehicle.J": {"low": 0.04, "high": 0.06},
 }
 TAILS = math.erfc(4.0 / math.sqrt(2.0))
+
+
+def sentence(outside: float | None) -> str:
+    now, end = (bound(VIOLATIONS, size, 0.95) + (outside or 0.0) for size in (DRAWN, SAMPLES))
+    return words(claims.so_far(claims.Drawn(VIOLATIONS, DRAWN, 0.95, outside), now, SAMPLES - DRAWN, end))
 
 
 def drawing(service: Service, client: httpx.Client, **campaign: Any) -> Any:
@@ -45,23 +52,22 @@ def test_the_bound_counts_what_is_beyond_the_bounds(service: Service, client: ht
     found = drawing(service, client, uncertain=UNCERTAIN)
     assert found["upper_bound"] == pytest.approx(bound(VIOLATIONS, DRAWN, 0.95) + TAILS, rel=1e-9)
     assert found["at_end"] == pytest.approx(bound(VIOLATIONS, SAMPLES, 0.95) + TAILS, rel=1e-9)
-    assert "within the bounds" not in found["text"]
-    assert "6.33e-5 is the probability beyond the bounds" in found["text"]
+    assert found["text"] == sentence(TAILS)
 
 
 def test_without_tails_nothing_is_added(service: Service, client: httpx.Client) -> None:
     found = drawing(service, client)
     assert found["upper_bound"] == bound(VIOLATIONS, DRAWN, 0.95)
-    assert "beyond" not in found["text"]
+    assert found["text"] == sentence(0.0)
 
 
 def test_where_the_bounds_are_not_known_the_sentence_says_so(service: Service, client: httpx.Client) -> None:
     shares = {**UNCERTAIN, "vehicle.m": {"plus_minus": "20%", "distribution": UNCERTAIN["vehicle.m"]["distribution"]}}
     whole = drawing(service, client, uncertain=shares)
-    assert "within the bounds" not in whole["text"]
+    assert whole["text"] == sentence(TAILS)
     with service.engine.begin() as connection:
         connection.execute(sa.update(Run).values(snapshot=None))
         connection.execute(sa.delete(CatalogueDocument))
     (stage,) = (s for s in client.get("/api/v1/runs/R-0001").json()["stages"] if s["kind"] == "certify")
     assert stage["so_far"]["upper_bound"] == bound(VIOLATIONS, DRAWN, 0.95)
-    assert "P(violation) within the bounds is at most" in stage["so_far"]["text"]
+    assert stage["so_far"]["text"] == sentence(None)

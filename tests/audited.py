@@ -14,6 +14,7 @@ from backend.db.rows import plain
 from campaigns import Campaign
 from campaigns.checked.snapshot import snapshot
 from campaigns.results import Verdict
+from clearance.local.likelihood import Likelihoods
 from clearance.local.results import evidence
 from clearance.local.summary import summary
 from worker.engine.stages.parts import offered
@@ -42,10 +43,12 @@ def audited(
     return items
 
 
-def audited_summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[str, Any]:
+def audited_summary(
+    campaign: Campaign, store: MemoryStore, verdict: Verdict, likely: Likelihoods | None = None
+) -> dict[str, Any]:
     """What `clearance run` prints of a run, which is audited first."""
     audited(store, campaign)
-    return summary(campaign, store, verdict)
+    return summary(campaign, store, verdict, likely)
 
 
 def recorded(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> Record:

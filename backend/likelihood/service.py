@@ -42,6 +42,8 @@ def estimated(reader: sa.Connection, run_id: int, request: ReweightRequest) -> R
     if found is None:
         return without(claims.no_sample(), asked.confidence)
     position, sample = found
+    if sample.bound_samples is not None:
+        return without(claims.ended_early(), asked.confidence)
     drawn = _drawn(reader, run_id, position, sample)
     if drawn is None:
         return without(claims.not_whole(), asked.confidence)

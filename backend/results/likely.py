@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
+from numpy.typing import NDArray
 
 from backend.catalog.criteria import criteria
 from backend.catalog.service import bounds, described
@@ -17,6 +18,7 @@ from backend.runs.service import campaign
 from campaigns import Campaign
 from campaigns.densities.joint import Joint, joint
 from campaigns.densities.likelihood import Rows, most_likely
+from campaigns.densities.special import Floats
 from campaigns.results.base import OK
 from campaigns.results.likelihood import MostLikely
 
@@ -38,24 +40,40 @@ def violation(reader: sa.Connection, run_id: int) -> MostLikely:
     limits, of = densities(reader, run_id, asked)
     deciding = criteria(asked.document(), described(reader, run_id))[0]
     nominal = {path: triple[0] for path, triple in limits.items()}
-    return most_likely(asked.criterion.threshold, of, nominal, _violating(reader, run_id, asked), deciding.unit)
+    alike = of is None or not of.distinguishes
+    stored = (_counted if alike else _violating)(reader, run_id, asked)
+    return most_likely(asked.criterion.threshold, of, nominal, stored, deciding.unit)
+
+
+def _counted(reader: sa.Connection, run_id: int, asked: Campaign) -> Iterator[Rows]:
+    """Costs and status of every chunk, where no point is more likely than another; the points are not read."""
+    for position in _positions(reader, run_id):
+        for chunk in chunks(reader, run_id, position, *_COSTS):
+            costs, status = _costs(chunk)
+            yield Rows(position, chunk.first, np.empty((chunk.count, 0)), costs, status)
 
 
 def _violating(reader: sa.Connection, run_id: int, asked: Campaign) -> Iterator[Rows]:
     """The chunks that have a violation, stage by stage; of the others only costs and status are read."""
     drawn, threshold = noise.drawn(reader, run_id, asked), asked.criterion.threshold
-    positions = sa.select(Stage.position).where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
-    for position in reader.scalars(positions).all():
+    for position in _positions(reader, run_id):
         wanted = [chunk.first for chunk in chunks(reader, run_id, position, *_COSTS) if _violates(chunk, threshold)]
         where = EvaluationChunk.first.in_(wanted)
         for chunk in chunks(reader, run_id, position, *_COSTS, EvaluationChunk.points, where=where):
-            points, costs = (
-                np.frombuffer(data, "<f8").reshape(chunk.count, -1) for data in (chunk.points, chunk.costs)
-            )
-            status = np.frombuffer(chunk.status, np.uint8)
+            points = np.frombuffer(chunk.points, "<f8").reshape(chunk.count, -1)
+            costs, status = _costs(chunk)
             yield Rows(position, chunk.first, points, costs, status, drawn.get(position, noise.NONE).tolist())
 
 
 def _violates(chunk: Any, threshold: float) -> bool:
-    costs = np.frombuffer(chunk.costs, "<f8").reshape(chunk.count, -1)[:, 0]
-    return bool(((np.frombuffer(chunk.status, np.uint8) == OK) & (costs <= threshold)).any())
+    costs, status = _costs(chunk)
+    return bool(((status == OK) & (costs[:, 0] <= threshold)).any())
+
+
+def _costs(chunk: Any) -> tuple[Floats, NDArray[np.uint8]]:
+    return np.frombuffer(chunk.costs, "<f8").reshape(chunk.count, -1), np.frombuffer(chunk.status, np.uint8)
+
+
+def _positions(reader: sa.Connection, run_id: int) -> Sequence[int]:
+    of = sa.select(Stage.position).where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
+    return reader.scalars(of).all()

@@ -6,10 +6,13 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.catalog.service import bounds, described
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
+from campaigns import Campaign
+from campaigns.asked.distributions import Normal
 from campaigns.claims.stages.sample import Drawn, so_far
-from campaigns.limits import CONFIDENCE
+from campaigns.densities.joint import joint
 from campaigns.results.remedies import bound
 from campaigns.results.sample import SoFar
 from campaigns.runs import StageState
@@ -24,16 +27,23 @@ def of_run(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
         return {}
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
     document = reader.execute(of).scalar_one()
-    confidence = float(document.get("confidence", CONFIDENCE))
-    # What lies beyond the bounds is part of the bound of the stage; here it is left out, and said to be.
-    beyond = any((u.get("distribution") or {}).get("kind") == "normal" for u in document["uncertain"].values())
-    return {row.position: _shown(row, confidence, beyond) for row in rows if row.counted > row.excluded}
+    campaign = Campaign.model_validate(document)
+    outside = _outside(reader, run_id, campaign)
+    return {row.position: _shown(row, campaign.confidence, outside) for row in rows if row.counted > row.excluded}
 
 
-def _shown(row: Any, confidence: float, beyond: bool) -> SoFar:
+def _outside(reader: sa.Connection, run_id: int, campaign: Campaign) -> float | None:
+    """The probability beyond the bounds, which is part of the bound; None if the bounds are not known here."""
+    if not any(isinstance(one.distribution, Normal) for one in campaign.uncertain.values()):
+        return 0.0
+    known = {path: (low, high) for path, (_, low, high) in bounds(campaign, described(reader, run_id)).items()}
+    return joint(campaign, known).outside if known.keys() >= campaign.uncertain.keys() else None
+
+
+def _shown(row: Any, confidence: float, outside: float | None) -> SoFar:
     samples = row.counted - row.excluded
-    whole = max(row.planned, samples)
-    now, end = (bound(row.violations, size, confidence) for size in (samples, whole))
-    drawn = Drawn(row.violations, samples, confidence, beyond)
+    whole, beyond = max(row.planned, samples), outside or 0.0
+    now, end = (min(1.0, bound(row.violations, size, confidence) + beyond) for size in (samples, whole))
+    drawn = Drawn(row.violations, samples, confidence, outside)
     statement = so_far(drawn, now, whole - samples, end)
     return SoFar(samples=samples, violations=row.violations, upper_bound=now, at_end=end, statement=statement)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from campaigns.claims.say import Part, count, number, percent, say
+from campaigns.claims.say import Part, count, number, percent, probability, say
 from campaigns.claims.spans import Spans
 
 NO_EVALUATION = say("No evaluation is stored: nothing of the box is covered.")
@@ -51,5 +51,5 @@ def volume(slope: float, unit: str, apart: float, possible: float, drawn: int, e
     points = say(count(drawn), " random points of the box")
     if error == 0.0:
         return say(seen, " at ", "none" if possible == 0.0 else "all", " of ", points, ".")
-    of = say(percent(possible), " of the box, with a standard error of ", percent(error, digits=2))
+    of = say(probability(possible), " of the box, with a standard error of ", probability(error, digits=2))
     return say(seen, " in ", of, " (", points, ").")

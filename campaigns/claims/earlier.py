@@ -114,7 +114,9 @@ def _part(match: re.Match[str], terms: Terms, name: str) -> Part:
         form = Format.COUNT
     if form is Format.PERCENT:
         value, unit = value / 100, ""
-    for digits in (3 if form is Format.PERCENT else 6, own):  # the digits of earlier versions, else as many as shown
+    # The digits of earlier versions, else as many as shown; else a power of ten as probabilities have it.
+    written = [(form, 3 if form is Format.PERCENT else 6), (form, own)]
+    for form, digits in [*written, *([] if unit else [(Format.PROBABILITY, 3), (Format.PROBABILITY, own)])]:
         made = Quantity(value=value, unit=unit, format=form, digits=digits, name=name)
         if words((made,)) == match[0]:
             return made

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from campaigns.claims.say import count, finding, listed, number, percent, say, signed, symbol
+from campaigns.claims.say import count, finding, listed, number, percent, probability, say, signed, symbol
 from campaigns.claims.spans import Spans
 
 UNIFORM = say("all points of the box are equally likely")
@@ -31,8 +31,8 @@ def likelihood(density: float, distance: float, tail: float, parameters: int, of
     others = say(", without the ", count(of - parameters), " uniform") if of > parameters else ()
     return say(
         *(number(distance, name="distance", digits=3), " standard deviations from the most likely point", others),
-        *("; density ", percent(density, name="density"), " of the highest; "),
-        *(percent(tail, name="tail"), " of all draws are no more likely"),
+        *("; density ", probability(density, name="density"), " of the highest; "),
+        *(probability(tail, name="tail"), " of all draws are no more likely"),
     )
 
 

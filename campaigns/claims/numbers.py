@@ -11,6 +11,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterable
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from enum import StrEnum
 
 MINUS, NARROW, NONE = "\u2212", "\u202f", "\u2014"
@@ -28,6 +29,21 @@ class Format(StrEnum):
     """A whole number, grouped by narrow spaces."""
     PERCENT = "percent"
     """A fraction as percent."""
+    PROBABILITY = "probability"
+    """A fraction as percent, below 0.01 % as a power of ten."""
+    AT_MOST = "at_most"
+    """The same of an upper bound: rounded up, never below itself."""
+    AT_LEAST = "at_least"
+    """The same of a lower bound: rounded down."""
+
+
+ROUNDED = {
+    Format.PROBABILITY: ROUND_HALF_EVEN,
+    Format.AT_MOST: ROUND_CEILING,
+    Format.AT_LEAST: ROUND_FLOOR,
+}
+RARE = Decimal("1e-4")
+"""Probabilities below it are written as powers of ten."""
 
 
 def written(value: float, unit: str = "", form: Format = Format.PLAIN, digits: int = 6) -> str:
@@ -35,6 +51,8 @@ def written(value: float, unit: str = "", form: Format = Format.PLAIN, digits: i
     value += 0.0  # no negative zero
     if form is Format.PERCENT:
         return f"{100 * value:.{digits}g} %"
+    if form in ROUNDED:
+        return _probability(value, form, digits)
     text = {
         Format.PLAIN: lambda: f"{value:.{digits}g}",
         Format.SIGNED: lambda: f"{value:+.{digits}g}".replace("-", MINUS),
@@ -46,9 +64,17 @@ def written(value: float, unit: str = "", form: Format = Format.PLAIN, digits: i
 def printed(value: float, unit: str = "", form: Format = Format.PLAIN, digits: int = 6) -> str:
     """The number with the digits that pages and reports print."""
     text = written(value, "", form, digits).replace("-", MINUS)
-    if form is Format.PERCENT:
+    if form is Format.PERCENT or form in ROUNDED:
         return text.replace(" ", NARROW)
     return f"{text}{NARROW}{unit_in_print(unit)}" if unit else text
+
+
+def rounded(value: float, form: Format, digits: int) -> Decimal:
+    """A probability as it is written, rounded once.
+
+    By the digits of the shortest decimal number that is this float: 0.05 rounded up stays 0.05.
+    """
+    return Context(prec=digits, rounding=ROUNDED[form]).plus(Decimal(repr(float(value))))
 
 
 def number(value: float) -> str:
@@ -141,6 +167,15 @@ def unit_in_print(text: str) -> str:
     """kg m2 as kg·m²."""
     raised = re.sub(r"([A-Za-zµΩ°])\^?([234])(?!\d)", lambda m: m[1] + _RAISED[m[2]], text)
     return re.sub(r"(?<=\S) (?=\S)", "·", raised)
+
+
+def _probability(value: float, form: Format, digits: int) -> str:
+    size = rounded(value, form, digits)
+    if size == 0 or abs(size) >= RARE:
+        return f"{_trimmed(f'{size.scaleb(2):f}')} %"
+    mantissa, _, power = f"{size:.{max(digits - 1, 1)}e}".partition("e")
+    mantissa = _trimmed(mantissa)
+    return f"{mantissa if '.' in mantissa else mantissa + '.0'}e{int(power)}"
 
 
 def _trimmed(digits: str) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from campaigns.claims.say import count, listed, number, percent, say, symbol
+from campaigns.claims.say import at_least, at_most, count, listed, number, percent, say, symbol
+from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
 
 
@@ -22,8 +23,8 @@ class Draws(NamedTuple):
 def estimate(probability: float, ends: tuple[float, float], confidence: float, of: Draws) -> Spans:
     """The estimate with its interval, and what it is not."""
     return say(
-        *("P(violation) is estimated as ", percent(probability, name="probability"), ", "),
-        *(percent(ends[0], name="low"), " to ", percent(ends[1], name="high"), " with "),
+        *("P(violation) is estimated as ", share(probability, name="probability"), ", "),
+        *(at_least(ends[0], name="low"), " to ", at_most(ends[1], name="high"), " with "),
         *(percent(confidence, 6, "confidence"), " confidence, by re-weighting ", count(of.samples, "samples")),
         *(" stored draws", " that were not excluded" if of.excluded else ""),
         *(" (effective sample size ", count(int(of.effective), "effective"), ")", _width(of)),
@@ -33,7 +34,7 @@ def estimate(probability: float, ends: tuple[float, float], confidence: float, o
 
 def _width(of: Draws) -> Spans:
     """Why the interval is as wide as it is."""
-    beyond = say("; the interval includes ", percent(of.outside, name="outside"), " of draws outside the bounds")
+    beyond = say("; the interval includes ", share(of.outside, name="outside"), " of draws outside the bounds")
     few = say("; few of them violate, so the interval holds wherever the violations are")
     return say(beyond if of.outside else (), few if of.few else ())
 
@@ -46,6 +47,11 @@ def no_sample() -> Spans:
 def not_whole() -> Spans:
     """Some draws are missing."""
     return say("no estimate: the independent sample is not stored whole")
+
+
+def ended_early() -> Spans:
+    """The size of such a sample follows from what came out, so its fraction of violations is too high."""
+    return say("no estimate: the independent sample ended early, when too many violated; draw one of a stated size")
 
 
 def no_bounds() -> Spans:
@@ -77,7 +83,7 @@ def outside(fraction: float, most: float) -> Spans:
     return say(
         *(
             "no estimate: ",
-            percent(fraction, name="outside"),
+            share(fraction, name="outside"),
             " of the draws would be outside the bounds, where nothing ",
         ),
         *("was evaluated, and at most ", percent(most, 6, "most"), " may be; move the distributions less"),
@@ -89,7 +95,7 @@ def redrawn(fraction: float) -> Spans:
     return say(
         *(
             "no estimate: up to ",
-            percent(fraction, name="redrawn"),
+            share(fraction, name="redrawn"),
             " of the correlated draws were outside the bounds ",
         ),
         "and drawn again within them, so their density is not known; widen the bounds",

@@ -44,6 +44,21 @@ def percent(fraction: float, digits: int = 3, name: str = "") -> Span:
     return _quantity(fraction, "", Format.PERCENT, digits, name)
 
 
+def probability(fraction: float, digits: int = 3, name: str = "") -> Span:
+    """A fraction that may be very small."""
+    return _quantity(fraction, "", Format.PROBABILITY, digits, name)
+
+
+def at_most(bound: float, digits: int = 3, name: str = "") -> Span:
+    """An upper bound on a probability."""
+    return _quantity(bound, "", Format.AT_MOST, digits, name)
+
+
+def at_least(bound: float, digits: int = 3, name: str = "") -> Span:
+    """A lower bound on a probability."""
+    return _quantity(bound, "", Format.AT_LEAST, digits, name)
+
+
 def symbol(name: str, label: str = "") -> Span:
     """A criterion's quantity, or a parameter by its path, with its printed symbol."""
     label = label or name

@@ -41,7 +41,7 @@ class Quantity(_Span):
 
     kind: Literal["quantity"] = "quantity"
     value: float
-    """A fraction where the format is percent."""
+    """A fraction where the format is percent, or that of a probability."""
     unit: str = ""
     format: Format = Format.PLAIN
     digits: int = Field(6, ge=1, le=17)

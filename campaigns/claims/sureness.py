@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from campaigns.claims.say import count, number, percent, say
+from campaigns.claims.say import count, number, probability, say
 from campaigns.claims.spans import Spans
 from campaigns.rules import SAME_COST
 from campaigns.rules import percent as fraction
@@ -13,6 +13,11 @@ def sureness(chance: float, lower: float, unit: str, landscapes: int) -> Spans:
     return say(
         "Estimated chance that another search of the same budget finds a case lower by more than ",
         *(number(lower, unit, "lower", 3), f" ({fraction(SAME_COST)} of nominal minus worst): about "),
-        *(percent(chance, 2, "chance"), ". Estimated from ", count(landscapes, "landscapes"), " random landscapes, "),
+        *(
+            probability(chance, 2, "chance"),
+            ". Estimated from ",
+            count(landscapes, "landscapes"),
+            " random landscapes, ",
+        ),
         "not a bound; it says nothing of a case that this kind of search cannot find, and no verdict rests on it",
     )

@@ -50,6 +50,11 @@ class Joint:
         return not self.mixed and all(one.freedom == 0 for one in self.alone)
 
     @property
+    def distinguishes(self) -> bool:
+        """Whether one point of the box is more likely than another."""
+        return not self.uniform and not self.unbounded
+
+    @property
     def unbounded(self) -> list[str]:
         """The uncorrelated parameters whose density has no highest value."""
         alone = self.alone

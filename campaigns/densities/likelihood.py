@@ -87,7 +87,7 @@ def most_likely(
     for rows in stored:
         violating = np.flatnonzero((rows.status == OK) & (rows.costs[:, 0] <= threshold))
         violations += len(violating)
-        if not len(violating) or of is None or of.uniform or of.unbounded:
+        if not len(violating) or of is None or not of.distinguishes:
             continue
         own, joined = of.falls(rows.points[violating])
         k = int(np.argmin(own + joined))

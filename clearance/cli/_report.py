@@ -25,7 +25,7 @@ from campaigns.rules import SAME_COST, SAME_PLACE, percent
 from clearance.cli import INCONCLUSIVE, VIOLATED
 from clearance.cli._ended import changes, code, sureness
 from clearance.local.failures import lines as failures
-from clearance.local.likelihood import likelihoods
+from clearance.local.likelihood import Likelihoods, likelihoods
 from clearance.local.progress import named
 from clearance.local.summary import made
 from worker.running.runs.store import MemoryStore
@@ -52,10 +52,11 @@ def print_report(
     out: Path | None,
     cites: Cited | None = None,
     note: str = "",
+    likely: Likelihoods | None = None,
 ) -> None:
     """Print the stages, the comparison of methods, the findings, the changes since a baseline, and the verdict.
 
-    note: the sentence on the baseline."""
+    note: the sentence on the baseline; likely: computed already."""
     console = Console(width=None if sys.stdout.isatty() else 120)
     if cites is not None:
         named = f"{cites['as']} extends" if "as" in cites else "Continues"
@@ -66,7 +67,7 @@ def print_report(
     console.print(_comparison(store, verdict))
     if store.findings:
         console.print(_findings(campaign, store, verdict))
-        for line in [*_how_found(store), *_likely(campaign, store, verdict)]:
+        for line in [*_how_found(store), *_likely(likely or likelihoods(campaign, store, verdict.unit))]:
             console.print(Text(line), soft_wrap=not console.is_terminal)
     console.print(_checks(verdict))
     for line in [*failures(store), *_again(store), *_estimated(store), *_attraction(store)]:
@@ -258,9 +259,8 @@ def _how_found(store: MemoryStore) -> list[str]:
     return lines
 
 
-def _likely(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> list[str]:
+def _likely(likely: Likelihoods) -> list[str]:
     """How likely each finding is, and the most likely violation."""
-    likely = likelihoods(campaign, store, verdict.unit)
     stated = {label: of.statement for label, of in likely.findings.items()}
     case = () if likely.violation is None or likely.violation.case is None else likely.violation.statement
     return [words(sentence(line)) for line in lines(stated, case)]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from campaigns.claims.numbers import Format, written
 from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
 
@@ -92,7 +93,8 @@ def _line(found: Sweep, point: SweepPoint) -> str:
         return f"{start}  {outcome.state}: no verdict{'; ' + outcome.error if outcome.error else ''}"
     margin = "" if outcome.margin is None else f", worst margin {outcome.margin:.6g} {outcome.unit}".rstrip()
     bound = outcome.upper_bound
-    sampled = "" if bound is None else f", P(violation) at most {bound:.3g} ({outcome.confidence:.0%} confidence)"
+    most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
+    sampled = "" if bound is None else f", P(violation) at most {most} ({outcome.confidence:.0%} confidence)"
     return f"{start}  {outcome.verdict}{margin}{sampled}"
 
 

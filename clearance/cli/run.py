@@ -28,6 +28,7 @@ from clearance.local import interrupt
 if TYPE_CHECKING:
     from campaigns import Campaign
     from campaigns.results import Verdict
+    from clearance.local.likelihood import Likelihoods
     from worker.engine.stages.parts.store import Store
     from worker.running.runs.store import MemoryStore
 
@@ -86,9 +87,11 @@ def run(
             file, campaign, _announcing(execute, data, database, quiet=as_json), sample_seed
         )
         cites = None
+    from clearance.local.likelihood import likelihoods
     from clearance.local.summary import summary
 
-    result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {}) | code.stated(campaign)
+    likely = likelihoods(campaign, store, verdict.unit)
+    result = summary(campaign, store, verdict, likely) | ({"continues": cites} if cites else {}) | code.stated(campaign)
     result |= ({"labels": options.labels} if options.labels else {}) | ({"baseline": note} if note else {})
     if out is not None:
         from clearance.cli._capsule import write_capsules
@@ -102,20 +105,18 @@ def run(
     else:
         from clearance.cli._report import print_report
 
-        print_report(campaign, store, verdict, out, cites, note)
-    ended = _ended(campaign, store, verdict, out, options, note, file)
+        print_report(campaign, store, verdict, out, cites, note, likely)
+    ended = _ended(campaign, store, verdict, out, options, note, file, likely)
     write_files(ended, options)
     raise typer.Exit(ended.code)
 
 
 def _ended(
     campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, options: launch.Launch, note: str,
-    file: Path | None,
+    file: Path | None, likely: Likelihoods,
 ) -> EndedRun:  # fmt: skip
     from campaigns.identity.identity import identity_of, simulator_of
-    from clearance.local.likelihood import likelihoods
 
-    likely = likelihoods(campaign, store, verdict.unit)
     return EndedRun(
         run="" if out is None else str(out),
         campaign=campaign.name,

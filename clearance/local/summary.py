@@ -8,19 +8,21 @@ from campaigns.results import SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.sample import Beside
 from clearance.local.failures import failures
-from clearance.local.likelihood import likelihoods
+from clearance.local.likelihood import Likelihoods, likelihoods
 from worker.running.runs.store import MemoryStore
 
 MOST_FAILURES = 200
 """Distinct reasons of failed evaluations in a result."""
 
 
-def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[str, object]:
-    """The content of `--json` and result.json."""
+def summary(
+    campaign: Campaign, store: MemoryStore, verdict: Verdict, likely: Likelihoods | None = None
+) -> dict[str, object]:
+    """The content of `--json` and result.json; likely: computed already."""
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
     validated = store.stages[-1].result
     parts = verdict.model_dump(mode="json")
-    likely = likelihoods(campaign, store, verdict.unit)
+    likely = likely or likelihoods(campaign, store, verdict.unit)
     return {
         "verdict": verdict.verdict,
         "reason": verdict.reason,

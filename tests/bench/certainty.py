@@ -2,7 +2,7 @@
 
 Case 1 to 1e-6 (2,995,732 flights) as a worker flies it, into a database in a file, beside the bare kernel in the same
 process before and after; its memory and what it stores. Then the same sample by one worker and by two, each on one
-thread, from its first block to its last. Last the rate of case 5, of which 1e-6 takes hours on two cores.
+thread, from its first block to its last. Then the rate of case 5; last what is computed from stored evaluations.
 `--samples N` flies fewer.
 """
 
@@ -34,6 +34,7 @@ from campaigns.results.draws import uniform
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.certify import CertifyResult
 from campaigns.stages.plan import most
+from tests.bench import stored
 from tests.faults.processes import until, worker
 from worker.engine.problem.evaluate import InProcess
 from worker.running.opening import opened
@@ -169,6 +170,7 @@ def lines(found: dict[str, Any]) -> Iterator[str]:
     )
     yield f"two workers of one thread: {s['ratio']:.2f} times the rate of one; same bits: {s['same_bits']}"
     yield f"{r['case']}: {r['flights_per_second']:,.0f} flights a second, {r['hours_to_1e-6']:.1f} h to 1e-6"
+    yield stored.line(found["stored"])
 
 
 def main() -> None:
@@ -181,6 +183,7 @@ def main() -> None:
             "alone": alone(case("unicycle_static", samples), samples, Path(folder)),
             "sharing": sharing(min(samples, 400_000), Path(folder)),
             "rate": rate(),
+            "stored": stored.measured(case("unicycle_static", samples)),
         }
     OUT.parent.mkdir(exist_ok=True)
     OUT.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")

@@ -7,6 +7,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import dask
@@ -19,10 +20,17 @@ from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from campaigns.asked.load import load_document
 from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.sample_seed import SampleSeed
+from campaigns.stages.certify import CertifyResult
 from tests.faults import stage
 from tests.faults.nodes import Cluster, cluster
 from tests.faults.processes import command_of, kill, started, until
 from tests.simulators import gated, misbehaving, package
+from worker.engine.problem.evaluate import InProcess
+from worker.engine.problem.problem import Problem
+from worker.engine.stages import certify
+from worker.engine.stages.parts.base import Context
+from worker.engine.stages.parts.store import StagePlan
 from worker.engine.systems.base import Floats
 from worker.engine.systems.simulators.cluster import pool as pool_module
 from worker.engine.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
@@ -33,6 +41,7 @@ from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.slots.outcome import Request
 from worker.engine.systems.simulators.slots.pool import NEVER
 from worker.running.runs.provenance import versions
+from worker.running.runs.store import MemoryStore
 
 OPENING = Opening({"simulator.x": 0.5, "simulator.y": 0.5}, "separation")
 
@@ -219,6 +228,41 @@ def test_a_killed_process_repeats_only_what_was_running(
     assert [begun[lines[index]] for index in sorted(before)] == [1] * len(before)
     assert set(begun) == set(lines)
     assert max(begun.values()) <= 2
+
+
+def sampled(gate: Gate) -> CertifyResult:
+    """A counted sample of the simulator, where the environment says."""
+    certified = {"certify": {"samples": 300, "keep": "lowest"}}
+    of = load_document(package.campaign(stages=package.campaign()["stages"] | certified))
+    problem = Problem(of, CommandSimulator(gate.described, OPENING))
+    store = MemoryStore(sample_seed=SampleSeed(5, stated=True))
+    store.plan([StagePlan("certify", None, 300)])
+    try:
+        return certify.run(Context(of, problem, InProcess(problem), store), 0).result
+    finally:
+        problem.system.close()
+
+
+def test_a_counted_sample_has_the_bits_of_local_slots_though_a_node_is_killed(
+    nodes: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "there").mkdir()
+    here = sampled(Gate(tmp_path / "here", 10_000))
+    gate = Gate(tmp_path / "there", 100)
+    monkeypatch.setenv(SETTING, nodes.address)
+    with ThreadPoolExecutor(1) as threads:
+        running = threads.submit(sampled, gate)
+        until(lambda: len(gate.begun) > 100 + 1, "both slots wait")
+        kill(nodes.workers.pop(0).pid)
+        nodes.work(1)
+        gate.open()
+        there = running.result(timeout=100)
+    assert here.blocks is not None
+    assert there.blocks == here.blocks
+    assert there.sample == here.sample
+    assert there.flights == here.flights
+    assert (there.evaluations, there.failed) == (300, 0)
 
 
 def stored(store: RunStore) -> set[int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from campaigns.claims.numbers import Format
+from campaigns.claims.numbers import ROUNDED, Format, rounded
 from campaigns.claims.spans import Quantity, Reference, Spans, Symbol, Text
 
 Fact = str | float
@@ -16,6 +16,8 @@ def facts(statement: Spans) -> list[Fact]:
 def _fact(span: Quantity | Reference | Symbol) -> Fact:
     match span:
         case Quantity():
+            if span.format in ROUNDED:
+                return float(rounded(span.value, span.format, span.digits))
             return span.value if span.format is Format.COUNT else float(f"{span.value:.{span.digits}g}")
         case Reference():
             return span.id

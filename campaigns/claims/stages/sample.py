@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from campaigns.claims.say import count, listed, number, percent, say, symbol
+from campaigns.claims.say import at_most, count, listed, number, percent, probability, say, symbol
 from campaigns.claims.spans import Spans, words
 
 
@@ -57,13 +57,13 @@ class Counts:
         seen = say(count(self.violations, "violations"), " of ", count(self.samples, "samples"), drawn)
         return say(
             *(seen, violate(self.failed), ": P(violation) is at most "),
-            *(percent(upper, name="upper_bound"), " with ", percent(self.confidence, 6, "confidence")),
+            *(at_most(upper, name="upper_bound"), " with ", percent(self.confidence, 6, "confidence")),
             *(" confidence", self._beyond(), self._conditions()),
         )
 
     def unclaimed(self, points: str, why: str) -> Spans:
         """How many violate, and why no bound follows."""
-        estimate = say(" (an estimate of ", percent(self.violations / self.samples), ")") if self.samples else ()
+        estimate = say(" (an estimate of ", probability(self.violations / self.samples), ")") if self.samples else ()
         return say(
             *(count(self.violations, "violations"), " of ", count(self.samples, "samples"), f" {points}"),
             *(violate(self.failed), estimate, f": {why}", self._conditions()),
@@ -75,7 +75,7 @@ class Counts:
         """The bound on a quantile: the value of this order, or why there is none."""
         most, size, none = percent(fraction, 6, "share"), count(self.samples, "samples"), "no bound on the "
         if needed is None:
-            return say(none, most, " quantile: ", percent(self.outside), " of the draws may be beyond the bounds")
+            return say(none, most, " quantile: ", probability(self.outside), " of the draws may be beyond the bounds")
         if order == 0:
             few = " samples are too few for a bound on the "
             return say(size, few, most, " quantile, which needs ", count(needed, "needed"))
@@ -98,7 +98,7 @@ class Counts:
         return say(
             f"{self.terms.holds}; it holds only {only}: ",
             *(count(self.excluded, "draws_excluded"), " of ", count(draws, "draws"), " draws ("),
-            *(percent(self.excluded / draws), f"){why}"),
+            *(probability(self.excluded / draws), f"){why}"),
         )
 
     def _beyond(self) -> Spans:
@@ -106,7 +106,7 @@ class Counts:
             return ()
         every = ", relative to all draws, including excluded ones" if self.excluded else ""
         beyond = f" is the probability beyond the bounds{every}"
-        return say(", of which ", percent(self.outside, name="outside"), beyond)
+        return say(", of which ", probability(self.outside, name="outside"), beyond)
 
 
 def counted(draws: int, blocks: int, stored: int) -> Spans:
@@ -119,12 +119,12 @@ def counted(draws: int, blocks: int, stored: int) -> Spans:
 
 
 class Drawn(NamedTuple):
-    """What is known of a sample while it is drawn; beyond: whether a distribution has a part beyond the bounds."""
+    """What is known of a sample while it is drawn; outside: the probability beyond the bounds, None if not known."""
 
     violations: int
     samples: int
     confidence: float
-    beyond: bool
+    outside: float | None
 
 
 def violate(failed: int) -> Spans:
@@ -149,7 +149,7 @@ def curtailed(statement: Spans, allowed: int, target: float, samples: int, count
     return say(
         statement,
         *("; it ended early, because at most ", count(allowed, "allowed"), " of ", count(samples, "requested")),
-        *(" samples may violate for a bound of ", percent(target, 4, "target"), ", and this bound counts the "),
+        *(" samples may violate for a bound of ", probability(target, 4, "target"), ", and this bound counts the "),
         *(count(counted, "bound_samples"), " samples before the last block"),
     )
 
@@ -162,12 +162,16 @@ def certified(drawing: Spans, quantile: Spans, samples: int, requested: int) -> 
 
 def so_far(counts: Drawn, upper: float, left: int, at_end: float) -> Spans:
     """A sample that is being drawn: its bound if it ended now, and its bound if none of those left violates."""
-    where = " within the bounds" if counts.beyond else ""
+    where = " within the bounds" if counts.outside is None else ""
+    beyond = say(
+        ", of which ", probability(counts.outside or 0.0, name="outside"), " is the probability beyond the bounds"
+    )
     return say(
         *("so far ", count(counts.violations, "violations"), " of ", count(counts.samples, "samples")),
-        *(f" samples violate the criterion: P(violation){where} is at most ", number(upper, "", "upper_bound", 3)),
+        *(f" samples violate the criterion: P(violation){where} is at most ", at_most(upper, name="upper_bound")),
         *(" with ", percent(counts.confidence, 6, "confidence"), " confidence if it ended now, "),
-        *(number(at_end, "", "at_end", 3), " if none of the other ", count(left, "left"), " does"),
+        *(at_most(at_end, name="at_end"), " if none of the other ", count(left, "left"), " does"),
+        beyond if counts.outside else (),
     )
 
 

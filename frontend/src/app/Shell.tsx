@@ -25,6 +25,7 @@ import { useBaseStream } from '../api/events'
 import { sessionQuery } from '../api/queries'
 import { signedOut, useSignedOut } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
+import { keepTyped } from '../jump/early'
 import { Popup } from '../ui/Popup'
 import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
@@ -50,9 +51,13 @@ function Frame() {
   const navigate = useNavigate()
   const [keys, setKeys] = useState(false)
   const [jump, setJump] = useState<'never' | 'open' | 'closed'>('never')
+  const search = () => {
+    if (jump !== 'open') keepTyped()
+    setJump('open')
+  }
   useHotkeys({
     '?': () => setKeys(true),
-    'Ctrl+k': () => setJump('open'),
+    'Ctrl+k': search,
     n: () => void navigate({ to: '/launch' }),
     '/': () => void navigate({ to: '/runs', search: { focus: 'search' } }),
   })
@@ -74,7 +79,7 @@ function Frame() {
           ))}
         </nav>
         <div className={styles.topR}>
-          <button type="button" className={clsx(fields.inp, styles.jump)} onClick={() => setJump('open')} aria-keyshortcuts="Control+K">
+          <button type="button" className={clsx(fields.inp, styles.jump)} onClick={search} aria-keyshortcuts="Control+K">
             <IconSearch className="i s mut" aria-hidden />
             <span className={layout.one}>Search or jump to …</span>
             <span className={buttons.kbd}>Ctrl K</span>

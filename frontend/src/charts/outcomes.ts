@@ -1,6 +1,6 @@
 // Outcomes of runs over a value or over time, as charts and texts. A run that is not done has no numbers.
 import type { Outcome } from '../client'
-import { decimalsFor, fixed, percent, plain, signed } from '../format/numbers'
+import { decimalsFor, fixed, percent, plain, probability, signed } from '../format/numbers'
 import { lookOf, outcomeOf, type Outcome as Word } from '../ui/VerdictBadge'
 import type { Line, PlotSpec, Point } from './spec'
 
@@ -97,7 +97,7 @@ export function boundsOf(points: readonly At[], axis: Axis, height: number, sync
     yRange: [0, highest > 0 ? 1.12 * highest : 1],
     height,
     sync,
-    yText: (y) => percent(y / 100),
+    yText: (y) => probability(y / 100),
   }
 }
 

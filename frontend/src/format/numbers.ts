@@ -107,6 +107,35 @@ export function parse(text: string): number | null {
 export const percent = (share: Maybe, digits = 3): string =>
   known(share) ? `${significant(100 * share, digits)}${NARROW}%` : NONE
 
+/** How a probability is rounded: to the nearest, up as an upper bound, down as a lower one. */
+type Rounded = 'probability' | 'at_most' | 'at_least'
+
+/** A probability: as percent, below 0.01 % as a power of ten. Rounded once, by the digits of the shortest decimal number that is it. */
+export function probability(value: Maybe, digits = 3, rounded: Rounded = 'probability'): string {
+  if (!known(value)) return NONE
+  if (value === 0) return `0${NARROW}%`
+  const [mantissa = '', exponent = '0'] = Math.abs(value).toExponential().split('e')
+  const all = mantissa.replace('.', '')
+  const rest = all.slice(digits)
+  const odd = Number(all[digits - 1]) % 2 === 1
+  const away = rounded === 'probability' ? rest > '5' || (rest === '5' && odd) : rest !== '' && (rounded === 'at_most') === value > 0
+  const kept = String(BigInt(all.slice(0, digits)) + (away ? 1n : 0n))
+  const power = Number(exponent) + (kept.length > Math.min(all.length, digits) ? 1 : 0)
+  const minus = value < 0 ? MINUS : ''
+  if (power >= -4) return `${minus}${trimmed(positioned(kept, power + 2))}${NARROW}%`
+  return `${minus}${kept[0]}.${kept.slice(1).replace(/0+$/, '') || '0'}e${MINUS}${-power}`
+}
+
+/** An upper bound on a probability, never written below itself. */
+export const atMost = (bound: Maybe, digits = 3): string => probability(bound, digits, 'at_most')
+
+/** Digits with the decimal point after that of this power of ten. */
+function positioned(digits: string, power: number): string {
+  if (power < 0) return `0.${'0'.repeat(-power - 1)}${digits}`
+  const whole = digits.padEnd(power + 1, '0')
+  return whole.length > power + 1 ? `${whole.slice(0, power + 1)}.${whole.slice(power + 1)}` : whole
+}
+
 /** Significant digits without trailing zeros; powers of ten below 1e-4 and above the range of the digits. */
 export function significant(value: number, digits: number): string {
   if (value === 0) return '0'
@@ -117,9 +146,7 @@ export function significant(value: number, digits: number): string {
     const size = String(Math.abs(power)).padStart(2, '0')
     return `${minus}${trimmed(mantissa)}e${power < 0 ? MINUS : '+'}${size}`
   }
-  const plain = mantissa.replace('.', '')
-  const written = power < 0 ? `0.${'0'.repeat(-power - 1)}${plain}` : `${plain.slice(0, power + 1)}.${plain.slice(power + 1)}`
-  return minus + trimmed(written)
+  return minus + trimmed(positioned(mantissa.replace('.', ''), power))
 }
 
 /** A duration [s]: 23.4 s, 1:25 min, 2 h 01 min; rounded once, as the service does. */

@@ -1,10 +1,11 @@
 // Formats a quantity in a sentence, as `printed` of `campaigns/claims/numbers.py` does.
 import type { Quantity } from '../client'
-import { count, MINUS, NARROW, percent, significant } from './numbers'
+import { count, MINUS, NARROW, percent, probability, significant } from './numbers'
 import { unitText } from './units'
 
 export function quantityText({ value, unit, format, digits }: Pick<Quantity, 'value' | 'unit' | 'format' | 'digits'>): string {
   if (format === 'percent') return percent(value, digits)
+  if (isProbability(format)) return probability(value, digits, format)
   const text = format === 'count' ? count(value) : significant(value, digits)
   const sign = format === 'signed' && value >= 0 ? '+' : ''
   return `${sign}${text}${unit && NARROW}${unitText(unit)}`
@@ -19,7 +20,7 @@ const READ = 4
  */
 export function readDigits(quantities: readonly Pick<Quantity, 'value' | 'unit' | 'format' | 'digits'>[]): number[] {
   const fewest = quantities.map(({ value, format, digits }) => {
-    if (format === 'percent' || format === 'count' || value === 0) return digits
+    if (format === 'percent' || isProbability(format) || format === 'count' || value === 0) return digits
     return Math.min(digits, Math.max(READ, Math.floor(Math.log10(Math.abs(value))) + 1))
   })
   return quantities.map((one, i) => {
@@ -35,8 +36,12 @@ export function readDigits(quantities: readonly Pick<Quantity, 'value' | 'unit' 
 }
 
 /** All digits of a quantity, as stored. */
-export const exactText = ({ value, unit, format }: Pick<Quantity, 'value' | 'unit' | 'format'>): string =>
-  `${String(format === 'percent' ? hundredfold(value) : value).replace('-', MINUS)}${format === 'percent' ? `${NARROW}%` : unit && NARROW + unitText(unit)}`
+export function exactText({ value, unit, format }: Pick<Quantity, 'value' | 'unit' | 'format'>): string {
+  const percents = format === 'percent' || (isProbability(format) && probability(value).endsWith('%'))
+  return `${String(percents ? hundredfold(value) : value).replace('-', MINUS)}${percents ? `${NARROW}%` : unit && NARROW + unitText(unit)}`
+}
+
+const isProbability = (format: Quantity['format']) => format === 'probability' || format === 'at_most' || format === 'at_least'
 
 /** 100 times a number by its decimal digits: the product of the binary numbers may end in another digit. */
 function hundredfold(value: number): number {

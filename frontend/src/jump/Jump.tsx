@@ -11,6 +11,7 @@ import { catalogueQuery, libraryQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import type { OpenApi } from '../docs/openapi'
 import { OutcomeIcon, lookOf, outcomeOf, wordOf } from '../ui/VerdictBadge'
+import { typedEarly } from './early'
 import { operationsIn, passagesWith, sectionsIn } from './passages'
 import { kept, matching, type Place, placesOf } from './places'
 import buttons from '../ui/buttons.module.css'
@@ -70,6 +71,7 @@ function Search({ onDone }: { onDone: () => void }) {
             placeholder="Run, campaign, method, component, page, help"
             aria-label="Search or jump to"
             autoComplete="off"
+            onFocus={() => setText(text + typedEarly())}
             onChange={(event) => setText(event.target.value)}
           />
         </Combobox.EventsTarget>

@@ -3,7 +3,7 @@ import { TagsInput } from '@mantine/core'
 import { Fragment } from 'react'
 import type { Campaign, Raw } from '../api/campaign'
 import type { Catalogue, Checked, ComponentEntry, ResultEntry } from '../client'
-import { count, thinned, NONE, percent } from '../format/numbers'
+import { atMost, count, thinned, NONE, percent, probability } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
@@ -101,13 +101,13 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
         {bound !== null && (
           <>
             <dt>Bound on P(violation)</dt>
-            <dd>{percent(bound)}</dd>
+            <dd>{atMost(bound)}</dd>
           </>
         )}
         {target !== null && (
           <>
             <dt>Target</dt>
-            <dd>{percent(target)}</dd>
+            <dd>{probability(target, 4)}</dd>
           </>
         )}
       </dl>

@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'
 import { withoutValue } from '../format/counts'
-import { count, duration, NONE, percent } from '../format/numbers'
+import { atMost, count, duration, NONE } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
@@ -79,7 +79,7 @@ const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?:
       run.upper_bound === null ? (
         <span className="mut">not sampled</span>
       ) : (
-        <span className="sec">≤ {percent(run.upper_bound)}</span>
+        <span className="sec">≤ {atMost(run.upper_bound)}</span>
       ),
   },
   evaluations: {

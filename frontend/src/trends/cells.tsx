@@ -1,7 +1,7 @@
 // Cells that the tables of outcomes share.
 import { Link } from '@tanstack/react-router'
 import type { Outcome } from '../client'
-import { decimalsFor, NONE, percent, signed } from '../format/numbers'
+import { atMost, decimalsFor, NONE, signed } from '../format/numbers'
 import { rfc3339, when } from '../format/time'
 import { unreadOf } from './code'
 import { Digest } from '../ui/Digests'
@@ -20,7 +20,7 @@ export const marginOf = (outcome: Outcome | null): string => {
 }
 
 export const boundOf = (outcome: Outcome | null): string =>
-  outcome?.upper_bound === null || outcome?.upper_bound === undefined ? NONE : `≤ ${percent(outcome.upper_bound)}`
+  outcome?.upper_bound === null || outcome?.upper_bound === undefined ? NONE : `≤ ${atMost(outcome.upper_bound)}`
 
 export function RunCell({ run, name }: { run: string; name?: string }) {
   return (

@@ -9,6 +9,7 @@ import re
 import httpx
 import numpy as np
 import pytest
+import sqlalchemy as sa
 
 from backend.db.rows import MOST_ROWS
 from backend.exports.formats.findings_csv import LIKELY
@@ -88,6 +89,18 @@ def test_in_a_box_no_violation_is_more_likely(service: Service, client: httpx.Cl
     assert (answer["case"], answer["text"]) == (None, words(claims.UNIFORM))
     report = client.get(f"/api/v1/runs/{run}/report.html").text
     assert report.count("equally likely") == 1
+
+
+def test_of_a_box_no_point_is_read(service: Service, client: httpx.Client) -> None:
+    run = submit(client, criterion={"threshold": 1.01})
+    finish(service)
+    asked: list[str] = []
+    sa.event.listen(service.engine, "before_cursor_execute", lambda *given: asked.append(given[2]))
+    answer = client.get(f"/api/v1/runs/{run}/most-likely-violation").json()
+    assert answer["violations"] == np.count_nonzero(search(0, 1000).costs[:, 0] <= 1.01)
+    read = [statement for statement in asked if "evaluation_chunks.costs" in statement]
+    assert len(read) == 1, "the search, once"
+    assert "evaluation_chunks.points" not in read[0]
 
 
 def test_a_run_that_is_not_there(client: httpx.Client) -> None:

@@ -7,8 +7,10 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
+import sqlalchemy as sa
 from scipy import stats
 
+from backend.db.tables import Stage
 from backend.likelihood import service
 from campaigns.asked.distributions import Normal, Uniform
 from campaigns.claims import reweighted as claims
@@ -114,6 +116,16 @@ def test_a_sample_that_is_not_stored_whole_is_not_re_weighted(service: Service, 
     finish_fully(service)
     found = client.post(f"/api/v1/runs/{run}/reweighted", json={}).json()
     assert (found["probability"], found["text"]) == (None, words(claims.not_whole()))
+
+
+def test_a_sample_that_ended_early_is_not_re_weighted(service: Service, client: httpx.Client, sampled: str) -> None:
+    with service.engine.begin() as connection:
+        early = sa.update(Stage).where(Stage.kind == "certify")
+        result = connection.scalar(sa.select(Stage.result).where(Stage.kind == "certify"))
+        stated = result | {"sample": result["sample"] | {"bound_samples": COUNT - 500}}
+        connection.execute(early.values(result=stated))
+    found = client.post(f"/api/v1/runs/{sampled}/reweighted", json={}).json()
+    assert (found["probability"], found["text"]) == (None, words(claims.ended_early()))
 
 
 def test_of_a_large_sample_the_first_draws_count(

@@ -16,6 +16,7 @@ import numpy as np
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Certify
+from campaigns.claims.numbers import Format, written
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as sentences
@@ -153,7 +154,8 @@ def unattainable(problem: Problem) -> list[Wrong]:
     )
     if allowed is None or allowed >= 0 or given is None:
         return []
-    why = f"{100 * beyond:.3g} % of the draws lie outside the bounds, which is part of the bound on P(violation)"
+    most = written(beyond, form=Format.PROBABILITY, digits=3)
+    why = f"{most} of the draws lie outside the bounds, which is part of the bound on P(violation)"
     advice = "no sample of this size can meet the target; widen the bounds, or draw more samples"
     return [Wrong("stages.certify.samples", f"{given.samples:,}", f"{why}: {advice}")]
 

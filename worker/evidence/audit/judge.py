@@ -15,7 +15,7 @@ from campaigns.asked.allowance import validation
 from campaigns.checked import extents, rates
 from campaigns.checked.check import parameters
 from campaigns.claims import earlier
-from campaigns.claims.numbers import count
+from campaigns.claims.numbers import Format, count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import Quantity, Spans, values, words
 from campaigns.claims.stages.surroundings import possible_gain
@@ -499,8 +499,11 @@ def _sentence(run: Run) -> tuple[Tree, Tree]:
     opening = OPENINGS.get(claims["verdict"], "Nothing may be claimed") if len(run.costs) else nothing
 
     def written(name: str, value: Any) -> Any:
-        as_is = exact or value is None or name not in spans
-        return value if as_is else words((spans[name].model_copy(update={"value": value}),))
+        if exact or value is None or name not in spans:
+            return value
+        span = spans[name].model_copy(update={"value": value})
+        upward = words((span.model_copy(update={"format": Format.AT_MOST}),)) if name == "upper_bound" else ""
+        return upward if upward == words((spans[name],)) else words((span,))
 
     stated: Tree = {"opening": opening if opening in begun else begun, "words": claims["reason"]}
     expected: Tree = {"opening": opening, "words": f"{text} {SCOPE}{scope}" if scope else text}

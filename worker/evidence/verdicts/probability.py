@@ -6,7 +6,8 @@ The probability of draws outside the bounds counts with and without a sample: no
 from __future__ import annotations
 
 from campaigns import rules
-from campaigns.claims.say import count, listed, percent, say
+from campaigns.claims.say import at_most, count, listed, percent, say
+from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages.sample import violate
 from campaigns.codes import CheckCode
@@ -55,7 +56,7 @@ def outside(problem: Problem) -> Spans:
     if not much:
         return ()
     most = "at most " if problem.campaign.correlations else ""
-    return say(most, percent(much, name="outside"), " of the draws lie outside the bounds, where nothing was evaluated")
+    return say(most, share(much, name="outside"), " of the draws lie outside the bounds, where nothing was evaluated")
 
 
 def _outside(problem: Problem) -> list[Check]:
@@ -117,11 +118,11 @@ def _advice(sample: Sample) -> Spans:
 def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     target, sample = problem.campaign.target_probability, evidence.sample
     required = rules.required(target)
-    goal = percent(required, 4, "target")
+    goal = share(required, 4, "target")
     if sample is None or sample.upper_bound is None:
         needs = ("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
         return [] if target is None else [check(CheckCode.TARGET, False, *needs)]
-    bound = say("the bound of ", percent(sample.upper_bound, name="upper_bound"))
+    bound = say("the bound of ", at_most(sample.upper_bound, name="upper_bound"))
     if target is None:
         ok = sample.upper_bound <= required
         is_ = (bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
@@ -132,7 +133,7 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     ok = sample.upper_bound <= required
     meets = (bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
     loose = (
-        ("; the target of the campaign, ", percent(target, 4), ", is looser and does not apply")
+        ("; the target of the campaign, ", share(target, 4), ", is looser and does not apply")
         if target > required
         else ()
     )

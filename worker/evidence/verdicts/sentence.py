@@ -13,7 +13,7 @@ from campaigns.claims.say import (
     listed,
     method,
     number,
-    percent,
+    probability,
     say,
     signed,
     symbol,
@@ -126,7 +126,7 @@ def _excluded(problem: Problem, evidence: Evidence) -> Spans:
     if not evidence.excluded:
         return ()
     number, why = count(evidence.excluded, "excluded"), exclusions.reasons(problem, evidence)
-    fraction = say(" (", percent(evidence.excluded / evidence.evaluations), ")") if why else ()
+    fraction = say(" (", probability(evidence.excluded / evidence.evaluations), ")") if why else ()
     return say(" ", number, " more", fraction, " were excluded", why, ".")
 
 

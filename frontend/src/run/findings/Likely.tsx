@@ -3,7 +3,7 @@ import { useQuery } from '@tanstack/react-query'
 import { hasScenario } from '../../api/campaign'
 import { mostLikelyQuery } from '../../api/queries'
 import type { FindingDetail, Likelihood, MostLikely } from '../../client'
-import { fixed, NONE, percent, plain, signed } from '../../format/numbers'
+import { fixed, NONE, plain, probability, signed } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { Place } from '../../ui/bars'
 import { Spans } from '../../ui/Spans'
@@ -22,7 +22,7 @@ export function LikelyCell({ likelihood }: { likelihood: Likelihood | null }) {
     <td className="num" title={likelihood.text}>
       <span className={tables.rn}>
         {likelihood.distance === null ? '∞' : plain(likelihood.distance, 3)}
-        <small>{percent(likelihood.tail, 2)} of draws</small>
+        <small>{probability(likelihood.tail, 2)} of draws</small>
       </span>
     </td>
   )

@@ -25,7 +25,7 @@ const MOST: MostLikely = {
 const row = (most: MostLikely) => renderToStaticMarkup(<LikelyViolation data={data} decimals={2} between={2} most={most} />)
 
 it('shows distance and draws of a finding, and nothing in their place where no number was computed', () => {
-  expect(text(renderToStaticMarkup(<LikelyCell likelihood={NORMAL} />))).toBe('4 0.0063 % of draws')
+  expect(text(renderToStaticMarkup(<LikelyCell likelihood={NORMAL} />))).toBe('4 6.3e−5 of draws')
   expect([BOX, null].map((likelihood) => text(renderToStaticMarkup(<LikelyCell likelihood={likelihood} />)))).toEqual([NONE, NONE])
 })
 

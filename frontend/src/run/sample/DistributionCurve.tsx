@@ -3,7 +3,7 @@ import { useMemo } from 'react'
 import type { Distribution, Sample } from '../../client'
 import { Plot } from '../../charts/Plot'
 import type { PlotSpec } from '../../charts/spec'
-import { decimalsFor, fixed, percent } from '../../format/numbers'
+import { decimalsFor, fixed, probability } from '../../format/numbers'
 import { Sign, symbolText } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 
@@ -42,7 +42,7 @@ export function DistributionCurve({ data, sample, height }: DistributionCurvePro
       left: 48,
       height,
       xText: (x) => `${symbolText(run.quantity || 'value')} = ${fixed(x, decimals)} ${run.unit}`,
-      yText: (y) => percent(y / 100),
+      yText: (y) => probability(y / 100),
     }
   }, [sample, run.quantity, run.unit, height])
   return <Plot spec={spec} />

@@ -5,7 +5,7 @@ import { IconAlertTriangle } from '@tabler/icons-react'
 import { type CSSProperties, useMemo, useState } from 'react'
 import { reweightedQuery } from '../../api/queries'
 import type { Reweighted } from '../../client'
-import { count, decimalsFor, fixed, NONE, percent, plain } from '../../format/numbers'
+import { atMost, count, decimalsFor, fixed, NONE, percent, plain, probability } from '../../format/numbers'
 import { sentence } from '../../format/spans'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
@@ -108,7 +108,7 @@ export function Estimates({ run, stated, moved }: EstimatesProps) {
         </tr>
       </thead>
       <tbody>
-        <Row name="P(violation)" cells={both.map((of) => percent(of?.probability))} bold />
+        <Row name="P(violation)" cells={both.map((of) => probability(of?.probability))} bold />
         <Row name={`Interval, ${percent(stated?.confidence, 6)}`} cells={both.map(intervalOf)} />
         {shares.map((share) => (
           <Row
@@ -123,7 +123,7 @@ export function Estimates({ run, stated, moved }: EstimatesProps) {
   )
 }
 
-const intervalOf = (of: Reweighted | undefined): string => (of?.low == null ? NONE : `${percent(of.low)} to ${percent(of.high)}`)
+const intervalOf = (of: Reweighted | undefined): string => (of?.low == null ? NONE : `${probability(of.low, 3, 'at_least')} to ${atMost(of.high)}`)
 
 function Row({ name, cells, bold }: { name: React.ReactNode; cells: readonly string[]; bold?: boolean }) {
   return (

@@ -4,7 +4,7 @@ import { clsx } from 'clsx'
 import { isLive } from '../../api/queries'
 import type { RunDetail, SoFar, StageProgress, StageSummary } from '../../client'
 import { lossesOf } from '../../format/counts'
-import { count, decimalsFor, duration, fixed, plain } from '../../format/numbers'
+import { atMost, count, decimalsFor, duration, fixed, plain } from '../../format/numbers'
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import icons from '../../ui/icons.module.css'
@@ -137,7 +137,7 @@ function textOf(run: RunDetail, kind: StageSummary, stages: StageProgress[]): st
 export function boundSoFar({ evaluations, planned, seconds }: StageProgress, { violations, upper_bound, at_end }: SoFar): string {
   const seen = violations > 0 ? `${count(violations)} ${violations === 1 ? 'violation' : 'violations'}, ` : ''
   const left = (Math.max(0, planned - evaluations) * seconds) / Math.max(1, evaluations)
-  return `${seen}P ≤ ${plain(upper_bound, 2)}, ${plain(at_end, 2)} in ${duration(left)}`
+  return `${seen}P ≤ ${atMost(upper_bound, 2)}, ${atMost(at_end, 2)} in ${duration(left)}`
 }
 
 function costText({ threshold, unit }: RunDetail, cost: number): string {

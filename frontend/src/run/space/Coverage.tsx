@@ -4,7 +4,7 @@ import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { coverageQuery } from '../../api/queries'
 import type { Coverage, PairCoverage } from '../../client'
-import { count, decimalsFor, fixed, percent, plain } from '../../format/numbers'
+import { count, decimalsFor, fixed, percent, plain, probability } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Failed } from '../../page/Trouble'
 import { Button } from '../../ui/Button'
@@ -49,7 +49,7 @@ export function CoverageCard({ data, coverage }: { data: Shown; coverage: Covera
         <Stat name="Bins of the least covered pair" testId="least" value={least ? percent(least.touched / bins) : plain(null)} note={least ? `${least.touched} of ${bins} have an evaluation` : 'one parameter has no pair'} />
         <Stat
           name="Violation possible by the slopes seen"
-          value={percent(possible?.fraction)}
+          value={probability(possible?.fraction)}
           exact={possible?.fraction}
           note={possibleText(possible)}
         />
@@ -73,7 +73,7 @@ export function CoverageCard({ data, coverage }: { data: Shown; coverage: Covera
 function possibleText(possible: Coverage['possible']): string {
   if (!possible) return 'no slope'
   const { fraction, standard_error, points } = possible
-  if (standard_error > 0) return `of the box, ± ${percent(standard_error, 2)} standard error`
+  if (standard_error > 0) return `of the box, ± ${probability(standard_error, 2)} standard error`
   return `${fraction > 0 ? 'all' : 'none'} of ${count(points)} random points`
 }
 

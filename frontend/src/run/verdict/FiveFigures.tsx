@@ -1,6 +1,6 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
 import { unknownOf, violatedOf, withoutValue } from '../../format/counts'
-import { count, decimalsFor, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
+import { atMost, count, decimalsFor, duration, fixed, NONE, percent, plain, probability, signed } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
@@ -21,7 +21,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
   const at = run.stages.find((stage) => method !== null && stage.method === method)
   const target = numberOf(campaign.target_probability)
   const compute = run.stages.reduce((sum, stage) => sum + stage.seconds, 0)
-  const percentOf = percent(statistics?.upper_bound).split('\u202f')
+  const [bound, percents] = atMost(statistics?.upper_bound).split('\u202f')
   return (
     <div className={cards.card} style={{ marginTop: 'var(--gap)' }}>
       <div className={runStyles.stats}>
@@ -68,12 +68,12 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
         />
         <Stat
           name={statistics ? `P(violation), ${percent(statistics.confidence)} upper bound` : 'P(violation)'}
-          value={statistics ? percentOf[0] : NONE}
-          exact={statistics ? 100 * statistics.upper_bound : null}
-          unit={statistics ? '%' : undefined}
+          value={bound ?? NONE}
+          exact={statistics ? (percents ? 100 : 1) * statistics.upper_bound : null}
+          unit={percents}
           note={
             statistics
-              ? `${violatedOf(statistics)}${target === null ? '' : `; target ${percent(target)}`}`
+              ? `${violatedOf(statistics)}${target === null ? '' : `; target ${probability(target, 4)}`}`
               : 'no random sample in this campaign'
           }
         />

@@ -12,7 +12,20 @@ import pytest
 
 from campaigns.claims import earlier
 from campaigns.claims.numbers import Format, printed, written
-from campaigns.claims.say import capital, count, finding, joined, listed, method, number, percent, say, sentence, signed
+from campaigns.claims.say import (
+    at_most,
+    capital,
+    count,
+    finding,
+    joined,
+    listed,
+    method,
+    number,
+    percent,
+    say,
+    sentence,
+    signed,
+)
 from campaigns.claims.say import symbol as named
 from campaigns.claims.spans import Quantity, Text, values, words
 from campaigns.codes import CheckCode, StopCode
@@ -110,6 +123,16 @@ def test_earlier_results_are_read_with_symbols_and_units() -> None:
     assert calls == [1]
     nested = {"stop": {"kind": "rule", "text": "ended"}, "curves": [{"values": [1.0, 2.0]}]}
     assert earlier.spoken(nested, terms)["stop"]["statement"] == [{"kind": "text", "text": "ended"}]
+
+
+@pytest.mark.parametrize("bound", [9.99e-7, 1e-6, 3.2e-9, 0.00214, 0.05])
+def test_the_bound_of_a_verdict_is_read_from_its_words(bound: float) -> None:
+    (found,) = (
+        span
+        for span in earlier.verdict(words(say("P(violation) is at most ", at_most(bound), " with 95 % confidence")))
+        if isinstance(span, Quantity) and span.name == "upper_bound"
+    )
+    assert found.value == pytest.approx(bound, rel=1e-12)
 
 
 def test_an_earlier_verdict_states_the_same() -> None:

@@ -7,6 +7,7 @@ import math
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +86,7 @@ TIES = st.builds(lambda whole, power: (whole + 0.5) / 2**power, st.integers(-(10
 NUMBERS = st.one_of(ANY, TIES, st.floats(-1e6, 1e6), st.floats(-1e-3, 1e-3))
 COUNTED = NUMBERS.filter(lambda value: not abs(value or 0.0) >= 2**53)
 """Times of which whole seconds can be told apart: beyond them the remainder of a division is rounding."""
+PROBABILITIES = st.one_of(st.floats(0, 1), st.floats(0, 1e-3), st.integers(1, 10**7).map(lambda n: n / 10**9))
 FORMS = st.sampled_from(["plain", "signed"])
 ONE = st.one_of(
     st.tuples(st.just("fixed"), NUMBERS, st.integers(0, 12)),
@@ -94,6 +96,7 @@ ONE = st.one_of(
     st.tuples(st.just("duration"), st.one_of(COUNTED, st.floats(0, 1e5), st.integers(0, 10**6).map(lambda n: n / 20))),
     st.tuples(st.just("printed"), NUMBERS, st.sampled_from(["", "m"]), FORMS, st.integers(1, 12)),
     st.tuples(st.just("printed"), st.floats(0, 1), st.just(""), st.just("percent"), st.integers(1, 12)),
+    st.tuples(st.just("printed"), PROBABILITIES, st.just(""), st.sampled_from([*numbers.ROUNDED]), st.integers(1, 17)),
     st.tuples(st.just("decimals_for"), st.lists(NUMBERS, max_size=4), st.integers(1, 8)),
     st.tuples(st.just("decimals_apart"), st.lists(NUMBERS, max_size=4), st.integers(1, 5), st.integers(5, 8)),
 )  # fmt: skip
@@ -103,6 +106,20 @@ ONE = st.one_of(
 @given(cases=st.lists(ONE, min_size=1, max_size=40))
 def test_random_numbers_are_written_as_on_the_pages(pages: Ask, cases: list[tuple[Any, ...]]) -> None:
     assert pages([list(case) for case in cases]) == [WRITTEN[name](*rest) for name, *rest in cases]
+
+
+@given(value=PROBABILITIES, digits=st.integers(1, 6))
+def test_a_bound_is_never_written_below_itself(value: float, digits: int) -> None:
+    """Read back, an upper bound is no smaller, a lower one no larger, and they differ by a last digit at most."""
+
+    def read(form: Format) -> Fraction:
+        number, *percents = numbers.written(value, form=form, digits=digits).split()
+        return Fraction(number) / (100 if percents else 1)
+
+    exact = Fraction(repr(value))
+    assert read(Format.AT_LEAST) <= exact <= read(Format.AT_MOST)
+    assert read(Format.AT_LEAST) <= read(Format.PROBABILITY) <= read(Format.AT_MOST)
+    assert read(Format.AT_MOST) - read(Format.AT_LEAST) <= 10 * exact / 10**digits
 
 
 @given(value=st.floats(0, 1e6))

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
 
+import clearance.local.likelihood as local
 from clearance.cli import VIOLATED, invoke
 from tests.given.case_campaigns import searching
 
@@ -29,7 +31,9 @@ def test_a_violated_run_states_it_everywhere(tmp_path: Path, capsys: pytest.Capt
     asked = searching(*SEARCHES, uncertain=NORMAL, criterion__threshold=0.943, scenario__horizon=4.0)
     (tmp_path / "campaign.json").write_text(json.dumps(asked.document()))
     files = ["--out", str(tmp_path / "out"), "--junit", str(tmp_path / "j.xml"), "--sarif", str(tmp_path / "s.json")]
-    assert invoke(["run", str(tmp_path / "campaign.json"), *files]) == VIOLATED
+    with mock.patch.object(local, "most_likely", wraps=local.most_likely) as computed:
+        assert invoke(["run", str(tmp_path / "campaign.json"), *files]) == VIOLATED
+    assert computed.call_count == 1
     out = " ".join(capsys.readouterr().out.split())
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     worst, most = result["findings"][0]["likelihood"], result["most_likely_violation"]

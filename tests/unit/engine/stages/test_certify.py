@@ -53,23 +53,23 @@ def test_what_a_sample_allows_to_claim() -> None:
 STATED: dict[str, tuple[dict[str, Any], Any, list[Fact], str]] = {
     "the samples and the quantile": (
         {"samples": 3000}, None,
-        [51, 3000, 0.0214, 0.95, 0.05, "d_min", 0.596025, 0.95],
+        [51, 3000, 0.0215, 0.95, 0.05, "d_min", 0.596025, 0.95],
         "51 of 3\u202f000 samples drawn from the stated distributions violate the criterion: P(violation) is at "
-        "most 2.14 % with 95 % confidence; at most 5 % of all cases have d_min below 0.596025 m, with 95 % "
+        "most 2.15 % with 95 % confidence; at most 5 % of all cases have d_min below 0.596025 m, with 95 % "
         "confidence",
     ),
     "failed evaluations": (
         {"samples": 1000}, evaluate(failing=lambda x: x[:, 0] > 0.99),
-        [29, 1000, 8, 0.0393, 0.95, 0.05, "d_min", 0.544465, 0.95],
+        [29, 1000, 8, 0.0394, 0.95, 0.05, "d_min", 0.544465, 0.95],
         "29 of 1\u202f000 samples drawn from the stated distributions violate the criterion, 8 of these "
-        "because they failed: P(violation) is at most 3.93 % with 95 % confidence; at most 5 % of all cases have "
+        "because they failed: P(violation) is at most 3.94 % with 95 % confidence; at most 5 % of all cases have "
         "d_min below 0.544465 m, with 95 % confidence",
     ),
     "a quantile among failed evaluations": (
         {"samples": 200}, evaluate(failing=lambda x: x[:, 0] > 0.8),
-        [54, 200, 49, 0.326, 0.95, 0.05],
+        [54, 200, 49, 0.327, 0.95, 0.05],
         "54 of 200 samples drawn from the stated distributions violate the criterion, 49 of these "
-        "because they failed: P(violation) is at most 32.6 % with 95 % confidence; no bound on the 5 % quantile: "
+        "because they failed: P(violation) is at most 32.7 % with 95 % confidence; no bound on the 5 % quantile: "
         "the 5th lowest of the sample is a failed evaluation",
     ),
     "too few samples": (
@@ -81,9 +81,9 @@ STATED: dict[str, tuple[dict[str, Any], Any, list[Fact], str]] = {
     ),
     "a precondition that hardly ever holds": (
         {"samples": 100}, evaluate(excluded=lambda x: x[:, 0] < 0.9),
-        [0, 24, 0.117, 0.95, 176, 200, 0.88, 24, 0.05, 59, 24, 100],
+        [0, 24, 0.118, 0.95, 176, 200, 0.88, 24, 0.05, 59, 24, 100],
         "0 of 24 samples drawn from the stated distributions violate the criterion: P(violation) is at most"
-        " 11.7 % with 95 % confidence; it holds only for starts above the threshold: 176 of 200 draws "
+        " 11.8 % with 95 % confidence; it holds only for starts above the threshold: 176 of 200 draws "
         "(88 %) start at or below it and were excluded; 24 samples are too few for a bound on the 5 % "
         "quantile, which needs 59; only 24 of 100 samples were not excluded",
     ),

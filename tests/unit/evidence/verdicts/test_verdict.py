@@ -263,12 +263,12 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
     ),
     "a second method in no basin": (CheckCode.AGREEMENT, {"basins": {"sqp": None}}, ["direct"], ONE_METHOD),
     "a target that is not met": (
-        CheckCode.TARGET, {"target": 0.0029}, [0.00299, 0.0029],
-        "the bound of 0.299 % does not meet the target of 0.29 %",
+        CheckCode.TARGET, {"target": 0.0029}, [0.003, 0.0029],
+        "the bound of 0.3 % does not meet the target of 0.29 %",
     ),
     "a target that the certify stage does not meet": (
-        CheckCode.TARGET, {"target": 0.0015, "certificate": certificate(3)}, [0.00258, 0.0015],
-        "the bound of 0.258 % does not meet the target of 0.15 %",
+        CheckCode.TARGET, {"target": 0.0015, "certificate": certificate(3)}, [0.00259, 0.0015],
+        "the bound of 0.259 % does not meet the target of 0.15 %",
     ),
     "a target and no independent sample": (
         CheckCode.TARGET, {"target": 0.5, "certificate": certificate(upper_bound=None)}, [0.05], NO_SAMPLE,
@@ -293,16 +293,16 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
         "the independent sample has 58, fewer than 59",
     ),
     "a sample that is too small": (
-        CheckCode.PROBABILITY, {"certificate": certificate(1, 60)}, [0.0766, 0.05, 60],
-        "the bound of 7.66 % on P(violation) is above the required 5 %; draw more than 60 samples",
+        CheckCode.PROBABILITY, {"certificate": certificate(1, 60)}, [0.0767, 0.05, 60],
+        "the bound of 7.67 % on P(violation) is above the required 5 %; draw more than 60 samples",
     ),
     "a sample of which many violate is not advised to be larger": (
         CheckCode.PROBABILITY, {"certificate": certificate(76, 100)}, [0.829, 0.05, 76, 100],
         "the bound of 82.9 % on P(violation) is above the required 5 %; 76 of its 100 samples violate the criterion",
     ),
     "a target that seems to permit more": (
-        CheckCode.TARGET, {"target": 0.9, "certificate": certificate(2, 100)}, [0.0616, 0.05, 0.9],
-        "the bound of 6.16 % does not meet the target of 5 %; the target of the campaign, 90 %, is "
+        CheckCode.TARGET, {"target": 0.9, "certificate": certificate(2, 100)}, [0.0617, 0.05, 0.9],
+        "the bound of 6.17 % does not meet the target of 5 %; the target of the campaign, 90 %, is "
         "looser and does not apply",
     ),
     "an evaluation lower than every finding": (
@@ -400,7 +400,7 @@ def test_the_target_is_met() -> None:
     conclusion = concluded(campaign(target_probability=0.003))
     assert conclusion.verdict == "cleared"
     assert conclusion.checks[-1].code == CheckCode.TARGET
-    assert facts(conclusion.checks[-1].statement) == [0.00299, 0.003]
+    assert facts(conclusion.checks[-1].statement) == [0.003, 0.003]
 
 
 def test_the_first_sample_of_a_search_is_stated_where_no_stage_draws_one() -> None:
@@ -466,7 +466,7 @@ def test_what_it_bounds_is_in_the_sentence() -> None:
 
 def test_the_target_is_compared_with_the_certify_stage() -> None:
     target = campaign(target_probability=0.0015)
-    assert facts(barred("target", target).statement) == [0.00299, 0.0015]
+    assert facts(barred("target", target).statement) == [0.003, 0.0015]
     assert concluded(target, certificate=certificate()).verdict == "cleared"
 
 

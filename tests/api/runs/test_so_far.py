@@ -1,0 +1,73 @@
+"""The bound of a counted sample while it is drawn: with what normal distributions have beyond the bounds."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.tables import CatalogueDocument, Run, Stage
+from campaigns.claims.spans import words
+from campaigns.claims.stages import sample as claims
+from campaigns.results.remedies import bound
+from campaigns.runs import StageState
+from campaigns.stored.records import StagePlan
+from tests.given.finished_runs import PLAN, Work
+from tests.given.service import Service
+from tests.given.submissions import submit
+
+SAMPLES, DRAWN, VIOLATIONS = 200_000, 50_000, 2
+UNCERTAIN = {
+    "vehicle.m": {"low": 4.0, "high": 6.0, "distribution": {"kind": "normal", "mean": 5.0, "deviation": 0.25}},
+    "vehicle.J": {"low": 0.04, "high": 0.06},
+}
+TAILS = math.erfc(4.0 / math.sqrt(2.0))
+
+
+def sentence(outside: float | None) -> str:
+    now, end = (bound(VIOLATIONS, size, 0.95) + (outside or 0.0) for size in (DRAWN, SAMPLES))
+    return words(claims.so_far(claims.Drawn(VIOLATIONS, DRAWN, 0.95, outside), now, SAMPLES - DRAWN, end))
+
+
+def drawing(service: Service, client: httpx.Client, **campaign: Any) -> Any:
+    """What a run shows of a sample that is being drawn."""
+    stages = {
+        "sensitivity": None,
+        "search": [{"method": "direct", "evaluations": 100}],
+        "certify": {"samples": SAMPLES, "keep": "lowest"},
+    }
+    run = submit(client, stages=stages, **campaign)
+    Work(service, [*PLAN, StagePlan("certify", None, SAMPLES)]).store.begin(len(PLAN))
+    values = {"state": StageState.RUNNING, "counted": DRAWN, "violations": VIOLATIONS}
+    with service.engine.begin() as connection:
+        connection.execute(sa.update(Stage).where(Stage.kind == "certify").values(values))
+    (shown,) = (stage for stage in client.get(f"/api/v1/runs/{run}").json()["stages"] if stage["kind"] == "certify")
+    return shown["so_far"]
+
+
+def test_the_bound_counts_what_is_beyond_the_bounds(service: Service, client: httpx.Client) -> None:
+    found = drawing(service, client, uncertain=UNCERTAIN)
+    assert found["upper_bound"] == pytest.approx(bound(VIOLATIONS, DRAWN, 0.95) + TAILS, rel=1e-9)
+    assert found["at_end"] == pytest.approx(bound(VIOLATIONS, SAMPLES, 0.95) + TAILS, rel=1e-9)
+    assert found["text"] == sentence(TAILS)
+
+
+def test_without_tails_nothing_is_added(service: Service, client: httpx.Client) -> None:
+    found = drawing(service, client)
+    assert found["upper_bound"] == bound(VIOLATIONS, DRAWN, 0.95)
+    assert found["text"] == sentence(0.0)
+
+
+def test_where_the_bounds_are_not_known_the_sentence_says_so(service: Service, client: httpx.Client) -> None:
+    shares = {**UNCERTAIN, "vehicle.m": {"plus_minus": "20%", "distribution": UNCERTAIN["vehicle.m"]["distribution"]}}
+    whole = drawing(service, client, uncertain=shares)
+    assert whole["text"] == sentence(TAILS)
+    with service.engine.begin() as connection:
+        connection.execute(sa.update(Run).values(snapshot=None))
+        connection.execute(sa.delete(CatalogueDocument))
+    (stage,) = (s for s in client.get("/api/v1/runs/R-0001").json()["stages"] if s["kind"] == "certify")
+    assert stage["so_far"]["upper_bound"] == bound(VIOLATIONS, DRAWN, 0.95)
+    assert stage["so_far"]["text"] == sentence(None)

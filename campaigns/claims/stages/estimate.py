@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from campaigns.claims.say import Part, count, joined, number, percent, say
+from campaigns.claims.say import Part, at_least, at_most, count, joined, number, percent, say
+from campaigns.claims.say import probability as probable
 from campaigns.claims.spans import Span, Spans
 
 OPEN = (
@@ -32,7 +33,7 @@ class Draws(NamedTuple):
 
 def estimated(probability: float, ends: tuple[float, float], confidence: float, draws: Draws) -> Spans:
     """P(violation) and its interval, with what it is conditional on."""
-    beyond = say(", of whose upper end ", number(draws.outside, digits=3), " is the probability beyond the bounds")
+    beyond = say(", of whose upper end ", at_most(draws.outside), " is the probability beyond the bounds")
     failed = say(
         "; of them ",
         count(draws.failed, "failed"),
@@ -46,10 +47,10 @@ def estimated(probability: float, ends: tuple[float, float], confidence: float, 
         " independent draws, are not part of it",
     )
     return say(
-        *("P(violation) is about ", number(probability, "", "probability", 2), " [", number(ends[0], "", "low", 2)),
+        *("P(violation) is about ", probable(probability, 2, "probability"), " [", at_least(ends[0], 2, "low")),
         *(
             " to ",
-            number(ends[1], "", "high", 2),
+            at_most(ends[1], 2, "high"),
             ", ",
             percent(confidence, 6, "confidence"),
             "], for the stated distributions, from ",

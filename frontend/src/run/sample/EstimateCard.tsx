@@ -2,7 +2,7 @@
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { EstimationResult } from '../../api/stages'
 import type { NamedModes, ViolationMode } from '../../client'
-import { count, plain } from '../../format/numbers'
+import { atMost, count, plain, probability as written } from '../../format/numbers'
 import { sentence } from '../../format/spans'
 import { Card } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
@@ -69,7 +69,7 @@ function Interval({ probability, low, high }: { probability: number; low: number
   const powers = Array.from({ length: Math.floor((last - first) / step) + 1 }, (_, i) => first + i * step)
   return (
     <div ref={holder}>
-      <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`P(violation) about ${plain(probability, 2)}, interval ${plain(low, 2)} to ${plain(high, 2)}`}>
+      <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`P(violation) about ${written(probability, 2)}, interval ${written(low, 2, 'at_least')} to ${atMost(high, 2)}`}>
         <path className={figures.a} d={`M${SIDE} ${HEIGHT - 24}H${width - SIDE}`} />
         {powers.map((power) => (
           <g key={power}>

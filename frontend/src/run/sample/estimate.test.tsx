@@ -26,7 +26,7 @@ const text = (markup: string) => markup.replace(/<[^>]+>/g, ' ').replace(/\s+/g,
 
 it('shows the interval, its sentence and the modes with their shares', () => {
   const shown = html()
-  expect(shown).toContain('interval 2e−7 to 4e−7')
+  expect(shown).toContain('interval 2.0e−7 to 4.0e−7')
   expect(text(shown)).toContain('P(violation) is about 3e-7')
   expect(text(shown)).toMatch(/1 F2 74 % 4\.8\d* a search 5\.5\d* 2 — 26 % 5\.1\d* the estimate 4\.2/)
   expect(text(shown)).toContain('Of P(violation) 74 % from F2.')

@@ -49,9 +49,12 @@ bench-pages: install ## measure the pages in a browser, print a table, write bui
 	@tools/chromium.sh
 	@.venv/bin/python -m tests.bench.pages
 
-certainty-bench: install ## samples of any size, then estimates of rare violations; writes build/certainty.json and rare.json
+certainty-bench: install ## samples of any size, estimates, regions of attraction, proofs; writes build/certainty.json
 	@.venv/bin/python -m tests.bench.certainty
 	@.venv/bin/python -m tests.bench.rare
+	@.venv/bin/python -m tests.bench.attraction
+	@.venv/bin/python -m tests.bench.proof
+	@.venv/bin/python -m tests.bench.certainty --join
 
 search-bench: install ## every search method on test functions, print a table, write build/search.json and search.md
 	@.venv/bin/python -m tests.bench.search_bench

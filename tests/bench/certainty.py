@@ -176,7 +176,16 @@ def lines(found: dict[str, Any]) -> Iterator[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--samples", type=int, default=SAMPLES)
-    samples = parser.parse_args().samples
+    parser.add_argument("--join", action="store_true", help="only add what the other benches of certainty wrote")
+    asked = parser.parse_args()
+    if asked.join:
+        join()
+    else:
+        measure(asked.samples)
+
+
+def measure(samples: int) -> None:
+    """Measure, write and print what a sample takes."""
     np.seterr(all="ignore")
     with tempfile.TemporaryDirectory() as folder:
         found = {
@@ -188,6 +197,14 @@ def main() -> None:
     OUT.parent.mkdir(exist_ok=True)
     OUT.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     print("\n".join(lines(found)))
+
+
+def join() -> None:
+    """Add the files of the benches of estimates, regions of attraction and proofs, as far as they have been run."""
+    found = json.loads(OUT.read_text(encoding="utf-8"))
+    for file in (OUT.with_stem(name) for name in ("rare", "attraction", "proof")):
+        found[file.stem] = json.loads(file.read_text(encoding="utf-8")) if file.exists() else None
+    OUT.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,12 +1,16 @@
 """Certified regions of attraction of the reversed Van der Pol oscillator beside the simulated one.
 
-`python -m tests.bench.attraction` prints a table; it ends with 1 if a region is not certified in rational arithmetic.
+`python -m tests.bench.attraction` prints a table and writes build/attraction.json; it ends with 1 if a region is not
+certified in rational arithmetic.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 import time
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,10 +22,11 @@ from tests.bench.attraction.truth import VAN_DER_POL, area_of_limit_cycle
 from worker.engine.attraction import region
 
 RAYS = 2_000
+OUT = Path("build/attraction.json")
 
 
 def main() -> int:
-    flow, failed = [exactly(p) for p in VAN_DER_POL], 0
+    flow, rows = [exactly(p) for p in VAN_DER_POL], list[dict[str, Any]]()
     true = area_of_limit_cycle(VAN_DER_POL, (2.0, 0.0))
     print(f"simulated region: {true:.4f}")
     print("| degree of V | area proved | of the simulated one | s |")
@@ -30,13 +35,16 @@ def main() -> int:
         began, found = time.perf_counter(), region.found(flow, {}, degree)
         took = time.perf_counter() - began
         if isinstance(found, str) or exact.wrong(found.certificate, *transformed(flow, {}, found.matrix)):
-            failed += 1
+            rows.append({"degree": degree, "area": None, "share": None, "seconds": took})
             print(f"| {degree} | none | none | {took:.1f} |")
             continue
         turned = abs(np.linalg.det(np.array(found.matrix, dtype=float)))
         area = turned * volume(radii(found.certificate.v, directions(2, RAYS)), 2)
+        rows.append({"degree": degree, "area": area, "share": area / true, "seconds": took})
         print(f"| {degree} | {area:.4f} | {area / true:.2%} | {took:.1f} |", flush=True)
-    return int(failed > 0)
+    OUT.parent.mkdir(exist_ok=True)
+    OUT.write_text(json.dumps({"simulated": true, "proved": rows}, indent=2) + "\n", encoding="utf-8")
+    return int(any(row["area"] is None for row in rows))
 
 
 if __name__ == "__main__":

@@ -75,7 +75,7 @@ function Interval({ probability, low, high }: { probability: number; low: number
           <g key={power}>
             <path className={figures.g} d={`M${x(10 ** power)} 8V${HEIGHT - 24}`} />
             <text x={x(10 ** power)} y={HEIGHT - 8} textAnchor="middle">
-              {plain(10 ** power, 1)}
+              {written(10 ** power, 1)}
             </text>
           </g>
         ))}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from campaigns.claims.numbers import Format, rounded
 from campaigns.claims.say import count, joined, listed, number, percent, say
 from campaigns.claims.spans import Spans
 
@@ -46,7 +47,9 @@ def proved(of: Facts) -> Spans:
         listed([symbol for symbol, _, _ in of.states]),
     )
     limits = [
-        say(symbol, " within ", number(limit, unit, digits=4)) for symbol, limit, unit in of.states if limit is not None
+        say(symbol, " within ", number(float(rounded(limit, Format.AT_MOST, 4)), unit, digits=4))  # never below it
+        for symbol, limit, unit in of.states
+        if limit is not None
     ]
     within = say(" and keeps ", listed(limits), " of it") if limits else ()
     return say(what, ", the model returns to the trim", within, "; ", _measured(of))

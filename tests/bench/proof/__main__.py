@@ -27,6 +27,7 @@ UNTIL = {
     "uav_static": 36.0,
     "uav_moving": 34.0,
     "uav_static_linear": 36.0,
+    "uav_static_bank": 36.0,
     "uav_moving_linear": 34.0,
 }
 """How far each is proved [s]: well past the closest approach, before the vehicle is at its goal."""

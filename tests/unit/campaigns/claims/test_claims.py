@@ -28,6 +28,7 @@ from campaigns.claims.say import (
 )
 from campaigns.claims.say import symbol as named
 from campaigns.claims.spans import Quantity, Text, values, words
+from campaigns.claims.stages import attraction
 from campaigns.codes import CheckCode, StopCode
 from campaigns.results.base import Stop
 from campaigns.results.search import Gap
@@ -199,3 +200,9 @@ def test_every_rule_of_ours_has_a_listed_code() -> None:
                 used.add(node.args[0].value)
     assert used <= {code.value for code in StopCode}
     assert {code.value for code in StopCode} - used <= {StopCode.OTHER}
+
+
+@pytest.mark.parametrize(("limit", "text"), [(0.12341, "0.1235"), (0.5, "0.5"), (math.pi, "3.142"), (1234.2, "1235")])
+def test_a_region_keeps_no_state_within_less_than_its_limit(limit: float, text: str) -> None:
+    facts = attraction.Facts([("heading", 0.0, "rad")], 1, 2, [("u", limit, "m/s")], 100, 0, 0.1, 0.0)
+    assert f"keeps u within {text} m/s of it" in words(attraction.proved(facts))

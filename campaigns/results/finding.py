@@ -19,6 +19,10 @@ class HalfStep(Result):
     difference: float | None
 
 
+COARSER = "with a tolerance of "
+"""How the reason of a reference integrator begins that has a cost."""
+
+
 class ReferenceCost(Result):
     """The case with the reference integrator."""
 
@@ -26,7 +30,7 @@ class ReferenceCost(Result):
     cost: float | None
     difference: float | None
     reason: str = ""
-    """Why it has no cost."""
+    """Why it has no cost; or, where the loop chatters, from when and why its tolerance was larger."""
 
 
 class Repeated(ReferenceCost):

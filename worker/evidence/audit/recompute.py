@@ -15,6 +15,7 @@ import numpy as np
 from campaigns import Catalogue, cube
 from campaigns.checked.check import parameters, seeded
 from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.finding import COARSER
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from worker.evidence.audit import counted, limits
@@ -173,7 +174,8 @@ class Run:
         apart: Tree = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
         if scenario is not None:
             apart["half_step"]["step"] = scenario.step / 2
-            apart["integrator"] |= {"name": "DOP853"} | ({"reason": ""} if math.isfinite(costs[2]) else {})
+            known = math.isfinite(costs[2]) and not recorded["integrator"]["reason"].startswith(COARSER)
+            apart["integrator"] |= {"name": "DOP853"} | ({"reason": ""} if known else {})
             apart["step"] = scenario.step
         return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
 

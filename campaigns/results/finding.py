@@ -19,10 +19,6 @@ class HalfStep(Result):
     difference: float | None
 
 
-COARSER = "with a tolerance of "
-"""How the reason of a reference integrator begins that has a cost."""
-
-
 class ReferenceCost(Result):
     """The case with the reference integrator."""
 

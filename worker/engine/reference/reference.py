@@ -10,7 +10,6 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from campaigns.results.finding import COARSER
 from worker.engine.reference.instants import Stretches, Timetable
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
@@ -132,7 +131,7 @@ class Reference:
         if why == flight.OK:
             return Flight(cost)
         stuck = _stuck(why == flight.STUCK, noticed)
-        return Flight(cost, f"{COARSER}{flight.COARSE:g} from t = {since:.6g} s: {stuck}")
+        return Flight(cost, f"with a tolerance of {flight.COARSE:g} from t = {since:.6g} s: {stuck}")
 
 
 def _stuck(chatters: bool, when: float) -> str:

@@ -15,7 +15,6 @@ import numpy as np
 from campaigns import Catalogue, cube
 from campaigns.checked.check import parameters, seeded
 from campaigns.results.base import EXCLUDED, OK
-from campaigns.results.finding import COARSER
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from worker.evidence.audit import counted, limits
@@ -26,6 +25,8 @@ from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
 LOWEST, STEPS = 100, 400
 """Points of a distribution function: the lowest values, and evenly spaced ones."""
+COARSER = "with a tolerance of "
+"""How a reason begins with which the reference integrator has a value."""
 
 
 def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:

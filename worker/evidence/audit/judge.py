@@ -64,8 +64,8 @@ class Item(NamedTuple):
 class Known(NamedTuple):
     """What is known of a run besides its record. sentences: as stored and as made again, by path; titles: how checks
     are shown, likewise; components: how those that its record describes differ from the same ones here, as clauses; or
-    why there is nothing to compare. searches: of estimates, by
-    stage; None if its stored evaluations are not those that it requests."""
+    why there is nothing to compare. searches: of estimates, by stage; None if its stored evaluations are not those that
+    it requests."""
 
     sentences: Mapping[str, tuple[Any, Spans | Missing]] | Missing
     titles: Mapping[str, tuple[Any, Any]]

@@ -7,8 +7,8 @@ export interface Setting {
   label: string
   unit?: string
   text: string
-  /** The default if left empty. */
-  empty?: string
+  /** The default if left empty, which may depend on whether its stage is asked for. */
+  empty?: string | ((campaign: Campaign) => string)
   /** Left empty, it alone is removed, not its stage or study. */
   alone?: true
   /** What may be chosen, the default first. */
@@ -123,7 +123,7 @@ export const STAGES: Group[] = [
         at: ['stages', 'attraction', 'degree'],
         label: 'Degree of V',
         text: 'Proves a region from which the loop returns to its trim, for its polynomial model; 2 takes seconds, 4 minutes; empty omits it',
-        empty: 'omitted',
+        empty: ({ stages: { attraction } }) => (attraction ? 'by the number of states' : 'omitted'),
       },
     ],
   },

@@ -61,7 +61,7 @@ export function SettingFields({ campaign, set, settings }: SettingFieldsProps) {
         text={setting.text}
         value={settingOf(campaign, setting)}
         optional={setting.empty !== undefined}
-        placeholder={setting.empty}
+        placeholder={typeof setting.empty === 'function' ? setting.empty(campaign) : setting.empty}
         onChange={(value) => set(...settled(setting, value))}
       />
     )

@@ -398,8 +398,10 @@ def test_the_list_shows_it_and_finds_it(signed_in: Visit) -> None:
     expect(row).to_be_visible()
     page.keyboard.press("j")
     expect(row).to_have_attribute("aria-selected", "true")
-    page.keyboard.press("Enter")
-    expect(page).to_have_url(re.compile(f"/runs/{WHOLE}$"))
+    with undrawn(page):  # left while it may still load
+        page.keyboard.press("Enter")
+        expect(page).to_have_url(re.compile(f"/runs/{WHOLE}$"))
+        expect(page.get_by_role("button", name="Open in 3D").or_(page.locator("#flight iframe"))).to_be_attached()
 
 
 def test_a_long_run_is_cancelled(signed_in: Visit) -> None:
@@ -414,20 +416,21 @@ def test_a_long_run_is_cancelled(signed_in: Visit) -> None:
     page.get_by_role("button", name="Options of DIRECT", exact=True).click()
     page.get_by_label("Iterations").first.fill("1000000")
     page.get_by_label("Name", exact=True).fill("Too long")
-    page.get_by_role("button", name="Start run").click()
-    page.wait_for_url(f"**/runs/{LONG}")
-    expect(page.get_by_test_id("outcome")).to_have_text("Running")
-    expect(page.get_by_test_id("best")).to_have_text(re.compile(r"0\.94\d\d"))
-    page.get_by_role("button", name="Cancel run").click()
-    page.get_by_role("dialog").get_by_role("button", name="Cancel run").click()
-    expect(page.get_by_test_id("outcome")).to_have_text("Cancelled")
-    expect(page.get_by_test_id("verdict")).to_have_text("Cancelled: no verdict")
-    assert api(signed_in, f"/runs/{LONG}")["verdict"] is None
-    expect(page.get_by_role("heading", name="Methods")).to_be_visible()
-    signed_in.shot("run-cancelled-1440-light")
-    page.get_by_role("navigation", name="Main").get_by_role("link", name="Runs").click()
-    expect(page.locator(f"tr[data-run={LONG}]")).to_contain_text("Cancelled")
-    looks(signed_in, "runs")
+    with undrawn(page):  # left while it may still load
+        page.get_by_role("button", name="Start run").click()
+        page.wait_for_url(f"**/runs/{LONG}")
+        expect(page.get_by_test_id("outcome")).to_have_text("Running")
+        expect(page.get_by_test_id("best")).to_have_text(re.compile(r"0\.94\d\d"))
+        page.get_by_role("button", name="Cancel run").click()
+        page.get_by_role("dialog").get_by_role("button", name="Cancel run").click()
+        expect(page.get_by_test_id("outcome")).to_have_text("Cancelled")
+        expect(page.get_by_test_id("verdict")).to_have_text("Cancelled: no verdict")
+        assert api(signed_in, f"/runs/{LONG}")["verdict"] is None
+        expect(page.get_by_role("heading", name="Methods")).to_be_visible()
+        signed_in.shot("run-cancelled-1440-light")
+        page.get_by_role("navigation", name="Main").get_by_role("link", name="Runs").click()
+        expect(page.locator(f"tr[data-run={LONG}]")).to_contain_text("Cancelled")
+        looks(signed_in, "runs")
 
 
 def test_signing_out_ends_the_session(signed_in: Visit) -> None:

@@ -156,7 +156,7 @@ class RunStore:
             self._write(work)
 
     def beat(self) -> None:
-        """Say that evaluations were made that are not stored yet."""
+        """Say that something was computed that is not stored yet."""
         self._written()
 
     def _under_way(self, connection: sa.Connection, position: int) -> None:

@@ -54,8 +54,13 @@ def run(context: Context, position: int) -> Outcome[AttractionResult]:
 
     limits = {k: limit for k, limit in enumerate(loop.limits) if limit is not None}
     wanted = request.degree or region.DEGREES[len(loop.flow)]
-    found = region.found(list(loop.flow), limits, wanted, context.cancelled)
-    if context.cancelled():
+
+    def ended() -> bool:
+        context.store.beat()  # minutes pass without a result
+        return context.cancelled()
+
+    found = region.found(list(loop.flow), limits, wanted, ended)
+    if ended():
         raise Cancelled
     return Outcome(_refused(empty, found) if isinstance(found, str) else _stated(empty, loop, found))
 

@@ -26,7 +26,8 @@ def made(asked: Campaign) -> AttractionResult:
     return attraction.run(of(asked), 0).result
 
 
-def test_it_states_what_is_proved_and_gives_the_same_again() -> None:
+def test_it_states_what_is_proved_and_gives_the_same_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It shows in every round that it moves: it may take minutes, after which a worker would replace the process."""
     result = made(attracting())
     assert result.refused is None
     assert result.proof is not None
@@ -34,7 +35,10 @@ def test_it_states_what_is_proved_and_gives_the_same_again() -> None:
     assert result.statement == sentences.proved(result.facts())
     assert result.fraction is not None
     assert 0.0 < result.fraction < 1.0
-    assert made(attracting()) == result
+    again, beats = of(attracting()), list[None]()
+    monkeypatch.setattr(again.store, "beat", lambda: beats.append(None))
+    assert attraction.run(again, 0).result == result
+    assert len(beats) > 5
     assert AttractionResult.model_validate_json(result.model_dump_json()) == result
 
 

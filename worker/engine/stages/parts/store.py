@@ -85,7 +85,7 @@ class Store(Protocol):
         """Store counted blocks, and update the counts and best of the stage and the run."""
 
     def beat(self) -> None:
-        """Say that evaluations were made that are not stored yet."""
+        """Say that something was computed that is not stored yet."""
 
     def keep(self, position: int, columns: Columns) -> None:
         """Store the lowest evaluations of a counted stage in place of its blocks; they are counted already."""

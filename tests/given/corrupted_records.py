@@ -31,6 +31,7 @@ from tests.given.sampled_stages import DRAWN
 from tests.migrated import migrated
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
+from worker.engine.attraction import region
 from worker.engine.stages.parts import offered
 from worker.evidence.audit.judge import SPANS, Item, audit
 from worker.evidence.audit.record import of_folder
@@ -95,6 +96,12 @@ def attracting(**changes: Any) -> Campaign:
     document = searching(DIRECT, **(SHORT | {"criterion__threshold": 0.942} | gains | changes)).document()
     document["stages"] |= {"certify": None, "attraction": {}}
     return load_document(document)
+
+
+def in_a_second(patch: pytest.MonkeyPatch) -> None:
+    """A region of attraction of four states is smaller, and found in a second instead of ten."""
+    patch.setattr(region, "PHASES", 1)
+    patch.setattr(region, "ROUNDS", 2)
 
 
 RUNS: dict[str, Callable[[], Campaign]] = {
@@ -164,6 +171,7 @@ def once(made: Callable[[str], T]) -> Callable[[str], T]:
 def ran(name: str) -> tuple[Campaign, MemoryStore]:
     campaign, store = (RUNS | FORGED)[name](), MemoryStore(sample_seed=DRAWN)
     with pytest.MonkeyPatch.context() as patch:
+        in_a_second(patch)
         if name in FORGED:
             patch.setattr(rates, "unfollowed", lambda *_: ())
         conclusion = execute(campaign, store, threads=1)

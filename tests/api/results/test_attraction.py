@@ -12,7 +12,7 @@ import pytest
 from backend.reports.attraction import SECTION
 from campaigns.stored.records import StagePlan
 from clearance.cli import INCONCLUSIVE, invoke
-from tests.given.corrupted_records import attracting, ran
+from tests.given.corrupted_records import attracting, in_a_second, ran
 from tests.given.finished_runs import PLAN, Work
 from tests.given.service import Service
 from tests.given.submissions import submit
@@ -43,7 +43,10 @@ def test_page_export_and_report_have_the_same_region(service: Service, client: h
     assert report.count(SECTION) == len(stated["sections"]) == 6
 
 
-def test_clearance_run_states_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_clearance_run_states_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    in_a_second(monkeypatch)
     (tmp_path / "campaign.json").write_text(json.dumps(attracting().document()))
     assert invoke(["run", str(tmp_path / "campaign.json"), "--out", str(tmp_path / "out")]) == INCONCLUSIVE
     out = " ".join(capsys.readouterr().out.split())

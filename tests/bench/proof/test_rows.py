@@ -14,6 +14,8 @@ from tests.bench.proof.frame import reframed
 from tests.bench.proof.rows import LINEAR, shape
 from tests.bench.proof.traced import ON_ROWS, Row, Tape, choose, program
 
+pytestmark = pytest.mark.nightly  # compiles for a minute, and no page or command rests on it
+
 FRAME, FRESH = 3, 2
 S = shape(2, FRAME, FRESH, True)
 EXACT = {

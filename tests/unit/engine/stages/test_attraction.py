@@ -12,10 +12,15 @@ from campaigns.asked.load import load_document
 from campaigns.claims.stages import attraction as sentences
 from campaigns.stages.attraction import AttractionResult
 from clearance.testing.problems import Problem
-from tests.given.corrupted_records import attracting
+from tests.given.corrupted_records import attracting, in_a_second
 from tests.given.sampled_stages import context
 from worker.engine.stages import attraction
 from worker.engine.stages.parts.base import Cancelled, Context
+
+
+@pytest.fixture(autouse=True)
+def _in_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    in_a_second(monkeypatch)
 
 
 def of(asked: Campaign) -> Context:
@@ -38,7 +43,7 @@ def test_it_states_what_is_proved_and_gives_the_same_again(monkeypatch: pytest.M
     again, beats = of(attracting()), list[None]()
     monkeypatch.setattr(again.store, "beat", lambda: beats.append(None))
     assert attraction.run(again, 0).result == result
-    assert len(beats) > 5
+    assert len(beats) >= 3
     assert AttractionResult.model_validate_json(result.model_dump_json()) == result
 
 

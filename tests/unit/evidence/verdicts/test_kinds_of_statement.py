@@ -10,7 +10,7 @@ from campaigns.asked.load import load_document
 from campaigns.claims.spans import Quantity, Spans, words
 from campaigns.results.base import Described
 from tests.audited import audited
-from tests.given.corrupted_records import attracting
+from tests.given.corrupted_records import attracting, in_a_second
 from tests.given.sampled_stages import DRAWN
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
@@ -29,7 +29,10 @@ def named(statement: Spans) -> set[str]:
 
 
 @pytest.mark.parametrize(("sampled", "estimated", "proved"), EVERY)
-def test_a_verdict_says_no_more_than_was_searched_and_sampled(sampled: bool, estimated: bool, proved: bool) -> None:
+def test_a_verdict_says_no_more_than_was_searched_and_sampled(
+    monkeypatch: pytest.MonkeyPatch, sampled: bool, estimated: bool, proved: bool
+) -> None:
+    in_a_second(monkeypatch)
     document = attracting(criterion__threshold=0.955).document()
     document["stages"] |= {
         "certify": {"samples": 60} if sampled else None,

@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None, build: Path = BUILD) -> dict[st
         file = build / "scoreboard" / ("again.jsonl" if asked.again else "cells.jsonl")
         if asked.again:
             file.unlink(missing_ok=True)
-        rows = measured(cells, PARTS[name].measure, file, asked.processes, versions({*installed}, PARTS[name].runs))
+        rows = measured(cells, PARTS[name].measure, file, asked.processes, versions({*installed}, PARTS[name].reach))
         if chosen:
             print("\n".join(json.dumps({**row.cell._asdict(), **row.figures, "error": row.error}) for row in rows))
         found["parts"][name] = _summary(PARTS[name], rows)

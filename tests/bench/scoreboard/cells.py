@@ -1,8 +1,8 @@
 """Cells of the score board: one search on one problem with one seed; measured in processes, stored line by line.
 
 A finished cell is a line of `build/scoreboard/cells.jsonl`, so that an interrupted board continues. A line counts only
-for the code that measured it: a change of the engine or of the board makes the cells of our methods anew, a change of a
-library's version those of the library.
+for the code that measured it: the board, and of ours what the cell reaches, a search method alone, the engine, or all
+that makes a run; of a peer its version.
 """
 
 from __future__ import annotations
@@ -16,17 +16,18 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from tests.bench.scoreboard.peers import PEERS
 from worker.running.catalogue.installed import methods
+from worker.running.runs.identity import code_parts
 
 ROOT = Path(__file__).parents[3]
 BOARD = (
-    "tests/bench/scoreboard", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching",
-    "tests/golden/library_verdicts.json",
+    "tests/bench/scoreboard", "clearance/testing", "tests/given/landscapes.py", "tests/given/falsification",
+    "tests/given/niching", "tests/golden/library_verdicts.json",
 )  # fmt: skip
-OURS = ("worker/engine", "campaigns/asked", "campaigns/library", "campaigns/limits.py", "clearance/testing")
+OURS = ("worker/engine", "campaigns/asked", "campaigns/library", "campaigns/limits.py")
 RUNS = ("worker/evidence", "worker/running", "campaigns", "clearance/function")
 PRESENTATION = ("__main__.py", "bars.py", "page.py")
 """Modules of the board that change no figure of a cell."""
@@ -63,6 +64,9 @@ class Row(NamedTuple):
     seconds: float
 
 
+Reach = Literal["method", "engine", "runs"]
+"""What of our code decides a cell's figures."""
+
 Measure = Callable[[Cell], dict[str, Any]]
 """The figures of one cell, of kinds that JSON has; `error` is what a peer raised."""
 
@@ -79,10 +83,11 @@ def code(names: Iterable[str]) -> str:
     return digest.hexdigest()[:16]
 
 
-def versions(names: Iterable[str], runs: bool = False) -> dict[str, str]:
-    """What each method's cells are valid for; runs: whether they are whole runs, not searches alone."""
-    board, ours = code(BOARD), code((*BOARD, *OURS, *(RUNS if runs else ())))
-    return {n: f"{board} {PEERS[n].version()}" if n in PEERS else ours for n in names}
+def versions(names: Iterable[str], reach: Reach) -> dict[str, str]:
+    """What each method's cells are valid for."""
+    board, ours = code(BOARD), code((*OURS, *(RUNS if reach == "runs" else ())))
+    methods = code_parts().methods if reach == "method" else {}
+    return {n: f"{board} {PEERS[n].version() if n in PEERS else methods.get(n, ours)}" for n in names}
 
 
 def stored(file: Path, versions_of: dict[str, str]) -> dict[Cell, Row]:

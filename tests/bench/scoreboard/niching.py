@@ -110,5 +110,5 @@ PART = Part(
     measure,
     _table,
     shown="all",
-    runs=True,
+    reach="runs",
 )

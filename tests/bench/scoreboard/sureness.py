@@ -121,5 +121,5 @@ PART = Part(
     _cells,
     measure,
     _table,
-    runs=True,
+    reach="runs",
 )

@@ -74,5 +74,5 @@ PART = Part(
     _cells,
     measure,
     _table,
-    runs=True,
+    reach="runs",
 )

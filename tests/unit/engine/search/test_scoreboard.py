@@ -67,6 +67,12 @@ def test_a_cell_of_other_code_is_measured_again(tmp_path: Path) -> None:
     assert not cells.stored(file, {"direct": "newer"})
 
 
+def test_a_cell_of_a_search_alone_is_valid_for_its_method_and_others_for_all_of_ours() -> None:
+    ours = ("cma_es", "direct")
+    assert len({*cells.versions(ours, "method").values()}) == 2
+    assert len({*cells.versions(ours, "engine").values()}) == 1
+
+
 def test_chosen_cells_are_printed_and_repeated_by_their_command(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

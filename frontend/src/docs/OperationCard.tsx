@@ -7,9 +7,9 @@ import { duration } from '../format/numbers'
 import { Snippet } from './ApiPage'
 import { addressOf, curlOf, limitsOf, type Operation, type Parameter, type Schema, typeOf } from './openapi'
 import { Shape } from './Shape'
+import { Button } from '../ui/Button'
 import { Ticked } from '../ui/Ticked'
 import { ROOT } from '../format/root'
-import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
@@ -124,15 +124,9 @@ function Trial({ operation, values }: { operation: Operation; values: Record<str
   return (
     <div className={layout.stack}>
       <div className={layout.row}>
-        <button
-          type="button"
-          className={clsx(buttons.btn, buttons.s)}
-          disabled={missing || trial.isPending}
-          aria-describedby={missing ? hint : undefined}
-          onClick={() => trial.mutate()}
-        >
-          <IconSend className="i s" aria-hidden /> Send
-        </button>
+        <Button small icon={IconSend} disabled={missing || trial.isPending} aria-describedby={missing ? hint : undefined} onClick={() => trial.mutate()}>
+          Send
+        </Button>
         {missing && (
           <span className="small mut" id={hint}>
             Fill in the required values first.

@@ -10,16 +10,18 @@ interface ButtonProps extends ButtonHTMLAttributes<HTMLButtonElement> {
   /** The main action of its place. */
   main?: boolean
   danger?: boolean
+  /** As wide as its place, and higher. */
+  wide?: boolean
   /** Why this user may not press it. */
   barred?: string | undefined
 }
 
-export function Button({ icon: Icon, small, main, danger, barred, disabled, title, className, type = 'button', children, ...rest }: ButtonProps) {
+export function Button({ icon: Icon, small, main, danger, wide, barred, disabled, title, className, type = 'button', children, ...rest }: ButtonProps) {
   return (
     <button
       {...rest}
       type={type}
-      className={clsx(buttons.btn, small && buttons.s, danger && buttons.danger, main && buttons.p, className)}
+      className={clsx(buttons.btn, small && buttons.s, danger && buttons.danger, main && buttons.p, wide && buttons.wide, className)}
       disabled={disabled || barred !== undefined}
       title={barred ?? title}
     >

@@ -1,12 +1,9 @@
 // The noise and gust realisations of every evaluation; only for scenarios with random components.
-import type { Campaign, Raw } from '../../api/campaign'
-import type { Catalogue } from '../../client'
 import { Choice, Labelled } from '../fields/Field'
 import { Fold } from '../fields/Fold'
-import { ListCell } from '../fields/ListCell'
-import type { SetValue } from '../fields/PartCard'
+import { ListCell } from '../fields/NumberCell'
+import type { FormProps } from '../fields/props'
 import { sectionsOf } from '../campaign/parameters'
-import { FieldErrors } from '../fields/problems'
 import cards from '../../ui/cards.module.css'
 import styles from './form.module.css'
 
@@ -14,13 +11,7 @@ const FIELD = 'scenario.realisations'
 /** The parameter that sets the realisation of a random component. */
 const SEED = 'seed'
 
-interface RealisationsProps {
-  campaign: Campaign
-  catalogue: Catalogue
-  set: SetValue
-}
-
-export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
+export function Realisations({ campaign, catalogue, set }: FormProps) {
   const { seeds = [0], combine = 'worst' } = campaign.scenario.realisations ?? {}
   const random = sectionsOf(campaign, catalogue)
     .filter(({ role }) => role === 'environment' || role === 'fault')
@@ -37,13 +28,12 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
                 field={`${FIELD}.seeds`}
                 label="Seeds of the realisations"
                 values={seeds}
-                onChange={(values: Raw[]) => set(['scenario', 'realisations', 'seeds'], values)}
+                onChange={(values) => set(['scenario', 'realisations', 'seeds'], values)}
               />
             </Labelled>
-            <div>
+            <Labelled field={`${FIELD}.combine`} label="Which counts">
               <Choice
                 field={`${FIELD}.combine`}
-                label="Which counts"
                 data={[
                   { value: 'worst', label: 'The worst of them' },
                   { value: 'mean', label: 'Their average' },
@@ -51,8 +41,7 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
                 value={combine}
                 onChange={(value) => set(['scenario', 'realisations', 'combine'], value)}
               />
-              <FieldErrors field={`${FIELD}.combine`} />
-            </div>
+            </Labelled>
           </div>
         </Fold>
       </div>

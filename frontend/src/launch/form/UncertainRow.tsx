@@ -8,6 +8,7 @@ import { Choice } from '../fields/Field'
 import { NumberCell } from '../fields/NumberCell'
 import { boundsOf, numberOf, type Parameter } from '../campaign/parameters'
 import { idOf, Message, useProblems } from '../fields/problems'
+import type { SetValue } from '../fields/props'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
@@ -36,7 +37,7 @@ interface UncertainRowProps {
   uncertain: Uncertain | undefined
   fixed: Uncertain | undefined
   onToggle: (on: boolean) => void
-  set: (at: readonly (string | number)[], value: unknown) => void
+  set: SetValue
 }
 
 export function UncertainRow({ path, name, parameter, uncertain, fixed, onToggle, set }: UncertainRowProps) {
@@ -155,7 +156,7 @@ interface DistributionFieldsProps {
   path: string
   name: string
   distribution: NonNullable<Uncertain['distribution']>
-  set: UncertainRowProps['set']
+  set: SetValue
 }
 
 function DistributionFields({ field, path, name, distribution, set }: DistributionFieldsProps) {

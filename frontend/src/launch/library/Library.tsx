@@ -6,6 +6,7 @@ import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../../client'
 import { count, decimalsApart, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
+import { Button } from '../../ui/Button'
 import { Sign } from '../../ui/Sign'
 import { PlanView } from '../plan/PlanView'
 import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
@@ -58,9 +59,9 @@ export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose
       </div>
       {found.length === 0 ? <p className="sec">No campaign in the library matches.</p> : <Legend shown={shown} />}
       {shown.length < found.length && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onShelf({ ...shelf, whole: true })}>
-          <IconChevronDown className="i s" aria-hidden /> Show {count(found.length - shown.length)} more
-        </button>
+        <Button small icon={IconChevronDown} onClick={() => onShelf({ ...shelf, whole: true })}>
+          Show {count(found.length - shown.length)} more
+        </Button>
       )}
       {about && <About campaign={asCampaign(about.document)} />}
     </div>

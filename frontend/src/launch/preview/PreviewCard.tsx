@@ -6,6 +6,7 @@ import type { Campaign } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, Preview } from '../../client'
 import { decimalsApart, duration, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
@@ -99,10 +100,9 @@ function Flight({ ok, live, criterion }: FlightProps) {
   const { following, flown, stale, waited, trouble } = live
   return (
     <div>
-      <button type="button" className={clsx(buttons.btn, buttons.wide)} aria-pressed={following} onClick={() => live.follow(!following)}>
-        <IconRoute className="i s" aria-hidden />
+      <Button wide icon={IconRoute} aria-pressed={following} onClick={() => live.follow(!following)}>
         {following ? 'Stop previewing every edit' : 'Preview nominal case'}
-      </button>
+      </Button>
       <div className={clsx(styles.statement, 'small')} aria-live="polite" data-testid="nominal-flight">
         {following && !ok && <p className="mut">It is simulated again after the problems are solved.</p>}
         {waited !== null && (

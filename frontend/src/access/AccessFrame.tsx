@@ -4,9 +4,9 @@ import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { hasRole, type Role } from '../api/access'
 import { sessionQuery } from '../api/queries'
+import { PageHead } from '../page/PageHead'
 import { useTitle } from '../page/useTitle'
 import styles from './access.module.css'
-import layout from '../ui/layout.module.css'
 
 const PAGES = [
   { to: '/access/users', name: 'Users', least: 'admin' },
@@ -26,12 +26,7 @@ export function AccessFrame({ title, actions, children }: AccessFrameProps) {
   const { data } = useQuery(sessionQuery)
   return (
     <div className={styles.page}>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>{title}</h1>
-        </div>
-        {actions && <div className={layout.acts}>{actions}</div>}
-      </div>
+      <PageHead title={title}>{actions}</PageHead>
       <nav className={styles.tabs} aria-label="Access">
         {PAGES.filter(({ least }) => hasRole(data?.role, least)).map(({ to, name }) => (
           <Link key={to} to={to} activeProps={{ 'aria-current': 'page' }}>

@@ -24,8 +24,7 @@ export function InviteForm({ onDone }: { onDone: () => void }) {
       name={name}
       onName={setName}
       hint="Lower-case letters, digits and . _ + @ -, for example an e-mail address. It stays in all records."
-      error={invite.error}
-      pending={invite.isPending}
+      sent={invite}
       make="Make the link"
       making="Making the link …"
       onMake={() => invite.mutate()}
@@ -56,8 +55,6 @@ export function InvitationLink({ invitation, onDone }: { invitation: Invitation;
   )
 }
 
-const OPTIONS = ROLES.map(({ role, may }) => ({ value: role, may }))
-
 export function RoleChoice({ value, onChange }: { value: Role; onChange: (role: Role) => void }) {
-  return <MayChoice title="Role" value={value} options={OPTIONS} onChange={onChange} />
+  return <MayChoice title="Role" value={value} options={ROLES} onChange={onChange} />
 }

@@ -1,7 +1,7 @@
 // The form that makes an invitation or a token: a name, what it may do, and the foot with what was refused.
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
-import { DialogForm } from '../ui/DialogForm'
+import { Field, Form } from '../ui/Form'
 import styles from './access.module.css'
 import fields from '../ui/fields.module.css'
 
@@ -11,8 +11,8 @@ interface MakingFormProps {
   hint: ReactNode
   /** The choices below the name. */
   children: ReactNode
-  error: Error | null
-  pending: boolean
+  /** The request that makes it. */
+  sent: { isPending: boolean; error: Error | null }
   /** The words of the button, also while the answer is awaited. */
   make: string
   making: string
@@ -20,26 +20,14 @@ interface MakingFormProps {
   onDone: () => void
 }
 
-export function MakingForm({ name, onName, hint, children, error, pending, make, making, onMake, onDone }: MakingFormProps) {
+export function MakingForm({ name, onName, hint, children, sent, make, making, onMake, onDone }: MakingFormProps) {
   return (
-    <DialogForm error={error} submit={pending ? making : make} disabled={pending || !name.trim()} onSubmit={onMake} onLeave={onDone}>
-      <label className={fields.lbl}>
-        Name
-        <input
-          className={fields.inp}
-          value={name}
-          maxLength={64}
-          required
-          autoCapitalize="none"
-          autoComplete="off"
-          spellCheck={false}
-          data-autofocus
-          onChange={(event) => onName(event.target.value)}
-        />
+    <Form sent={sent} send={sent.isPending ? making : make} off={!name.trim()} onSend={onMake} onLeave={onDone}>
+      <Field label="Name" value={name} maxLength={64} required autoCapitalize="none" autoComplete="off" spellCheck={false} data-autofocus onChange={onName}>
         <span className={clsx('small mut', styles.hint)}>{hint}</span>
-      </label>
+      </Field>
       {children}
-    </DialogForm>
+    </Form>
   )
 }
 

@@ -1,6 +1,8 @@
 // The API page, from the OpenAPI document: every operation with parameters, bodies and responses, and a form to try it.
 import { useQuery } from '@tanstack/react-query'
 import { getOpenApi } from '../api/calls'
+import { Contents } from '../help/HelpFrame'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { CopyButton } from '../ui/files'
@@ -28,36 +30,19 @@ function Page({ document }: { document: OpenApi }) {
   return (
     <div className={guide.doc}>
       <nav className={guide.toc} aria-label="Operations">
-        {groups.map((group) => (
-          <section key={group.name}>
-            <h2>{titled(group.name)}</h2>
-            <ul>
-              {group.operations.map((operation) => (
-                <li key={operation.operationId}>
-                  <a href={`#${operation.operationId}`}>
-                    <span className={styles.verb} data-method={operation.method}>{operation.method}</span>
-                    <span className={layout.cut}>{operation.path.replace('/api/v1', '')}</span>
-                  </a>
-                </li>
-              ))}
-            </ul>
-          </section>
-        ))}
+        <Contents
+          of={groups.map(({ name, operations }) => ({
+            title: titled(name),
+            entries: operations.map(({ operationId, method, path }) => ({ id: operationId, name: <Name method={method} path={path.replace('/api/v1', '')} /> })),
+          }))}
+        />
       </nav>
       <div className={guide.docbody} data-text>
-        <div className={layout.ph}>
-          <div className={layout.t}>
-            <h1>API</h1>
-            <p className="sec">
-              {document.info.title} {document.info.version}. {document.info.summary}
-            </p>
-          </div>
-          <div className={layout.acts}>
-            <a className={buttons.btn} href={at('/api/v1/openapi.json')} target="_blank" rel="noreferrer">
-              OpenAPI document
-            </a>
-          </div>
-        </div>
+        <PageHead title="API" note={`${document.info.title} ${document.info.version}. ${document.info.summary ?? ''}`}>
+          <a className={buttons.btn} href={at('/api/v1/openapi.json')} target="_blank" rel="noreferrer">
+            OpenAPI document
+          </a>
+        </PageHead>
         <section className={cards.card}>
           <div className={cards.bd}>
             <p>
@@ -90,6 +75,13 @@ function Page({ document }: { document: OpenApi }) {
     </div>
   )
 }
+
+const Name = ({ method, path }: { method: string; path: string }) => (
+  <>
+    <span className={styles.verb} data-method={method}>{method}</span>
+    <span className={layout.cut}>{path}</span>
+  </>
+)
 
 const titled = (name: string): string => name.charAt(0).toUpperCase() + name.slice(1)
 

@@ -1,5 +1,4 @@
 // The equations, sources and parameters of all components, from the catalogue: the texts are their docstrings.
-import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
 import { catalogueQuery } from '../api/queries'
 import { Skipped } from '../page/Skipped'
@@ -9,7 +8,7 @@ import { ComponentText } from './ComponentText'
 import { HelpFrame, Unread } from './HelpFrame'
 import { idOfComponent } from './links'
 import { SimulatorText } from './SimulatorText'
-import cards from '../ui/cards.module.css'
+import { Card } from '../ui/Card'
 import layout from '../ui/layout.module.css'
 
 const ROLES: readonly [ComponentEntry['role'], string][] = [
@@ -78,31 +77,22 @@ function distinctTitle({ title, dimension }: ComponentEntry, among: readonly Com
 function Component({ component }: { component: ComponentEntry }) {
   const { role, name, title } = component
   return (
-    <section className={cards.card} id={idOfComponent(role, name)}>
-      <div className={cards.h}>
-        <h3>{title}</h3>
-        <span className={clsx(cards.d, 'mono')}>{name}</span>
-        <span className={clsx(cards.r, 'small mut')}>{facts(component)}</span>
-      </div>
-      <div className={clsx(cards.bd, layout.stack)}>
+    <Card inner id={idOfComponent(role, name)} title={title} note={<span className="mono">{name}</span>} right={<span className="small mut">{facts(component)}</span>}>
+      <div className={layout.stack}>
         <ComponentText component={component} />
       </div>
-    </section>
+    </Card>
   )
 }
 
 function Simulator({ simulator }: { simulator: SimulatorEntry }) {
   const { name, title } = simulator
   return (
-    <section className={cards.card} id={idOfComponent('simulator', name)}>
-      <div className={cards.h}>
-        <h3>{title}</h3>
-        <span className={clsx(cards.d, 'mono')}>{name}</span>
-      </div>
-      <div className={clsx(cards.bd, layout.stack)}>
+    <Card inner id={idOfComponent('simulator', name)} title={title} note={<span className="mono">{name}</span>}>
+      <div className={layout.stack}>
         <SimulatorText simulator={simulator} />
       </div>
-    </section>
+    </Card>
   )
 }
 

@@ -14,16 +14,19 @@ interface CardProps {
   right?: ReactNode
   footer?: ReactNode
   flush?: boolean
+  /** Whether it is in a section that has a heading of its own. */
+  inner?: boolean
   className?: string
   id?: string
   children: ReactNode
 }
 
-export function Card({ title, note, right, footer, flush, className, id, children }: CardProps) {
+export function Card({ title, note, right, footer, flush, inner, className, id, children }: CardProps) {
+  const Heading = inner ? 'h3' : 'h2'
   return (
     <section className={clsx(cards.card, className)} id={id}>
       <div className={cards.h}>
-        <h2>{title}</h2>
+        <Heading>{title}</Heading>
         <span className={cards.d}>{note}</span>
         {right && <div className={cards.r}>{right}</div>}
       </div>

@@ -11,7 +11,7 @@ import { Button } from '../../ui/Button'
 import { Choice, Labelled, RemoveButton } from '../fields/Field'
 import { NumberCell } from '../fields/NumberCell'
 import { numberOf } from '../campaign/parameters'
-import type { Rule } from '../text/schema'
+import { optionsOf, type Schema } from '../../api/schema'
 import { FieldErrors } from '../fields/problems'
 import type { FormProps } from '../fields/props'
 import fieldsCss from '../../ui/fields.module.css'
@@ -28,7 +28,7 @@ interface MethodOptionsProps extends Pick<FormProps, 'parameters' | 'set'> {
 
 export function MethodOptions(props: MethodOptionsProps) {
   const { field, at, stage, method, set } = props
-  const rules = Object.entries((method.options.properties ?? {}) as Record<string, Rule>)
+  const rules = Object.entries(optionsOf(method))
   return (
     <div style={{ padding: '4px 0 12px', display: 'grid', gap: 12 }}>
       {rules.length > 0 && (
@@ -63,7 +63,7 @@ export function MethodOptions(props: MethodOptionsProps) {
 interface OptionProps {
   field: string
   name: string
-  rule: Rule
+  rule: Schema
   value: Json | undefined
   onChange: (value: Json | undefined) => void
 }
@@ -101,7 +101,7 @@ function Option({ field, name, rule, value, onChange }: OptionProps) {
   )
 }
 
-function limits(rule: Rule): string {
+function limits(rule: Schema): string {
   if (rule.minimum === undefined || rule.maximum === undefined) return ''
   return `, ${plain(rule.minimum)} to ${plain(rule.maximum)}`
 }

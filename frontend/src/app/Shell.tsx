@@ -82,7 +82,7 @@ function Frame() {
         <div className={styles.topR}>
           <button type="button" className={clsx(fields.inp, styles.jump)} onClick={search} aria-keyshortcuts="Control+K">
             <IconSearch className="i s mut" aria-hidden />
-            <span className={layout.one}>Search or jump to …</span>
+            <span className={layout.cut}>Search or jump to …</span>
             <span className={buttons.kbd}>Ctrl K</span>
           </button>
           <IconButton bare large className={styles.hideKeys} label="Keys" title="Keys (?)" icon={IconKeyboard} act={() => setKeys(true)} />

@@ -15,13 +15,6 @@ import { CLEARED, isNarrowed, type RunsSearch, SHOWS, type Show } from './search
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 
-const TONE: Record<string, string> = {
-  ok: 'var(--ok-solid)',
-  bad: 'var(--bad-solid)',
-  unk: 'var(--unk-solid)',
-  run: 'var(--run)',
-}
-
 interface FiltersProps {
   search: RunsSearch
   counts: Record<string, number>
@@ -93,7 +86,7 @@ function Outcomes({ search, counts, onChange }: FiltersProps) {
           aria-pressed={search.show === show}
           onClick={() => onChange({ show: search.show === show ? undefined : show })}
         >
-          <span style={{ color: TONE[lookOf(show).tone], display: 'flex' }}>
+          <span data-tone={lookOf(show).tone} style={{ color: 'var(--tone-solid, var(--tone))', display: 'flex' }}>
             <OutcomeIcon outcome={show} />
           </span>
           {lookOf(show).word} <span className={buttons.n}>{count(numberOf(show))}</span>

@@ -69,7 +69,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: FormProps
       flush
       footer="Cleared requires methods of two families that agree on the worst case (Auto has both), and an independent sample."
     >
-      <table data-dense className={clsx(tables.table, styles.ptable)}>
+      <table data-dense className={clsx(tables.table, tables.tight, styles.ptable)}>
         <thead>
           <tr>
             <th aria-label="Runs" />

@@ -52,7 +52,7 @@ export function UncertainTable(form: FormProps) {
         'holds for that distribution.'
       }
     >
-      <table data-dense className={clsx(tables.table, styles.ptable, styles.inTable)}>
+      <table data-dense className={clsx(tables.table, tables.tight, styles.ptable, styles.inTable)}>
         <thead>
           <tr>
             <th aria-label="Varies" />

@@ -9,6 +9,7 @@ import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
 import { Sign } from '../../ui/Sign'
 import { PlanView } from '../plan/PlanView'
+import { Key, Legend } from '../plan/scene'
 import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
 import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
@@ -57,7 +58,7 @@ export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose
           />
         ))}
       </div>
-      {found.length === 0 ? <p className="sec">No campaign in the library matches.</p> : <Legend shown={shown} />}
+      {found.length === 0 ? <p className="sec">No campaign in the library matches.</p> : <Lines shown={shown} />}
       {shown.length < found.length && (
         <Button small icon={IconChevronDown} onClick={() => onShelf({ ...shelf, whole: true })}>
           Show {count(found.length - shown.length)} more
@@ -116,34 +117,16 @@ function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
 }
 
 /** What the pictures show, as far as the shown ones have it. */
-function Legend({ shown }: { shown: readonly LibraryCampaign[] }) {
+function Lines({ shown }: { shown: readonly LibraryCampaign[] }) {
   const flights = shown.flatMap(({ nominal }) => nominal ?? [])
   if (flights.length === 0) return null
   return (
-    <p className={clsx(styles.legend, 'micro mut')}>
-      <span>
-        <Key colour="--c-nom" /> Nominal path, simulated
-      </span>
-      {flights.some(({ tracks }) => tracks.length > 0) && (
-        <span>
-          <Key colour="--c-obs" dash="5 3" /> Path of an obstacle
-        </span>
-      )}
-      <span>
-        <Key colour="--c-crit" dash="3 2" /> Required distance at the closest approach
-      </span>
-      <span>
-        <Key colour="--ink" /> Closest approach
-      </span>
-    </p>
-  )
-}
-
-function Key({ colour, dash }: { colour: string; dash?: string }) {
-  return (
-    <svg width={18} height={8} aria-hidden>
-      <path d="M0 4h18" stroke={`var(${colour})`} strokeWidth={1.8} strokeDasharray={dash} fill="none" />
-    </svg>
+    <Legend>
+      <Key colour="--c-nom">Nominal path, simulated</Key>
+      {flights.some(({ tracks }) => tracks.length > 0) && <Key colour="--c-obs" dash="5 3">Path of an obstacle</Key>}
+      <Key colour="--c-crit" dash="3 2">Required distance at the closest approach</Key>
+      <Key colour="--ink">Closest approach</Key>
+    </Legend>
   )
 }
 

@@ -1,6 +1,9 @@
 // What every picture of a scenario has: paths, arrow heads, obstacles with the region that must stay free, the goal.
+import { clsx } from 'clsx'
+import type { ReactNode } from 'react'
 import { freeOf, type Place, type PlanBody } from './plan'
 import { degrees } from './ways'
+import figures from '../../ui/figures.module.css'
 
 /** From positions to the picture. */
 export interface Pixels<P = Place> {
@@ -10,6 +13,18 @@ export interface Pixels<P = Place> {
 
 export const line = <P,>(way: readonly P[], { x, y }: Pixels<P>): string =>
   way.map((p, i) => `${i === 0 ? 'M' : 'L'}${x(p).toFixed(1)} ${y(p).toFixed(1)}`).join('')
+
+/** What the lines of a picture mean. */
+export const Legend = ({ children }: { children: ReactNode }) => <p className={clsx(figures.keys, 'micro mut')}>{children}</p>
+
+export const Key = ({ colour, dash, children }: { colour: string; dash?: string; children: ReactNode }) => (
+  <span>
+    <svg width={18} height={8} aria-hidden>
+      <path d="M0 4h18" stroke={`var(${colour})`} strokeWidth={1.8} strokeDasharray={dash} fill="none" />
+    </svg>
+    {children}
+  </span>
+)
 
 /** An arrow head at the end of a path. */
 export function Head<P>({ way, pixels, colour }: { way: readonly P[]; pixels: Pixels<P>; colour: string }) {

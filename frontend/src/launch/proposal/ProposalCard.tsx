@@ -27,7 +27,7 @@ export function ProposalCard({ campaign, catalogue, set }: FormProps) {
   const use = () => set(['stages', 'search'], searches)
   return (
     <Card title="Proposal" note="Methods and budgets for the time that you allow the searches." id="section-proposal">
-      <p className={styles.known}>{thinned(known(request !== null, data?.known, error))}</p>
+      <p>{thinned(known(request !== null, data?.known, error))}</p>
       {data?.measured && (
         <>
           <div className={styles.time}>

@@ -10,14 +10,17 @@ import styles from './form.module.css'
 export function SettingsForm(form: FormProps) {
   return (
     <Card title="Certify, stages and verdict" id="section-stages">
-      {STAGES.map((group) => (
-        <Fold key={group.title} title={group.title} digest={group.digest(form.campaign)} fields={[group.field]}>
-          <div className={styles.fields} id={idOf(group.field)} tabIndex={-1}>
-            <SettingFields {...form} settings={group.settings} />
-          </div>
-          <FieldErrors field={group.field} />
-        </Fold>
-      ))}
+      {STAGES.map(({ title, digest, settings }) => {
+        const field = `stages.${title.toLowerCase()}`
+        return (
+          <Fold key={title} title={title} digest={digest(form.campaign)} fields={[field]}>
+            <div className={styles.fields} id={idOf(field)} tabIndex={-1}>
+              <SettingFields {...form} settings={settings} />
+            </div>
+            <FieldErrors field={field} />
+          </Fold>
+        )
+      })}
       <h3 style={{ margin: '14px 0 8px' }}>Verdict</h3>
       <div className={styles.fields}>
         <SettingFields {...form} settings={VERDICT} />

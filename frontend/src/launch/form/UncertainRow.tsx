@@ -52,8 +52,7 @@ export function UncertainRow({ path, name, parameter, uncertain, fixed, onToggle
   const distribution = shown.distribution ?? { kind: 'uniform' }
   const shaped = on && distribution.kind !== 'uniform'
   // An edited bound replaces a plus-minus; the other bound is unchanged.
-  const bound = (which: 'low' | 'high') => (value: Raw | null) =>
-    set(['uncertain', path], { ...shown, plus_minus: null, low, high, [which]: value })
+  const bounds = { low, high }
   const wide = problems.some((p) => p.field === field || p.field.endsWith('.plus_minus'))
   const numbers = { low: numberOf(low), high: numberOf(high), nominal: numberOf(nominal) }
   const distribute = (kind: string) =>
@@ -94,26 +93,18 @@ export function UncertainRow({ path, name, parameter, uncertain, fixed, onToggle
             />
           )}
         </td>
-        <td>
-          <NumberCell
-            field={`${field}.low`}
-            label={`${name}, low`}
-            value={low}
-            disabled={!on}
-            invalid={wide}
-            onChange={bound('low')}
-          />
-        </td>
-        <td>
-          <NumberCell
-            field={`${field}.high`}
-            label={`${name}, high`}
-            value={high}
-            disabled={!on}
-            invalid={wide}
-            onChange={bound('high')}
-          />
-        </td>
+        {(['low', 'high'] as const).map((which) => (
+          <td key={which}>
+            <NumberCell
+              field={`${field}.${which}`}
+              label={`${name}, ${which}`}
+              value={bounds[which]}
+              disabled={!on}
+              invalid={wide}
+              onChange={(value) => set(['uncertain', path], { ...shown, plus_minus: null, ...bounds, [which]: value })}
+            />
+          </td>
+        ))}
         <td className="sec nw">{unitText(parameter?.entry.unit ?? '')}</td>
         <td>
           <Choice

@@ -6,12 +6,12 @@ import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../../client'
 import { count, decimalsApart, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
-import { Button } from '../../ui/Button'
+import { Button, Chip, ChipCount } from '../../ui/Button'
 import { Sign } from '../../ui/Sign'
+import { criterionOf } from '../campaign/parameters'
 import { PlanView } from '../plan/PlanView'
 import { Key, Legend } from '../plan/scene'
 import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
-import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
@@ -83,24 +83,13 @@ interface ShelvesProps {
 function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
   return (
     <div className={clsx(layout.filters, styles.shelves)}>
-      <button
-        type="button"
-        className={buttons.chip}
-        aria-pressed={shelf.tag === null}
-        onClick={() => onChange({ ...shelf, tag: null })}
-      >
-        All <span className={buttons.n}>{count(campaigns.length)}</span>
-      </button>
+      <Chip on={shelf.tag === null} act={() => onChange({ ...shelf, tag: null })}>
+        All <ChipCount of={campaigns.length} />
+      </Chip>
       {tagsOf(campaigns).map(({ tag, count: n }) => (
-        <button
-          key={tag}
-          type="button"
-          className={buttons.chip}
-          aria-pressed={shelf.tag === tag}
-          onClick={() => onChange({ ...shelf, tag: shelf.tag === tag ? null : tag })}
-        >
-          {tag} <span className={buttons.n}>{count(n)}</span>
-        </button>
+        <Chip key={tag} on={shelf.tag === tag} act={() => onChange({ ...shelf, tag: shelf.tag === tag ? null : tag })}>
+          {tag} <ChipCount of={n} />
+        </Chip>
       ))}
       <span className={clsx(fields.inp, fields.search)}>
         <IconSearch className="i s" aria-hidden />
@@ -157,7 +146,7 @@ interface CardProps {
 
 function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps) {
   const campaign = asCampaign(item.document)
-  const criterion = catalogue?.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
+  const criterion = criterionOf(campaign, catalogue)
   const { nominal } = item
   const threshold = Number(campaign.criterion.threshold)
   const high = criterion?.worse === 'high'

@@ -4,7 +4,7 @@
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, DrawnFlight } from '../../client'
 import { type Nominal, nominalOf } from './nominal'
-import { extentOf, fit, type Plan, type PlanBody, planOf, reachOf, type Window } from './plan'
+import { describedBy, extentOf, fit, type PlanBody, planOf, reachOf, type Window } from './plan'
 import { Goal, Head, line, Obstacle } from './scene'
 import { useWidth } from '../../ui/useWidth'
 import { degrees } from './ways'
@@ -23,7 +23,7 @@ const FIRST = 280
 
 export function PlanView({ campaign, catalogue, flight, clear = true, height = 140 }: PlanViewProps) {
   const plan = planOf(campaign, catalogue)
-  const reach = distanceOf(campaign, catalogue)
+  const reach = reachOf(campaign, catalogue)
   const nominal = flight ? nominalOf(flight, plan.axes) : null
   const [holder, width] = useWidth(FIRST)
   const bodies = plan.bodies.map((body, i) => placed(body, i, nominal))
@@ -41,7 +41,7 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
         height={height}
         style={{ display: 'block' }}
         role="img"
-        aria-label={labelOf(campaign.name, plan, nominal !== null)}
+        aria-label={`${nominal ? 'Nominal case' : 'Plan'} of ${campaign.name} from above: ${describedBy(plan)}`}
       >
         <Grid view={view} width={width} height={height} />
         <path
@@ -69,23 +69,10 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
   )
 }
 
-/** The required distance where the criterion is one [m]. */
-function distanceOf(campaign: Campaign, catalogue: Catalogue | undefined): number {
-  const criterion = catalogue?.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
-  const kept = !criterion || (criterion.unit === 'm' && criterion.of !== 'goal' && criterion.of !== 'flight')
-  return kept ? reachOf(campaign) : 0
-}
-
 /** An obstacle on its simulated path, where it is at the closest approach. */
 function placed(body: PlanBody, i: number, nominal: Nominal | null): PlanBody {
   const [at, track] = [nominal?.moment.get(i), nominal?.tracks.get(i)]
   return at && track ? { ...body, at: { ...body.at, ...at }, track: track.map((p) => ({ up: 0, t: 0, ...p })) } : body
-}
-
-function labelOf(name: string, { goal, bodies }: Plan, flown: boolean): string {
-  const moving = bodies.filter((body) => body.track.length > 1).length
-  const obstacles = `${bodies.length} ${bodies.length === 1 ? 'obstacle' : 'obstacles'}`
-  return `${flown ? 'Nominal case' : 'Plan'} of ${name} from above: start, ${goal ? 'goal' : 'course'} and ${obstacles}, ${moving} of them moving`
 }
 
 /** The path, its end, and the distance at the closest approach. */
@@ -99,11 +86,7 @@ function Flown({ nominal, clear, view }: { nominal: Nominal; clear: boolean; vie
       {end && <circle cx={view.x(end)} cy={view.y(end)} r={2.4} fill="var(--c-nom)" />}
       {closest && (
         <>
-          <path
-            d={line([closest.at, closest.other], view)}
-            stroke={colour}
-            strokeWidth={1.4}
-          />
+          <path d={line([closest.at, closest.other], view)} stroke={colour} strokeWidth={1.4} />
           <circle cx={view.x(closest.at)} cy={view.y(closest.at)} r={2.8} fill={colour} />
         </>
       )}

@@ -11,7 +11,7 @@ import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import { flownOf } from './flown'
-import { planOf, reachOf } from '../plan/plan'
+import { describedBy, planOf, reachOf } from '../plan/plan'
 import { Key, Legend } from '../plan/scene'
 import { PreviewPlan } from './PreviewPlan'
 import { hasHeights, PreviewSide } from './PreviewSide'
@@ -44,11 +44,10 @@ export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live
     return { plan, ranges: rangesOf(campaign, catalogue, plan) }
   }, [campaign, catalogue])
   const flown = useMemo(() => (live.flown ? flownOf(live.flown) : null), [live.flown])
-  const kept = criterion?.unit === 'm' && criterion.of !== 'goal' && criterion.of !== 'flight'
-  const reach = kept ? reachOf(campaign) : 0
+  const reach = reachOf(campaign, catalogue)
   const shared = { ...drawn, reach, flown, stale: live.stale, width }
   const bodies = drawn.plan.bodies
-  const label = `${campaign.name}: start, ${drawn.plan.goal ? 'goal' : 'course'} and ${bodies.length} obstacles, ${bodies.filter((body) => body.moving).length} of them moving`
+  const label = `${campaign.name}: ${describedBy(drawn.plan)}`
   const ranges = drawn.ranges.boxes.length + drawn.ranges.fans.length + drawn.ranges.rings.length
   return (
     <Card title="Preview" className={styles.preview} note={readable ? undefined : 'of the last text that could be read'}>

@@ -1,4 +1,5 @@
 // The heading of the pages about access, with links among them.
+import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
@@ -6,6 +7,7 @@ import { hasRole, type Role } from '../api/access'
 import { sessionQuery } from '../api/queries'
 import { PageHead } from '../page/PageHead'
 import { useTitle } from '../page/useTitle'
+import layout from '../ui/layout.module.css'
 import styles from './access.module.css'
 
 const PAGES = [
@@ -27,7 +29,7 @@ export function AccessFrame({ title, actions, children }: AccessFrameProps) {
   return (
     <div className={styles.page}>
       <PageHead title={title}>{actions}</PageHead>
-      <nav className={styles.tabs} aria-label="Access">
+      <nav className={clsx(layout.tabs, styles.tabs)} aria-label="Access">
         {PAGES.filter(({ least }) => hasRole(data?.role, least)).map(({ to, name }) => (
           <Link key={to} to={to} activeProps={{ 'aria-current': 'page' }}>
             {name}

@@ -72,7 +72,7 @@ function Frame() {
       </a>
       <header className={styles.top}>
         <Brand />
-        <nav className={styles.nav} aria-label="Main">
+        <nav className={clsx(layout.tabs, styles.nav)} aria-label="Main">
           {PAGES.map((name) => (
             <Link key={name} to={`/${name}`} activeProps={{ 'aria-current': 'page' }}>
               {name.charAt(0).toUpperCase() + name.slice(1)}

@@ -5,12 +5,12 @@ import { Contents } from '../help/HelpFrame'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { Card } from '../ui/Card'
 import { CopyButton } from '../ui/files'
 import { OperationCard } from './OperationCard'
 import { type OpenApi, operationsOf } from './openapi'
 import { at, ROOT } from '../format/root'
 import buttons from '../ui/buttons.module.css'
-import cards from '../ui/cards.module.css'
 import guide from '../ui/guide.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './docs.module.css'
@@ -33,7 +33,10 @@ function Page({ document }: { document: OpenApi }) {
         <Contents
           of={groups.map(({ name, operations }) => ({
             title: titled(name),
-            entries: operations.map(({ operationId, method, path }) => ({ id: operationId, name: <Name method={method} path={path.replace('/api/v1', '')} /> })),
+            entries: operations.map(({ operationId, method, path }) => ({
+              id: operationId,
+              name: [<Verb key="verb" of={method} />, <span key="path" className={layout.cut}>{path.replace('/api/v1', '')}</span>],
+            })),
           }))}
         />
       </nav>
@@ -43,22 +46,20 @@ function Page({ document }: { document: OpenApi }) {
             OpenAPI document
           </a>
         </PageHead>
-        <section className={cards.card}>
-          <div className={cards.bd}>
-            <p>
-              Programs send a token, created with <code>clearance token create NAME</code> and shown once. This page sends
-              what you try as you. An error is a problem document (RFC 9457): what was given, what is allowed, what to
-              do.
-            </p>
-            <Snippet text={first} />
-            <p>
-              In continuous integration one command sends a campaign, waits, and ends with the verdict: its exit code is
-              0 for cleared, 1 for violated, 2 for inconclusive. <code>--out</code> keeps report, run, campaign, findings and
-              evaluations.
-            </p>
-            <Snippet text="clearance submit campaign.yaml --tag nightly --out artefacts/" />
-          </div>
-        </section>
+        <Card>
+          <p>
+            Programs send a token, created with <code>clearance token create NAME</code> and shown once. This page sends
+            what you try as you. An error is a problem document (RFC 9457): what was given, what is allowed, what to
+            do.
+          </p>
+          <Snippet text={first} />
+          <p>
+            In continuous integration one command sends a campaign, waits, and ends with the verdict: its exit code is
+            0 for cleared, 1 for violated, 2 for inconclusive. <code>--out</code> keeps report, run, campaign, findings and
+            evaluations.
+          </p>
+          <Snippet text="clearance submit campaign.yaml --tag nightly --out artefacts/" />
+        </Card>
         {groups.map((group) => (
           <section key={group.name} aria-label={titled(group.name)}>
             <h2 className={layout.sect}>
@@ -76,12 +77,7 @@ function Page({ document }: { document: OpenApi }) {
   )
 }
 
-const Name = ({ method, path }: { method: string; path: string }) => (
-  <>
-    <span className={styles.verb} data-method={method}>{method}</span>
-    <span className={layout.cut}>{path}</span>
-  </>
-)
+export const Verb = ({ of }: { of: string }) => <span className={styles.verb} data-method={of}>{of}</span>
 
 const titled = (name: string): string => name.charAt(0).toUpperCase() + name.slice(1)
 

@@ -4,15 +4,15 @@ import { useMutation } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { useId, useState } from 'react'
 import { duration } from '../format/numbers'
-import { Snippet } from './ApiPage'
+import { Snippet, Verb } from './ApiPage'
 import type { Schema } from '../api/schema'
 import { addressOf, curlOf, limitsOf, type Operation, type Parameter, typeOf } from './openapi'
 import { Shape } from './Shape'
 import { Button } from '../ui/Button'
+import { Card } from '../ui/Card'
 import { type Column, Table } from '../ui/Table'
 import { Ticked } from '../ui/Ticked'
 import { ROOT } from '../format/root'
-import cards from '../ui/cards.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './docs.module.css'
@@ -46,13 +46,8 @@ export function OperationCard({ operation, schemas }: OperationProps) {
     },
   ]
   return (
-    <section className={cards.card} id={operationId}>
-      <div className={cards.h}>
-        <h3 className="mono">
-          <span className={styles.verb} data-method={method}>{method}</span> {path}
-        </h3>
-      </div>
-      <div className={clsx(cards.bd, layout.stack, styles.operation)}>
+    <Card inner id={operationId} title={<span className="mono"><Verb of={method} /> {path}</span>}>
+      <div className={clsx(layout.stack, styles.operation)}>
         <p>
           <Ticked text={description} />
         </p>
@@ -78,7 +73,7 @@ export function OperationCard({ operation, schemas }: OperationProps) {
         <Snippet text={curlOf(operation, location.origin + ROOT, values)} />
         {method === 'get' && !path.endsWith('/events') && <Trial operation={operation} values={values} />}
       </div>
-    </section>
+    </Card>
   )
 }
 

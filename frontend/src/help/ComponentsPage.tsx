@@ -1,5 +1,6 @@
 // The equations, sources and parameters of all components, from the catalogue: the texts are their docstrings.
 import { useQuery } from '@tanstack/react-query'
+import { Fragment } from 'react'
 import { catalogueQuery } from '../api/queries'
 import { Skipped } from '../page/Skipped'
 import { useTitle } from '../page/useTitle'
@@ -25,45 +26,29 @@ export function ComponentsPage() {
   useTitle('Components')
   const query = useQuery(catalogueQuery)
   const { components = [], simulators = [], unusable, version } = query.data ?? {}
-  const roles = ROLES.flatMap(([role, title]) => {
-    const found = components.filter((component) => component.role === role)
-    return found.length > 0 ? [{ role, title, found }] : []
-  })
+  const groups = [
+    ...ROLES.map(([role, title]) => {
+      const found = components.filter((component) => component.role === role)
+      return { title, entries: found.map((one) => ({ id: idOfComponent(role, one.name), name: distinctTitle(one, found), card: <Component component={one} /> })) }
+    }),
+    { title: 'Simulators', entries: simulators.map((one) => ({ id: idOfComponent('simulator', one.name), name: one.title, card: <Simulator simulator={one} /> })) },
+  ].filter(({ entries }) => entries.length > 0)
   return (
     <HelpFrame
       title="Components"
       lede={`The components of scenarios in this installation${version ? ` (Clearance ${version})` : ''}. Each component is one file; the text here is its docstring.`}
-      contents={[
-        ...roles.map(({ title, found }) => ({
-          title,
-          entries: found.map((component) => ({
-            id: idOfComponent(component.role, component.name),
-            name: distinctTitle(component, found),
-          })),
-        })),
-        ...(simulators.length > 0
-          ? [{ title: 'Simulators', entries: simulators.map(({ name, title }) => ({ id: idOfComponent('simulator', name), name: title })) }]
-          : []),
-      ]}
+      contents={groups}
     >
       {!query.data && <Unread what="the components" query={query} />}
       <Skipped unusable={unusable} />
-      {roles.map(({ role, title, found }) => (
-        <section key={role} className={layout.stack}>
+      {groups.map(({ title, entries }) => (
+        <section key={title} className={layout.stack}>
           <h2 className={layout.sect}>{title}</h2>
-          {found.map((component) => (
-            <Component key={component.name} component={component} />
+          {entries.map(({ id, card }) => (
+            <Fragment key={id}>{card}</Fragment>
           ))}
         </section>
       ))}
-      {simulators.length > 0 && (
-        <section className={layout.stack}>
-          <h2 className={layout.sect}>Simulators</h2>
-          {simulators.map((simulator) => (
-            <Simulator key={simulator.name} simulator={simulator} />
-          ))}
-        </section>
-      )}
     </HelpFrame>
   )
 }

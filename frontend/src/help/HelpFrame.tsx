@@ -3,6 +3,7 @@ import { clsx } from 'clsx'
 import { Link } from '@tanstack/react-router'
 import { type ReactNode, useEffect } from 'react'
 import { Failed, Loading } from '../page/Trouble'
+import { Card } from '../ui/Card'
 import { GUIDES } from './guides'
 import cards from '../ui/cards.module.css'
 import guide from '../ui/guide.module.css'
@@ -109,10 +110,8 @@ interface UnreadProps {
 export function Unread({ what, query: { error, failureReason, refetch } }: UnreadProps) {
   if (!error) return <Loading what={what} failed={failureReason} />
   return (
-    <section className={cards.card}>
-      <div className={cards.bd}>
-        <Failed error={error} retry={() => void refetch()} />
-      </div>
-    </section>
+    <Card>
+      <Failed error={error} retry={() => void refetch()} />
+    </Card>
   )
 }

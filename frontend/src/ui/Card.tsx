@@ -9,7 +9,8 @@ import tables from './tables.module.css'
 import styles from './ui.module.css'
 
 interface CardProps {
-  title: ReactNode
+  /** Without one the card has no header. */
+  title?: ReactNode
   note?: ReactNode
   right?: ReactNode
   footer?: ReactNode
@@ -25,11 +26,13 @@ export function Card({ title, note, right, footer, flush, inner, className, id, 
   const Heading = inner ? 'h3' : 'h2'
   return (
     <section className={clsx(cards.card, className)} id={id}>
-      <div className={cards.h}>
-        <Heading>{title}</Heading>
-        <span className={cards.d}>{note}</span>
-        {right && <div className={cards.r}>{right}</div>}
-      </div>
+      {title !== undefined && (
+        <div className={cards.h}>
+          <Heading>{title}</Heading>
+          <span className={cards.d}>{note}</span>
+          {right && <div className={cards.r}>{right}</div>}
+        </div>
+      )}
       {flush ? <Flush>{children}</Flush> : <div className={cards.bd} data-body>{children}</div>}
       {footer && <div className={styles.ft}>{footer}</div>}
     </section>

@@ -1,6 +1,6 @@
 // The scenario: components, obstacles, disturbances, horizon.
-import { clsx } from 'clsx'
 import { type List, LISTS, listAt } from '../../api/campaign'
+import { Card } from '../../ui/Card'
 import { criterionFor } from '../campaign/extents'
 import { Adder } from '../fields/Field'
 import { PartCard } from '../fields/PartCard'
@@ -10,7 +10,6 @@ import type { FormProps } from '../fields/props'
 import { Realisations } from './Realisations'
 import { SettingFields } from './SettingsForm'
 import { SIMULATION } from '../campaign/settings'
-import cards from '../../ui/cards.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
 
@@ -27,11 +26,11 @@ export function ScenarioForm(form: FormProps) {
     <section aria-label="Scenario" id={idOf('scenario')} tabIndex={-1} className={layout.stack}>
       <h2 className={layout.sect}>Scenario</h2>
       <FieldErrors field="scenario" />
-      <div className={cards.card}>
-        <div className={clsx(cards.bd, styles.fields)}>
+      <Card>
+        <div className={styles.fields}>
           <SettingFields {...form} settings={SIMULATION} />
         </div>
-      </div>
+      </Card>
       <Parts sections={sections.filter((section) => section.at.length === 2)} {...form} />
       {LISTS.map((list) => {
         const own = sections.filter((section) => section.at[1] === list)

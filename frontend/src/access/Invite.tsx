@@ -12,22 +12,19 @@ import { ROOT } from '../format/root'
 
 export function InviteForm({ onDone }: { onDone: () => void }) {
   const cache = useQueryClient()
-  const [name, setName] = useState('')
   const [role, setRole] = useState<Role>('engineer')
   const invite = useMutation({
-    mutationFn: () => inviteUser({ name: name.trim(), role }),
+    mutationFn: (name: string) => inviteUser({ name, role }),
     onSuccess: () => cache.invalidateQueries({ queryKey: ['users'] }),
   })
   if (invite.data) return <InvitationLink invitation={invite.data} onDone={onDone} />
   return (
     <MakingForm
-      name={name}
-      onName={setName}
       hint="Lower-case letters, digits and . _ + @ -, for example an e-mail address. It stays in all records."
       sent={invite}
       make="Make the link"
       making="Making the link …"
-      onMake={() => invite.mutate()}
+      onMake={invite.mutate}
       onDone={onDone}
     >
       <RoleChoice value={role} onChange={setRole} />

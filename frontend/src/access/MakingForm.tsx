@@ -1,13 +1,11 @@
 // The form that makes an invitation or a token: a name, what it may do, and the foot with what was refused.
 import { clsx } from 'clsx'
-import type { ReactNode } from 'react'
+import { type ReactNode, useState } from 'react'
 import { Field, Form } from '../ui/Form'
 import styles from './access.module.css'
 import fields from '../ui/fields.module.css'
 
 interface MakingFormProps {
-  name: string
-  onName: (name: string) => void
   hint: ReactNode
   /** The choices below the name. */
   children: ReactNode
@@ -16,14 +14,16 @@ interface MakingFormProps {
   /** The words of the button, also while the answer is awaited. */
   make: string
   making: string
-  onMake: () => void
+  onMake: (name: string) => void
   onDone: () => void
 }
 
-export function MakingForm({ name, onName, hint, children, sent, make, making, onMake, onDone }: MakingFormProps) {
+export function MakingForm({ hint, children, sent, make, making, onMake, onDone }: MakingFormProps) {
+  const [typed, setTyped] = useState('')
+  const name = typed.trim()
   return (
-    <Form sent={sent} send={sent.isPending ? making : make} off={!name.trim()} onSend={onMake} onLeave={onDone}>
-      <Field label="Name" value={name} maxLength={64} required autoCapitalize="none" autoComplete="off" spellCheck={false} data-autofocus onChange={onName}>
+    <Form sent={sent} send={sent.isPending ? making : make} off={!name} onSend={() => onMake(name)} onLeave={onDone}>
+      <Field label="Name" value={typed} maxLength={64} required autoCapitalize="none" autoComplete="off" spellCheck={false} data-autofocus onChange={setTyped}>
         <span className={clsx('small mut', styles.hint)}>{hint}</span>
       </Field>
       {children}

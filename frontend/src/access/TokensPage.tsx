@@ -108,11 +108,10 @@ function State({ token }: { token: Token }) {
 function CreateForm({ onDone }: { onDone: () => void }) {
   const cache = useQueryClient()
   const role = useQuery(sessionQuery).data?.role
-  const [name, setName] = useState('')
   const [scope, setScope] = useState<'read' | 'run' | 'admin'>(hasRole(role, 'engineer') ? 'run' : 'read')
   const [days, setDays] = useState<number | null>(90)
   const create = useMutation({
-    mutationFn: () => createToken({ name: name.trim(), scope, days }),
+    mutationFn: (name: string) => createToken({ name, scope, days }),
     onSuccess: () => cache.invalidateQueries({ queryKey: ['tokens'] }),
   })
   if (create.data)
@@ -124,13 +123,11 @@ function CreateForm({ onDone }: { onDone: () => void }) {
     )
   return (
     <MakingForm
-      name={name}
-      onName={setName}
       hint="What it is for, such as nightly-ci. Runs that it launches show this name."
       sent={create}
       make="Create"
       making="Creating …"
-      onMake={() => create.mutate()}
+      onMake={create.mutate}
       onDone={onDone}
     >
       <MayChoice title="Scope" value={scope} options={SCOPES.filter(({ least }) => hasRole(role, least))} onChange={setScope} />

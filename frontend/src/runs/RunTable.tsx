@@ -13,6 +13,7 @@ import type { Sort } from './search'
 import { useRows } from './useRows'
 import cards from '../ui/cards.module.css'
 import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 import styles from './runs.module.css'
 
@@ -56,7 +57,7 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, mark
 
   return (
     <div ref={holder}>
-      <div className={least > width ? clsx(cards.card, styles.scrollx) : clsx(cards.card, styles.clip)}>
+      <div className={clsx(cards.card, least > width ? layout.scrollx : styles.clip)}>
         <table className={clsx(tables.table, styles.runs)} aria-rowcount={total + 1} style={{ minWidth: least }} onMouseDown={() => setChosen(-1)}>
           <colgroup>
             <col style={{ width: MARK }} />

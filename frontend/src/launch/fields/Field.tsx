@@ -15,13 +15,12 @@ interface LabelledProps {
   text?: ReactNode
   /** The field whose problems are shown, with those of everything below it, instead of its own alone. */
   within?: string
-  className?: string
   children: ReactNode
 }
 
-export function Labelled({ field, label, unit, text, within, className, children }: LabelledProps) {
+export function Labelled({ field, label, unit, text, within, children }: LabelledProps) {
   return (
-    <div className={className}>
+    <div>
       <label className={fields.lbl} htmlFor={idOf(field)}>
         {label}
         {unit && <span className="mut">, {unit}</span>}

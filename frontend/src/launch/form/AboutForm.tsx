@@ -38,10 +38,10 @@ export function AboutForm({ campaign, set }: FormProps) {
           {TEXTS.map(({ at, field = at, label, rows, most }) => {
             const Input = rows ? 'textarea' : 'input'
             return (
-              <Labelled key={at} className={styles.written} field={field} label={label}>
+              <Labelled key={at} field={field} label={label}>
                 <Input
                   id={idOf(field)}
-                  className={fieldsCss.inp}
+                  className={clsx(fieldsCss.inp, rows && fieldsCss.area)}
                   rows={rows}
                   maxLength={most}
                   value={campaign[at] ?? ''}

@@ -5,9 +5,8 @@ import type { Campaign } from '../../api/campaign'
 import type { Catalogue, DrawnFlight } from '../../client'
 import { type Nominal, nominalOf } from './nominal'
 import { describedBy, extentOf, fit, type PlanBody, planOf, reachOf, type Window } from './plan'
-import { Goal, Head, line, Obstacle } from './scene'
+import { Goal, Head, line, Obstacle, Start } from './scene'
 import { useWidth } from '../../ui/useWidth'
-import { degrees } from './ways'
 
 interface PlanViewProps {
   campaign: Campaign
@@ -31,8 +30,7 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
   // A course beyond the end of its flight is not drawn.
   const shown = { ...plan, bodies, way: nominal && !plan.goal ? [] : plan.way }
   const view = fit([...extentOf(shown, reach), ...flown], width, height, { x: 24, y: 18 })
-  const { start, goal } = plan
-  const length = 0.1 * height
+  const { goal } = plan
   return (
     <div ref={holder} style={{ overflow: 'hidden' }}>
       <svg
@@ -57,12 +55,7 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
           <Body key={i} body={body} reach={reach} surface={plan.surface} view={view} />
         ))}
         {nominal && <Flown nominal={nominal} clear={clear} view={view} />}
-        <g transform={`translate(${view.x(start)} ${view.y(start)}) rotate(${degrees(-plan.heading)})`}>
-          <path
-            d={`M${length} 0 L${-0.6 * length} ${0.55 * length} L${-0.3 * length} 0 L${-0.6 * length} ${-0.55 * length}Z`}
-            fill="var(--ink-2)"
-          />
-        </g>
+        <Start plan={plan} pixels={view} size={0.1 * height} />
         {goal && <Goal at={goal} pixels={view} />}
       </svg>
     </div>

@@ -1,12 +1,14 @@
 // The heading of the pages about access, with links among them.
+import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { hasRole, type Role } from '../api/access'
 import { sessionQuery } from '../api/queries'
+import { PageHead } from '../page/PageHead'
 import { useTitle } from '../page/useTitle'
-import styles from './access.module.css'
 import layout from '../ui/layout.module.css'
+import styles from './access.module.css'
 
 const PAGES = [
   { to: '/access/users', name: 'Users', least: 'admin' },
@@ -26,13 +28,8 @@ export function AccessFrame({ title, actions, children }: AccessFrameProps) {
   const { data } = useQuery(sessionQuery)
   return (
     <div className={styles.page}>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>{title}</h1>
-        </div>
-        {actions && <div className={layout.acts}>{actions}</div>}
-      </div>
-      <nav className={styles.tabs} aria-label="Access">
+      <PageHead title={title}>{actions}</PageHead>
+      <nav className={clsx(layout.tabs, styles.tabs)} aria-label="Access">
         {PAGES.filter(({ least }) => hasRole(data?.role, least)).map(({ to, name }) => (
           <Link key={to} to={to} activeProps={{ 'aria-current': 'page' }}>
             {name}

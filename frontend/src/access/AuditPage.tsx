@@ -1,14 +1,16 @@
 // The audit trail for reviewers and administrators: in pages, newest first, by user and action; its head, and its export.
 import { clsx } from 'clsx'
 import { IconDownload } from '@tabler/icons-react'
-import { infiniteQueryOptions, useInfiniteQuery } from '@tanstack/react-query'
+import { useInfiniteQuery } from '@tanstack/react-query'
 import { useNavigate, useSearch } from '@tanstack/react-router'
 import { listAudit } from '../api/access'
+import { paged } from '../api/queries'
 import type { AuditEntry, AuditPage as Page } from '../client'
 import { count } from '../format/numbers'
 import { viaOf } from '../format/people'
 import { moment } from '../format/time'
 import { Loaded } from '../page/Trouble'
+import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { type Column, Table } from '../ui/Table'
 import { Digests } from '../ui/Digests'
@@ -19,15 +21,7 @@ import styles from './access.module.css'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 
-const auditQuery = (actor: string, action: string) =>
-  infiniteQueryOptions({
-    queryKey: ['audit', actor, action],
-    queryFn: ({ pageParam }) => listAudit(actor, action, pageParam),
-    initialPageParam: null as string | null,
-    getNextPageParam: (page) => page.next_cursor,
-    placeholderData: (before) => before,
-    staleTime: 0,
-  })
+const auditQuery = (actor: string, action: string) => paged(['audit', actor, action], (cursor) => listAudit(actor, action, cursor), 0)
 
 export function AuditPage() {
   const { actor = '', action = '' } = useSearch({ from: '/access/audit' })
@@ -55,9 +49,9 @@ export function AuditPage() {
               flush
               footer={
                 query.hasNextPage && (
-                  <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
+                  <Button small disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
                     {query.isFetchingNextPage ? 'Loading …' : 'Show earlier ones'}
-                  </button>
+                  </Button>
                 )
               }
             >

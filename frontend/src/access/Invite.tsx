@@ -12,23 +12,19 @@ import { ROOT } from '../format/root'
 
 export function InviteForm({ onDone }: { onDone: () => void }) {
   const cache = useQueryClient()
-  const [name, setName] = useState('')
   const [role, setRole] = useState<Role>('engineer')
   const invite = useMutation({
-    mutationFn: () => inviteUser({ name: name.trim(), role }),
+    mutationFn: (name: string) => inviteUser({ name, role }),
     onSuccess: () => cache.invalidateQueries({ queryKey: ['users'] }),
   })
   if (invite.data) return <InvitationLink invitation={invite.data} onDone={onDone} />
   return (
     <MakingForm
-      name={name}
-      onName={setName}
       hint="Lower-case letters, digits and . _ + @ -, for example an e-mail address. It stays in all records."
-      error={invite.error}
-      pending={invite.isPending}
+      sent={invite}
       make="Make the link"
       making="Making the link …"
-      onMake={() => invite.mutate()}
+      onMake={invite.mutate}
       onDone={onDone}
     >
       <RoleChoice value={role} onChange={setRole} />
@@ -56,8 +52,6 @@ export function InvitationLink({ invitation, onDone }: { invitation: Invitation;
   )
 }
 
-const OPTIONS = ROLES.map(({ role, may }) => ({ value: role, may }))
-
 export function RoleChoice({ value, onChange }: { value: Role; onChange: (role: Role) => void }) {
-  return <MayChoice title="Role" value={value} options={OPTIONS} onChange={onChange} />
+  return <MayChoice title="Role" value={value} options={ROLES} onChange={onChange} />
 }

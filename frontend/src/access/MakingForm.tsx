@@ -1,45 +1,33 @@
 // The form that makes an invitation or a token: a name, what it may do, and the foot with what was refused.
 import { clsx } from 'clsx'
-import type { ReactNode } from 'react'
-import { DialogForm } from '../ui/DialogForm'
+import { type ReactNode, useState } from 'react'
+import { Field, Form } from '../ui/Form'
 import styles from './access.module.css'
 import fields from '../ui/fields.module.css'
 
 interface MakingFormProps {
-  name: string
-  onName: (name: string) => void
   hint: ReactNode
   /** The choices below the name. */
   children: ReactNode
-  error: Error | null
-  pending: boolean
+  /** The request that makes it. */
+  sent: { isPending: boolean; error: Error | null }
   /** The words of the button, also while the answer is awaited. */
   make: string
   making: string
-  onMake: () => void
+  onMake: (name: string) => void
   onDone: () => void
 }
 
-export function MakingForm({ name, onName, hint, children, error, pending, make, making, onMake, onDone }: MakingFormProps) {
+export function MakingForm({ hint, children, sent, make, making, onMake, onDone }: MakingFormProps) {
+  const [typed, setTyped] = useState('')
+  const name = typed.trim()
   return (
-    <DialogForm error={error} submit={pending ? making : make} disabled={pending || !name.trim()} onSubmit={onMake} onLeave={onDone}>
-      <label className={fields.lbl}>
-        Name
-        <input
-          className={fields.inp}
-          value={name}
-          maxLength={64}
-          required
-          autoCapitalize="none"
-          autoComplete="off"
-          spellCheck={false}
-          data-autofocus
-          onChange={(event) => onName(event.target.value)}
-        />
+    <Form sent={sent} send={sent.isPending ? making : make} off={!name} onSend={() => onMake(name)} onLeave={onDone}>
+      <Field label="Name" value={typed} maxLength={64} required autoCapitalize="none" autoComplete="off" spellCheck={false} data-autofocus onChange={setTyped}>
         <span className={clsx('small mut', styles.hint)}>{hint}</span>
-      </label>
+      </Field>
       {children}
-    </DialogForm>
+    </Form>
   )
 }
 

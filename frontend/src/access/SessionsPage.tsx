@@ -8,14 +8,14 @@ import { sessionQuery } from '../api/queries'
 import type { BrowserSession } from '../client'
 import { moment, when } from '../format/time'
 import { Loaded } from '../page/Trouble'
+import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { type Column, hiddenHead, Table } from '../ui/Table'
-import { DialogForm, Refused } from '../ui/DialogForm'
+import { Field, Form, Refused } from '../ui/Form'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
 import { browserOf } from './browser'
 import styles from './access.module.css'
-import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 
 export function SessionsPage() {
@@ -29,9 +29,7 @@ export function SessionsPage() {
       actions={
         self &&
         self.via !== 'token' && self.via !== 'provider' && (
-          <button type="button" className={buttons.btn} onClick={() => setChanging(true)}>
-            <IconLock className="i s" aria-hidden /> {word}
-          </button>
+          <Button icon={IconLock} onClick={() => setChanging(true)}>{word}</Button>
         )
       }
     >
@@ -75,15 +73,9 @@ function BrowsersList({ sessions }: { sessions: readonly BrowserSession[] }) {
         current ? (
           <span className="mut">this browser</span>
         ) : (
-          <button
-            type="button"
-            className={clsx(buttons.btn, buttons.s)}
-            disabled={revoke.isPending}
-            aria-label={`Sign out ${user}, ${browserOf(agent)}`}
-            onClick={() => revoke.mutate(id)}
-          >
+          <Button small disabled={revoke.isPending} aria-label={`Sign out ${user}, ${browserOf(agent)}`} onClick={() => revoke.mutate(id)}>
             Sign out
-          </button>
+          </Button>
         ),
     },
   ]
@@ -109,35 +101,13 @@ function PasswordForm({ has, user, onDone }: { has: boolean; user: string; onDon
   })
   const differ = again !== '' && again !== next
   return (
-    <DialogForm
-      error={change.error}
-      submit={has ? 'Change' : 'Set'}
-      disabled={change.isPending || !next || again !== next}
-      onSubmit={() => change.mutate()}
-      onLeave={onDone}
-    >
+    <Form sent={change} send={has ? 'Change' : 'Set'} off={!next || again !== next} onSend={() => change.mutate()} onLeave={onDone}>
       <p className="sec">At least 12 characters; several words make a good one. All other browsers of {user} are signed out.</p>
       <input type="hidden" autoComplete="username" value={user} readOnly />
-      {has && <Password label="Current password" kind="current-password" value={current} onChange={setCurrent} />}
-      <Password label="New password" kind="new-password" value={next} onChange={setNext} />
-      <Password label="The same again" kind="new-password" value={again} onChange={setAgain} />
+      {has && <Field label="Current password" type="password" autoComplete="current-password" required value={current} onChange={setCurrent} />}
+      <Field label="New password" type="password" autoComplete="new-password" required value={next} onChange={setNext} />
+      <Field label="The same again" type="password" autoComplete="new-password" required value={again} onChange={setAgain} />
       {differ && <p className={fields.ferr}>The two new passwords differ.</p>}
-    </DialogForm>
-  )
-}
-
-interface PasswordProps {
-  label: string
-  kind: string
-  value: string
-  onChange: (text: string) => void
-}
-
-function Password({ label, kind, value, onChange }: PasswordProps) {
-  return (
-    <label className={fields.lbl}>
-      {label}
-      <input className={fields.inp} type="password" autoComplete={kind} required value={value} onChange={(event) => onChange(event.target.value)} />
-    </label>
+    </Form>
   )
 }

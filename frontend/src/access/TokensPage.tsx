@@ -8,15 +8,15 @@ import { sessionQuery } from '../api/queries'
 import type { Token } from '../client'
 import { moment, when } from '../format/time'
 import { Loaded } from '../page/Trouble'
+import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { type Column, hiddenHead, Table } from '../ui/Table'
-import { DialogForm } from '../ui/DialogForm'
+import { Form } from '../ui/Form'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
 import { MakingForm, MayChoice } from './MakingForm'
 import { Secret } from './Secret'
 import styles from './access.module.css'
-import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 
 const SCOPES = [
@@ -41,9 +41,7 @@ export function TokensPage() {
       title="API tokens"
       actions={
         tokens.data && (
-          <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={() => setCreating(true)}>
-            <IconKey className="i s" aria-hidden /> New token
-          </button>
+          <Button main icon={IconKey} onClick={() => setCreating(true)}>New token</Button>
         )
       }
     >
@@ -90,9 +88,7 @@ function TokensList({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: 
       tone: 'num',
       cell: (token) =>
         token.state === 'active' && (
-          <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>
-            Revoke …
-          </button>
+          <Button small aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>Revoke …</Button>
         ),
     },
   ]
@@ -112,11 +108,10 @@ function State({ token }: { token: Token }) {
 function CreateForm({ onDone }: { onDone: () => void }) {
   const cache = useQueryClient()
   const role = useQuery(sessionQuery).data?.role
-  const [name, setName] = useState('')
   const [scope, setScope] = useState<'read' | 'run' | 'admin'>(hasRole(role, 'engineer') ? 'run' : 'read')
   const [days, setDays] = useState<number | null>(90)
   const create = useMutation({
-    mutationFn: () => createToken({ name: name.trim(), scope, days }),
+    mutationFn: (name: string) => createToken({ name, scope, days }),
     onSuccess: () => cache.invalidateQueries({ queryKey: ['tokens'] }),
   })
   if (create.data)
@@ -128,14 +123,11 @@ function CreateForm({ onDone }: { onDone: () => void }) {
     )
   return (
     <MakingForm
-      name={name}
-      onName={setName}
       hint="What it is for, such as nightly-ci. Runs that it launches show this name."
-      error={create.error}
-      pending={create.isPending}
+      sent={create}
       make="Create"
       making="Creating …"
-      onMake={() => create.mutate()}
+      onMake={create.mutate}
       onDone={onDone}
     >
       <MayChoice title="Scope" value={scope} options={SCOPES.filter(({ least }) => hasRole(role, least))} onChange={setScope} />
@@ -160,8 +152,8 @@ function RevokeForm({ token, onDone }: { token: Token; onDone: () => void }) {
     onSuccess: () => cache.invalidateQueries({ queryKey: ['tokens'] }).then(onDone),
   })
   return (
-    <DialogForm error={revoke.error} submit="Revoke" danger disabled={revoke.isPending} onSubmit={() => revoke.mutate()} leave="Keep it" onLeave={onDone}>
+    <Form sent={revoke} send="Revoke" danger onSend={() => revoke.mutate()} leave="Keep it" onLeave={onDone}>
       <p className="sec">Programs that use it are refused from now on. This cannot be undone, and the name cannot be used again.</p>
-    </DialogForm>
+    </Form>
   )
 }

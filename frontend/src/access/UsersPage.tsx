@@ -1,5 +1,4 @@
 // Users with their roles, for administrators: inviting, changing, withdrawing access; the setting of sign-offs.
-import { clsx } from 'clsx'
 import { IconUserPlus } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useNavigate, useSearch } from '@tanstack/react-router'
@@ -10,14 +9,14 @@ import type { User } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { Failed, Loaded } from '../page/Trouble'
+import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { type Column, hiddenHead, Table } from '../ui/Table'
-import { DialogForm, Refused } from '../ui/DialogForm'
+import { Form, Refused } from '../ui/Form'
 import { Pick } from '../ui/Menu'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
 import { InvitationLink, InviteForm, RoleChoice } from './Invite'
-import buttons from '../ui/buttons.module.css'
 
 export function UsersPage() {
   const { invite = false } = useSearch({ from: '/access/users' })
@@ -30,9 +29,7 @@ export function UsersPage() {
       title="Users"
       actions={
         users.data && (
-          <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={() => ask(true)}>
-            <IconUserPlus className="i s" aria-hidden /> Invite
-          </button>
+          <Button main icon={IconUserPlus} onClick={() => ask(true)}>Invite</Button>
         )
       }
     >
@@ -76,9 +73,7 @@ function UsersList({ users, onChange }: { users: readonly User[]; onChange: (use
       cell: (user) =>
         !user.fixed &&
         user.name !== self && (
-          <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Change ${user.name}`} onClick={() => onChange(user)}>
-            Change …
-          </button>
+          <Button small aria-label={`Change ${user.name}`} onClick={() => onChange(user)}>Change …</Button>
         ),
     },
   ]
@@ -111,21 +106,19 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
   if (renew.data) return <InvitationLink invitation={renew.data} onDone={onDone} />
   const disabled = user.state === 'disabled'
   return (
-    <DialogForm
-      error={change.error ?? renew.error}
-      submit={!user.provided && 'Change the role'}
-      disabled={change.isPending || role === user.role}
-      onSubmit={() => change.mutate({ role })}
+    <Form
+      sent={{ isPending: change.isPending, error: change.error ?? renew.error }}
+      send={!user.provided && 'Change the role'}
+      off={role === user.role}
+      onSend={() => change.mutate({ role })}
       more={
         <>
           {!disabled && !user.provided && (
-            <button type="button" className={buttons.btn} disabled={renew.isPending} onClick={() => renew.mutate()}>
-              New link
-            </button>
+            <Button disabled={renew.isPending} onClick={() => renew.mutate()}>New link</Button>
           )}
-          <button type="button" className={clsx(buttons.btn, !disabled && buttons.danger)} disabled={change.isPending} onClick={() => change.mutate({ disabled: !disabled })}>
+          <Button danger={!disabled} disabled={change.isPending} onClick={() => change.mutate({ disabled: !disabled })}>
             {disabled ? 'Grant access again' : 'Withdraw access'}
-          </button>
+          </Button>
         </>
       }
     >
@@ -135,7 +128,7 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
         <RoleChoice value={role} onChange={setRole} />
       )}
       <p className="small mut">A change applies at once, to open browsers and API tokens too.</p>
-    </DialogForm>
+    </Form>
   )
 }
 

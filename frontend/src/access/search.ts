@@ -1,4 +1,5 @@
 // What the addresses of the pages about access hold.
+import { text } from '../format/query'
 
 export interface UsersSearch {
   /** Whether the form of an invitation is open. */
@@ -13,8 +14,8 @@ export interface AuditSearch {
 }
 
 const word = (value: unknown, longest: number): string | undefined => {
-  const text = typeof value === 'number' ? String(value) : value
-  return typeof text === 'string' && text && text.length <= longest ? text : undefined
+  const found = text(value)
+  return found && found.length <= longest ? found : undefined
 }
 
 export const readAudit = (search: Record<string, unknown>): AuditSearch => ({

@@ -7,15 +7,15 @@ import { answer } from './calls'
 export type Role = SessionInfo['role']
 
 /** From the least to the most; each includes those before it. */
-export const ROLES: readonly { role: Role; may: string }[] = [
-  { role: 'viewer', may: 'reads everything' },
-  { role: 'engineer', may: 'also launches, cancels and edits their own' },
-  { role: 'reviewer', may: 'also signs off and reads the audit trail' },
-  { role: 'admin', may: 'also manages users, tokens, settings and removal' },
+export const ROLES: readonly { value: Role; may: string }[] = [
+  { value: 'viewer', may: 'reads everything' },
+  { value: 'engineer', may: 'also launches, cancels and edits their own' },
+  { value: 'reviewer', may: 'also signs off and reads the audit trail' },
+  { value: 'admin', may: 'also manages users, tokens, settings and removal' },
 ]
 
 export const hasRole = (role: Role | undefined, least: Role): boolean =>
-  role !== undefined && ROLES.findIndex((one) => one.role === role) >= ROLES.findIndex((one) => one.role === least)
+  role !== undefined && ROLES.findIndex(({ value }) => value === role) >= ROLES.findIndex(({ value }) => value === least)
 
 export const usersQuery = queryOptions({ queryKey: ['users'], queryFn: () => answer(sdk.listUsers()), staleTime: 0 })
 export const settingsQuery = queryOptions({ queryKey: ['settings'], queryFn: () => answer(sdk.getSettings()) })

@@ -1,6 +1,6 @@
 // All requests of the pages, over the generated client: typed responses, `Refusal` for errors.
 
-import type { CaseRequest, Checked, DraftContent, DraftReplace, FlightRequest, ListRunsData, Preview, RunDetail, RunEdit, RunSummary, SignoffRequest, SweepDetail, ViewChange } from '../client'
+import type { CaseRequest, Checked, DraftContent, DraftReplace, FlightRequest, ListRunsData, Preview, ProposeSearchesData, RunDetail, RunEdit, RunSummary, SignoffRequest, SweepDetail, ViewChange } from '../client'
 import * as sdk from '../client'
 import { ROOT } from '../format/root'
 import { client } from '../client/client.gen'
@@ -83,8 +83,6 @@ export const getSignoffs = (run: string) => answer(sdk.listSignoffs({ path: { ru
 export const signOff = (run: string, body: SignoffRequest) => answer(sdk.signOff({ path: { run }, body }))
 export const withdrawSignoff = (run: string, signoff: number, reason: string) => answer(sdk.withdrawSignoff({ path: { run, signoff }, body: { reason } }))
 
-
-
 /** The state of the 3D view that this page opened: now, or once it differs from a revision. */
 export const getView = (
   run: string,
@@ -97,7 +95,6 @@ export const simulateFlight = (run: string, body: FlightRequest, signal?: AbortS
 
 /** Evaluates one case of a run's simulator with other parameters. */
 export const evaluateCase = (run: string, body: CaseRequest, signal?: AbortSignal) => answer(sdk.evaluateCase({ path: { run }, body, signal }))
-
 
 /** Changes the 3D view; the service waits up to this many seconds for it to open. */
 export const changeView = (
@@ -130,13 +127,7 @@ export const checkCampaign = (campaign: Campaign | string, signal?: AbortSignal)
 /** The nominal flight of a campaign; a new combination of components is compiled first. */
 export const previewCampaign = (campaign: Campaign, signal?: AbortSignal) => post<Preview>('campaigns/preview', { campaign }, { signal })
 
-export interface ProposalRequest {
-  simulator: string
-  parameters: number
-  /** [s] */
-  patience: number
-  calls: number
-}
+export type ProposalRequest = ProposeSearchesData['query'] & { simulator: string }
 
 /** Search methods and budgets for a simulator, from what its evaluations took in the newest run of it. */
 export const proposeSearches = ({ simulator, ...query }: ProposalRequest) => answer(sdk.proposeSearches({ path: { name: simulator }, query }))

@@ -66,14 +66,18 @@ export const draftQuery = (id: string) =>
     gcTime: 0,
   })
 
-export const runsQuery = (filter: RunFilter) =>
+/** A list that is loaded in pages, each of which names the next. */
+export const paged = <P extends { next_cursor: string | null }>(queryKey: readonly unknown[], ask: (cursor: string | null) => Promise<P>, staleTime?: number) =>
   infiniteQueryOptions({
-    queryKey: ['runs', filter],
-    queryFn: ({ pageParam }) => listRuns(filter, pageParam),
+    queryKey,
+    queryFn: ({ pageParam }) => ask(pageParam),
     initialPageParam: null as string | null,
     getNextPageParam: (page) => page.next_cursor,
     placeholderData: (before) => before,
+    ...(staleTime !== undefined && { staleTime }),
   })
+
+export const runsQuery = (filter: RunFilter) => paged(['runs', filter], (cursor) => listRuns(filter, cursor))
 
 /** The values by which the list can be filtered. */
 export const facetsQuery = queryOptions({ queryKey: ['facets'], queryFn: () => answer(sdk.listFacets()) })

@@ -1,10 +1,11 @@
 // The requests of the page of requirements.
-import { infiniteQueryOptions, queryOptions } from '@tanstack/react-query'
+import { queryOptions } from '@tanstack/react-query'
 import type { Imported, RequirementFileOut } from '../client'
 import * as sdk from '../client'
 import { client } from '../client/client.gen'
 import { at } from '../format/root'
 import { answer } from './calls'
+import { paged } from './queries'
 
 const AT = '/api/v1/requirements'
 
@@ -19,15 +20,7 @@ export const EXPORTS = [
 export const contentOf = (file: RequirementFileOut): string => at(`${AT}/files/${file.id}/content`)
 
 export const requirementsQuery = (q: string) =>
-  infiniteQueryOptions({
-    queryKey: ['requirements', q],
-    queryFn: ({ pageParam }) =>
-      answer(sdk.listRequirements({ query: { q, ...(pageParam ? { cursor: pageParam } : {}) } })),
-    initialPageParam: null as string | null,
-    getNextPageParam: (page) => page.next_cursor,
-    placeholderData: (before) => before,
-    staleTime: 0,
-  })
+  paged(['requirements', q], (cursor) => answer(sdk.listRequirements({ query: { q, ...(cursor ? { cursor } : {}) } })), 0)
 
 export const importsQuery = queryOptions({
   queryKey: ['requirement-files'],

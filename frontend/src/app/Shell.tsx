@@ -26,6 +26,7 @@ import { sessionQuery } from '../api/queries'
 import { signedOut, useSignedOut } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
 import { keepTyped } from '../jump/early'
+import { IconButton } from '../ui/IconButton'
 import { Popup } from '../ui/Popup'
 import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
@@ -71,7 +72,7 @@ function Frame() {
       </a>
       <header className={styles.top}>
         <Brand />
-        <nav className={styles.nav} aria-label="Main">
+        <nav className={clsx(layout.tabs, styles.nav)} aria-label="Main">
           {PAGES.map((name) => (
             <Link key={name} to={`/${name}`} activeProps={{ 'aria-current': 'page' }}>
               {name.charAt(0).toUpperCase() + name.slice(1)}
@@ -81,18 +82,10 @@ function Frame() {
         <div className={styles.topR}>
           <button type="button" className={clsx(fields.inp, styles.jump)} onClick={search} aria-keyshortcuts="Control+K">
             <IconSearch className="i s mut" aria-hidden />
-            <span className={layout.one}>Search or jump to …</span>
+            <span className={layout.cut}>Search or jump to …</span>
             <span className={buttons.kbd}>Ctrl K</span>
           </button>
-          <button
-            type="button"
-            className={clsx(buttons.iconbtn, styles.hideKeys)}
-            onClick={() => setKeys(true)}
-            aria-label="Keys"
-            title="Keys (?)"
-          >
-            <IconKeyboard className="i" aria-hidden />
-          </button>
+          <IconButton bare large className={styles.hideKeys} label="Keys" title="Keys (?)" icon={IconKeyboard} act={() => setKeys(true)} />
           <Workers />
           <ThemeToggle />
           <Session />
@@ -115,11 +108,7 @@ function Frame() {
 function ThemeToggle() {
   const theme = useTheme()
   const label = theme === 'dark' ? 'Switch to light theme' : 'Switch to dark theme'
-  return (
-    <button type="button" className={buttons.iconbtn} onClick={toggleTheme} aria-label={label} title={label}>
-      {theme === 'dark' ? <IconSun className="i" aria-hidden /> : <IconMoon className="i" aria-hidden />}
-    </button>
-  )
+  return <IconButton bare large label={label} icon={theme === 'dark' ? IconSun : IconMoon} act={toggleTheme} />
 }
 
 function Session() {

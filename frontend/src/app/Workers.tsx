@@ -14,6 +14,7 @@ import { methodLook } from '../ui/methods'
 import { Popup } from '../ui/Popup'
 import { useNow } from '../ui/useNow'
 import { usePolling } from '../ui/usePolling'
+import buttons from '../ui/buttons.module.css'
 import styles from './workers.module.css'
 
 /** How often the workers are asked for on a page without an open stream [ms]. */
@@ -38,7 +39,7 @@ export function Workers() {
       position="bottom-end"
       width={340}
       button={{
-        className: clsx(styles.target, (none || full || still) && styles.none),
+        className: clsx(buttons.btn, styles.target, (none || full || still) && styles.none),
         // The name contains what is shown, also in narrow windows, where that is the number alone.
         'aria-label': none
           ? 'No worker is alive, 0 workers'

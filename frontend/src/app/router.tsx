@@ -11,6 +11,7 @@ import { onlyKnown, parseSearch, stringifySearch } from './address'
 import { lazy } from './lazy'
 import { Shell } from './Shell'
 import { Loading, NotFound, Trouble } from '../page/Trouble'
+import { text } from '../format/query'
 import { ROOT } from '../format/root'
 
 type Search = Record<string, unknown>
@@ -47,13 +48,11 @@ interface LaunchSearch {
   tab?: 'yaml'
 }
 
-const word = (value: unknown): string | undefined => (typeof value === 'string' && value ? value : undefined)
-
 const readLaunch = (search: Search): LaunchSearch => ({
-  case: word(search.case),
-  from: word(search.from),
-  remedy: word(search.remedy),
-  draft: word(search.draft),
+  case: text(search.case),
+  from: text(search.from),
+  remedy: text(search.remedy),
+  draft: text(search.draft),
   tab: search.tab === 'yaml' ? 'yaml' : undefined,
 })
 

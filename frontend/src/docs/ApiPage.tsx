@@ -1,14 +1,16 @@
 // The API page, from the OpenAPI document: every operation with parameters, bodies and responses, and a form to try it.
 import { useQuery } from '@tanstack/react-query'
 import { getOpenApi } from '../api/calls'
+import { Contents } from '../help/HelpFrame'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { Card } from '../ui/Card'
 import { CopyButton } from '../ui/files'
 import { OperationCard } from './OperationCard'
 import { type OpenApi, operationsOf } from './openapi'
 import { at, ROOT } from '../format/root'
 import buttons from '../ui/buttons.module.css'
-import cards from '../ui/cards.module.css'
 import guide from '../ui/guide.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './docs.module.css'
@@ -28,52 +30,36 @@ function Page({ document }: { document: OpenApi }) {
   return (
     <div className={guide.doc}>
       <nav className={guide.toc} aria-label="Operations">
-        {groups.map((group) => (
-          <section key={group.name}>
-            <h2>{titled(group.name)}</h2>
-            <ul>
-              {group.operations.map((operation) => (
-                <li key={operation.operationId}>
-                  <a href={`#${operation.operationId}`}>
-                    <span className={styles.verb} data-method={operation.method}>{operation.method}</span>
-                    <span className={layout.cut}>{operation.path.replace('/api/v1', '')}</span>
-                  </a>
-                </li>
-              ))}
-            </ul>
-          </section>
-        ))}
+        <Contents
+          of={groups.map(({ name, operations }) => ({
+            title: titled(name),
+            entries: operations.map(({ operationId, method, path }) => ({
+              id: operationId,
+              name: [<Verb key="verb" of={method} />, <span key="path" className={layout.cut}>{path.replace('/api/v1', '')}</span>],
+            })),
+          }))}
+        />
       </nav>
       <div className={guide.docbody} data-text>
-        <div className={layout.ph}>
-          <div className={layout.t}>
-            <h1>API</h1>
-            <p className="sec">
-              {document.info.title} {document.info.version}. {document.info.summary}
-            </p>
-          </div>
-          <div className={layout.acts}>
-            <a className={buttons.btn} href={at('/api/v1/openapi.json')} target="_blank" rel="noreferrer">
-              OpenAPI document
-            </a>
-          </div>
-        </div>
-        <section className={cards.card}>
-          <div className={cards.bd}>
-            <p>
-              Programs send a token, created with <code>clearance token create NAME</code> and shown once. This page sends
-              what you try as you. An error is a problem document (RFC 9457): what was given, what is allowed, what to
-              do.
-            </p>
-            <Snippet text={first} />
-            <p>
-              In continuous integration one command sends a campaign, waits, and ends with the verdict: its exit code is
-              0 for cleared, 1 for violated, 2 for inconclusive. <code>--out</code> keeps report, run, campaign, findings and
-              evaluations.
-            </p>
-            <Snippet text="clearance submit campaign.yaml --tag nightly --out artefacts/" />
-          </div>
-        </section>
+        <PageHead title="API" note={`${document.info.title} ${document.info.version}. ${document.info.summary ?? ''}`}>
+          <a className={buttons.btn} href={at('/api/v1/openapi.json')} target="_blank" rel="noreferrer">
+            OpenAPI document
+          </a>
+        </PageHead>
+        <Card>
+          <p>
+            Programs send a token, created with <code>clearance token create NAME</code> and shown once. This page sends
+            what you try as you. An error is a problem document (RFC 9457): what was given, what is allowed, what to
+            do.
+          </p>
+          <Snippet text={first} />
+          <p>
+            In continuous integration one command sends a campaign, waits, and ends with the verdict: its exit code is
+            0 for cleared, 1 for violated, 2 for inconclusive. <code>--out</code> keeps report, run, campaign, findings and
+            evaluations.
+          </p>
+          <Snippet text="clearance submit campaign.yaml --tag nightly --out artefacts/" />
+        </Card>
         {groups.map((group) => (
           <section key={group.name} aria-label={titled(group.name)}>
             <h2 className={layout.sect}>
@@ -90,6 +76,8 @@ function Page({ document }: { document: OpenApi }) {
     </div>
   )
 }
+
+export const Verb = ({ of }: { of: string }) => <span className={styles.verb} data-method={of}>{of}</span>
 
 const titled = (name: string): string => name.charAt(0).toUpperCase() + name.slice(1)
 

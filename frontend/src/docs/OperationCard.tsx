@@ -4,16 +4,17 @@ import { useMutation } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { useId, useState } from 'react'
 import { duration } from '../format/numbers'
-import { Snippet } from './ApiPage'
-import { addressOf, curlOf, limitsOf, type Operation, type Parameter, type Schema, typeOf } from './openapi'
+import { Snippet, Verb } from './ApiPage'
+import type { Schema } from '../api/schema'
+import { addressOf, curlOf, limitsOf, type Operation, type Parameter, typeOf } from './openapi'
 import { Shape } from './Shape'
+import { Button } from '../ui/Button'
+import { Card } from '../ui/Card'
+import { type Column, Table } from '../ui/Table'
 import { Ticked } from '../ui/Ticked'
 import { ROOT } from '../format/root'
-import buttons from '../ui/buttons.module.css'
-import cards from '../ui/cards.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
 import styles from './docs.module.css'
 
 interface OperationProps {
@@ -27,52 +28,32 @@ export function OperationCard({ operation, schemas }: OperationProps) {
   const parameters = (operation.parameters ?? []).filter((parameter) => parameter.in !== 'cookie')
   const bodies = Object.entries(requestBody?.content ?? {})
   const answers = Object.entries(responses).filter(([status]) => /^2/.test(status))
+  const columns: Column<Parameter>[] = [
+    { head: 'Parameter', tone: 'mono', cell: ({ name, required }) => [name, required && <span key="required" className="mut"> required</span>] },
+    { head: 'Type', tone: 'sec', cell: ({ schema }) => typeOf(schema) },
+    { head: 'Meaning', tone: 'sec', cell: (parameter) => <Ticked text={meaningOf(parameter)} /> },
+    {
+      head: 'Value',
+      cell: ({ name }) => (
+        <input
+          className={fields.cell}
+          style={{ textAlign: 'left' }}
+          aria-label={`${name} of ${operationId}`}
+          value={values[name] ?? ''}
+          onChange={(event) => setValues({ ...values, [name]: event.target.value })}
+        />
+      ),
+    },
+  ]
   return (
-    <section className={cards.card} id={operationId}>
-      <div className={cards.h}>
-        <h3 className="mono">
-          <span className={styles.verb} data-method={method}>{method}</span> {path}
-        </h3>
-      </div>
-      <div className={clsx(cards.bd, layout.stack, styles.operation)}>
+    <Card inner id={operationId} title={<span className="mono"><Verb of={method} /> {path}</span>}>
+      <div className={clsx(layout.stack, styles.operation)}>
         <p>
           <Ticked text={description} />
         </p>
         {parameters.length > 0 && (
           <div className={layout.scrollx}>
-            <table className={clsx(tables.table, tables.tight, styles.parameters)}>
-              <thead>
-                <tr>
-                  <th>Parameter</th>
-                  <th>Type</th>
-                  <th>Meaning</th>
-                  <th>Value</th>
-                </tr>
-              </thead>
-              <tbody>
-                {parameters.map((parameter) => (
-                  <tr key={parameter.name}>
-                    <td className="mono">
-                      {parameter.name}
-                      {parameter.required && <span className="mut"> required</span>}
-                    </td>
-                    <td className="sec">{typeOf(parameter.schema)}</td>
-                    <td className="sec">
-                      <Ticked text={meaningOf(parameter)} />
-                    </td>
-                    <td>
-                      <input
-                        className={fields.cell}
-                        style={{ textAlign: 'left' }}
-                        aria-label={`${parameter.name} of ${operationId}`}
-                        value={values[parameter.name] ?? ''}
-                        onChange={(event) => setValues({ ...values, [parameter.name]: event.target.value })}
-                      />
-                    </td>
-                  </tr>
-                ))}
-              </tbody>
-            </table>
+            <Table tight className={styles.parameters} rows={parameters} by={({ name }) => name} columns={columns} />
           </div>
         )}
         {bodies.map(([type, { schema }]) => (
@@ -92,7 +73,7 @@ export function OperationCard({ operation, schemas }: OperationProps) {
         <Snippet text={curlOf(operation, location.origin + ROOT, values)} />
         {method === 'get' && !path.endsWith('/events') && <Trial operation={operation} values={values} />}
       </div>
-    </section>
+    </Card>
   )
 }
 
@@ -124,15 +105,9 @@ function Trial({ operation, values }: { operation: Operation; values: Record<str
   return (
     <div className={layout.stack}>
       <div className={layout.row}>
-        <button
-          type="button"
-          className={clsx(buttons.btn, buttons.s)}
-          disabled={missing || trial.isPending}
-          aria-describedby={missing ? hint : undefined}
-          onClick={() => trial.mutate()}
-        >
-          <IconSend className="i s" aria-hidden /> Send
-        </button>
+        <Button small icon={IconSend} disabled={missing || trial.isPending} aria-describedby={missing ? hint : undefined} onClick={() => trial.mutate()}>
+          Send
+        </Button>
         {missing && (
           <span className="small mut" id={hint}>
             Fill in the required values first.

@@ -1,5 +1,6 @@
 // The fields of a body or a response; nested types expand where they are named.
-import { limitsOf, partsOf, type Schema, typeOf } from './openapi'
+import type { Schema } from '../api/schema'
+import { limitsOf, partsOf, typeOf } from './openapi'
 import { Ticked } from '../ui/Ticked'
 import styles from './docs.module.css'
 

@@ -1,30 +1,5 @@
 // The parts of an OpenAPI 3.1 document that the API page uses.
-
-export interface Schema {
-  $ref?: string
-  type?: string | string[]
-  title?: string
-  description?: string
-  format?: string
-  enum?: unknown[]
-  const?: unknown
-  default?: unknown
-  minimum?: number
-  maximum?: number
-  minLength?: number
-  maxLength?: number
-  minItems?: number
-  maxItems?: number
-  pattern?: string
-  items?: Schema
-  prefixItems?: Schema[]
-  properties?: Record<string, Schema>
-  additionalProperties?: Schema | boolean
-  required?: string[]
-  anyOf?: Schema[]
-  oneOf?: Schema[]
-  allOf?: Schema[]
-}
+import type { Schema } from '../api/schema'
 
 export interface Parameter {
   name: string

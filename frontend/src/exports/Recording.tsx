@@ -1,8 +1,8 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
 import { clsx } from 'clsx'
 import { Menu } from '@mantine/core'
+import { useClipboard } from '@mantine/hooks'
 import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '@tabler/icons-react'
-import { useState } from 'react'
 import type { Theme } from '../theme/useTheme'
 import { useTheme } from '../theme/useTheme'
 import { Popup } from '../ui/Popup'
@@ -75,24 +75,22 @@ function CapsuleEntry({ run, flight }: Props) {
   )
 }
 
+/** How long a copy is confirmed [ms]. */
+const SHOWN = 10_000
+
 /** The menu stays open to confirm the copy. */
 function CopyLink({ address }: { address: string }) {
-  const [notice, setStatement] = useState('')
-  const link = () => new URL(address, location.origin).href
-  const copy = () =>
-    navigator.clipboard.writeText(link()).then(
-      () => setStatement('Copied'),
-      () => setStatement(`The browser blocks copying; copy it by hand: ${link()}`),
-    )
+  const link = new URL(address, location.origin).href
+  const { copied, error, copy } = useClipboard({ timeout: SHOWN })
   return (
     <Menu.Item
       closeMenuOnClick={false}
-      onClick={() => void copy()}
-      leftSection={
-        notice === 'Copied' ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />
-      }
+      onClick={() => copy(link)}
+      leftSection={copied ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />}
     >
-      <EntryLines title="Copy link to the recording" live>{notice || 'Requires a login; plays without a simulation'}</EntryLines>
+      <EntryLines title="Copy link to the recording" live>
+        {copied ? 'Copied' : error ? `The browser blocks copying; copy it by hand: ${link}` : 'Requires a login; plays without a simulation'}
+      </EntryLines>
     </Menu.Item>
   )
 }

@@ -1,6 +1,6 @@
 // The equations, sources and parameters of all components, from the catalogue: the texts are their docstrings.
-import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
+import { Fragment } from 'react'
 import { catalogueQuery } from '../api/queries'
 import { Skipped } from '../page/Skipped'
 import { useTitle } from '../page/useTitle'
@@ -9,7 +9,7 @@ import { ComponentText } from './ComponentText'
 import { HelpFrame, Unread } from './HelpFrame'
 import { idOfComponent } from './links'
 import { SimulatorText } from './SimulatorText'
-import cards from '../ui/cards.module.css'
+import { Card } from '../ui/Card'
 import layout from '../ui/layout.module.css'
 
 const ROLES: readonly [ComponentEntry['role'], string][] = [
@@ -26,45 +26,29 @@ export function ComponentsPage() {
   useTitle('Components')
   const query = useQuery(catalogueQuery)
   const { components = [], simulators = [], unusable, version } = query.data ?? {}
-  const roles = ROLES.flatMap(([role, title]) => {
-    const found = components.filter((component) => component.role === role)
-    return found.length > 0 ? [{ role, title, found }] : []
-  })
+  const groups = [
+    ...ROLES.map(([role, title]) => {
+      const found = components.filter((component) => component.role === role)
+      return { title, entries: found.map((one) => ({ id: idOfComponent(role, one.name), name: distinctTitle(one, found), card: <Component component={one} /> })) }
+    }),
+    { title: 'Simulators', entries: simulators.map((one) => ({ id: idOfComponent('simulator', one.name), name: one.title, card: <Simulator simulator={one} /> })) },
+  ].filter(({ entries }) => entries.length > 0)
   return (
     <HelpFrame
       title="Components"
       lede={`The components of scenarios in this installation${version ? ` (Clearance ${version})` : ''}. Each component is one file; the text here is its docstring.`}
-      contents={[
-        ...roles.map(({ title, found }) => ({
-          title,
-          entries: found.map((component) => ({
-            id: idOfComponent(component.role, component.name),
-            name: distinctTitle(component, found),
-          })),
-        })),
-        ...(simulators.length > 0
-          ? [{ title: 'Simulators', entries: simulators.map(({ name, title }) => ({ id: idOfComponent('simulator', name), name: title })) }]
-          : []),
-      ]}
+      contents={groups}
     >
       {!query.data && <Unread what="the components" query={query} />}
       <Skipped unusable={unusable} />
-      {roles.map(({ role, title, found }) => (
-        <section key={role} className={layout.stack}>
+      {groups.map(({ title, entries }) => (
+        <section key={title} className={layout.stack}>
           <h2 className={layout.sect}>{title}</h2>
-          {found.map((component) => (
-            <Component key={component.name} component={component} />
+          {entries.map(({ id, card }) => (
+            <Fragment key={id}>{card}</Fragment>
           ))}
         </section>
       ))}
-      {simulators.length > 0 && (
-        <section className={layout.stack}>
-          <h2 className={layout.sect}>Simulators</h2>
-          {simulators.map((simulator) => (
-            <Simulator key={simulator.name} simulator={simulator} />
-          ))}
-        </section>
-      )}
     </HelpFrame>
   )
 }
@@ -78,31 +62,22 @@ function distinctTitle({ title, dimension }: ComponentEntry, among: readonly Com
 function Component({ component }: { component: ComponentEntry }) {
   const { role, name, title } = component
   return (
-    <section className={cards.card} id={idOfComponent(role, name)}>
-      <div className={cards.h}>
-        <h3>{title}</h3>
-        <span className={clsx(cards.d, 'mono')}>{name}</span>
-        <span className={clsx(cards.r, 'small mut')}>{facts(component)}</span>
-      </div>
-      <div className={clsx(cards.bd, layout.stack)}>
+    <Card inner id={idOfComponent(role, name)} title={title} note={<span className="mono">{name}</span>} right={<span className="small mut">{facts(component)}</span>}>
+      <div className={layout.stack}>
         <ComponentText component={component} />
       </div>
-    </section>
+    </Card>
   )
 }
 
 function Simulator({ simulator }: { simulator: SimulatorEntry }) {
   const { name, title } = simulator
   return (
-    <section className={cards.card} id={idOfComponent('simulator', name)}>
-      <div className={cards.h}>
-        <h3>{title}</h3>
-        <span className={clsx(cards.d, 'mono')}>{name}</span>
-      </div>
-      <div className={clsx(cards.bd, layout.stack)}>
+    <Card inner id={idOfComponent('simulator', name)} title={title} note={<span className="mono">{name}</span>}>
+      <div className={layout.stack}>
         <SimulatorText simulator={simulator} />
       </div>
-    </section>
+    </Card>
   )
 }
 

@@ -5,11 +5,11 @@ import { Ticked } from '../ui/Ticked'
 import prose from '../ui/prose.module.css'
 import styles from './help.module.css'
 
-export function Docstring({ text, titled = true }: { text: string; titled?: boolean }) {
+export function Docstring({ text }: { text: string }) {
   const { title, parts } = partsOf(text)
   return (
     <div className={prose.md}>
-      {titled && <p className="m">{title}</p>}
+      <p className="m">{title}</p>
       {parts.map((part, i) =>
         part.kind === 'text' ? (
           <p key={i} className={part.label ? 'sec' : undefined}>

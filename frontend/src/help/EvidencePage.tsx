@@ -1,16 +1,13 @@
 // The basis of a verdict: attacks and countermeasures, permitted statements of a campaign, and remaining limits.
-import { clsx } from 'clsx'
 import { Link } from '@tanstack/react-router'
 import { CHECKS, LIMITS } from '../api/rules'
 import { useTitle } from '../page/useTitle'
 import { count, percent, plain } from '../format/numbers'
 import { type Column, Table } from '../ui/Table'
 import { ATTACKS } from './attacks'
-import { HelpFrame } from './HelpFrame'
+import { HelpFrame, Passage } from './HelpFrame'
 import { missed, SAMPLES, SLITS } from './missed'
-import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
-import prose from '../ui/prose.module.css'
 import styles from './help.module.css'
 
 const CAPS: readonly [string, string][] = [
@@ -59,13 +56,10 @@ export function EvidencePage() {
       contents={contents}
     >
       {ATTACKS.map(({ id, title, danger, answer }) => (
-        <section key={id} className={cards.card} id={id}>
-          <div className={clsx(cards.bd, prose.md)}>
-            <h2>{title}</h2>
-            <p className="sec">{danger}</p>
-            <p>{answer}</p>
-          </div>
-        </section>
+        <Passage key={id} id={id} title={title}>
+          <p className="sec">{danger}</p>
+          <p>{answer}</p>
+        </Passage>
       ))}
       <Sureness />
       <Intended />
@@ -77,60 +71,51 @@ export function EvidencePage() {
 
 function Sureness() {
   return (
-    <section className={cards.card} id="sureness">
-      <div className={clsx(cards.bd, prose.md)}>
-        <h2>How sure a search is</h2>
-        <p>
-          Beside the verdict of a run that was searched by Auto alone stands the chance that another search, with another
-          seed and the same budget, finds a case lower by more than 1 % of nominal minus worst. It is an estimate from
-          searches on random landscapes, not a bound, and no verdict rests on it: it only counts how many evaluations are
-          as low as the lowest. It says nothing of a case that this kind of search cannot find, such as a needle in a
-          wide valley. The guide <em>Methods</em> states how often such statements came true, and where they are wrong.
-        </p>
-      </div>
-    </section>
+    <Passage id="sureness" title="How sure a search is">
+      <p>
+        Beside the verdict of a run that was searched by Auto alone stands the chance that another search, with another
+        seed and the same budget, finds a case lower by more than 1 % of nominal minus worst. It is an estimate from
+        searches on random landscapes, not a bound, and no verdict rests on it: it only counts how many evaluations are
+        as low as the lowest. It says nothing of a case that this kind of search cannot find, such as a needle in a
+        wide valley. The guide <em>Methods</em> states how often such statements came true, and where they are wrong.
+      </p>
+    </Passage>
   )
 }
 
 function Intended() {
   return (
-    <section className={cards.card} id="intended">
-      <div className={clsx(cards.bd, prose.md)}>
-        <h2>What a campaign may state</h2>
-        <p>
-          Some campaigns are meant to have no encounter: a baseline without avoidance, a parameter that should not matter.
-          The author states it in the campaign as <code>encounter.intended</code>, with the reason. The check then holds,
-          and the verdict repeats the reason.
-        </p>
-        <pre tabIndex={0}>{EXAMPLE}</pre>
-        <dl className={styles.terms}>
-          {CHECKS.filter(({ intended }) => intended).map(({ code, intended }) => (
-            <div key={code}>
-              <dt className="mono">{code.replace(' ', '_')}</dt>
-              <dd>{intended}</dd>
-            </div>
-          ))}
-        </dl>
-      </div>
-    </section>
+    <Passage id="intended" title="What a campaign may state">
+      <p>
+        Some campaigns are meant to have no encounter: a baseline without avoidance, a parameter that should not matter.
+        The author states it in the campaign as <code>encounter.intended</code>, with the reason. The check then holds,
+        and the verdict repeats the reason.
+      </p>
+      <pre tabIndex={0}>{EXAMPLE}</pre>
+      <dl className={styles.terms}>
+        {CHECKS.filter(({ intended }) => intended).map(({ code, intended }) => (
+          <div key={code}>
+            <dt className="mono">{code.replace(' ', '_')}</dt>
+            <dd>{intended}</dd>
+          </div>
+        ))}
+      </dl>
+    </Passage>
   )
 }
 
 function Caps() {
   return (
-    <section className={cards.card} id="caps">
-      <div className={clsx(cards.bd, prose.md)}>
-        <h2>What a campaign cannot relax</h2>
-        <dl className={styles.terms}>
-          {CAPS.map(([name, text]) => (
-            <div key={name}>
-              <dt className={name.includes(' ') || name === 'Excluded' ? undefined : 'mono'}>{name}</dt>
-              <dd>{text}</dd>
-            </div>
-          ))}
-        </dl>
-      </div>
-    </section>
+    <Passage id="caps" title="What a campaign cannot relax">
+      <dl className={styles.terms}>
+        {CAPS.map(([name, text]) => (
+          <div key={name}>
+            <dt className={name.includes(' ') || name === 'Excluded' ? undefined : 'mono'}>{name}</dt>
+            <dd>{text}</dd>
+          </div>
+        ))}
+      </dl>
+    </Passage>
   )
 }
 
@@ -141,25 +126,22 @@ const MISSED: readonly Column<number>[] = [
 
 function Limits() {
   return (
-    <section className={cards.card} id="limits">
-      <div className={clsx(cards.bd, prose.md)}>
-        <h2>Known limits</h2>
-        <p>
-          <b>A narrow slit.</b> Violations in a set of probability p are missed by all of n independent samples with
-          probability (1 − p)<sup>n</sup>. A search can miss such a set, too: nothing around it points to it.
-        </p>
-        <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Table of probabilities">
-          <Table tight name="Probability that a sample misses a set of violations" rows={SLITS} by={(p) => p} columns={MISSED} />
-        </div>
-        <p>
-          <b>The model.</b> Every statement is about the model: its components, its bounds, its distributions, its
-          horizon. It does not compare the model with the vehicle.
-        </p>
-        <p>
-          <b>Failed evaluations.</b> Their outcome is unknown. They rule out Cleared, and the run list, the
-          run page, the report and the command line say how many there are.
-        </p>
+    <Passage id="limits" title="Known limits">
+      <p>
+        <b>A narrow slit.</b> Violations in a set of probability p are missed by all of n independent samples with
+        probability (1 − p)<sup>n</sup>. A search can miss such a set, too: nothing around it points to it.
+      </p>
+      <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Table of probabilities">
+        <Table tight name="Probability that a sample misses a set of violations" rows={SLITS} by={(p) => p} columns={MISSED} />
       </div>
-    </section>
+      <p>
+        <b>The model.</b> Every statement is about the model: its components, its bounds, its distributions, its
+        horizon. It does not compare the model with the vehicle.
+      </p>
+      <p>
+        <b>Failed evaluations.</b> Their outcome is unknown. They rule out Cleared, and the run list, the
+        run page, the report and the command line say how many there are.
+      </p>
+    </Passage>
   )
 }

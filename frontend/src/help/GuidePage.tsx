@@ -6,7 +6,7 @@ import { useTitle } from '../page/useTitle'
 import { fragmentOf, GUIDES, parts, sectionsOf, shown } from './guides'
 import { HelpFrame } from './HelpFrame'
 import { TEXTS } from './texts'
-import cards from '../ui/cards.module.css'
+import { Card } from '../ui/Card'
 
 const PICTURES = import.meta.glob<string>('../../../docs/images/*.svg', { query: '?url', import: 'default', eager: true })
 
@@ -41,20 +41,18 @@ export function GuidePage() {
       lede={guide.name === 'index' ? 'How to use, extend and operate Clearance.' : ALL}
       contents={sectionsOf(text)}
     >
-      <section className={cards.card}>
-        <div className={cards.bd}>
-          <Suspense>
-            {parts(shown(text)).map((part, i) =>
-              typeof part === 'string' ? (
-                <Markdown key={i} text={part} idOf={fragmentOf} />
-              ) : (
-                <img key={i} src={PICTURES[`../../../docs/images/${part.file}`]} alt={part.alt} style={{ maxWidth: '100%' }} />
-              ),
-            )}
-            <Landing key={guide.name} />
-          </Suspense>
-        </div>
-      </section>
+      <Card>
+        <Suspense>
+          {parts(shown(text)).map((part, i) =>
+            typeof part === 'string' ? (
+              <Markdown key={i} text={part} idOf={fragmentOf} />
+            ) : (
+              <img key={i} src={PICTURES[`../../../docs/images/${part.file}`]} alt={part.alt} style={{ maxWidth: '100%' }} />
+            ),
+          )}
+          <Landing key={guide.name} />
+        </Suspense>
+      </Card>
     </HelpFrame>
   )
 }

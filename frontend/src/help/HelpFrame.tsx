@@ -1,20 +1,18 @@
 // The layout of the help pages: table of contents and content.
+import { clsx } from 'clsx'
 import { Link } from '@tanstack/react-router'
 import { type ReactNode, useEffect } from 'react'
 import { Failed, Loading } from '../page/Trouble'
+import { Card } from '../ui/Card'
 import { GUIDES } from './guides'
 import cards from '../ui/cards.module.css'
 import guide from '../ui/guide.module.css'
+import prose from '../ui/prose.module.css'
 import styles from './help.module.css'
 
-export interface Entry {
-  id: string
-  name: ReactNode
-}
-
-export interface Chapter {
+interface Chapter {
   title: string
-  entries: readonly Entry[]
+  entries: readonly { id: string; name: ReactNode }[]
 }
 
 const TOPICS = [
@@ -65,18 +63,7 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
             ))}
           </ul>
         </section>
-        {contents.map((chapter) => (
-          <section key={chapter.title}>
-            <h2>{chapter.title}</h2>
-            <ul>
-              {chapter.entries.map((entry) => (
-                <li key={entry.id}>
-                  <a href={`#${entry.id}`}>{entry.name}</a>
-                </li>
-              ))}
-            </ul>
-          </section>
-        ))}
+        <Contents of={contents} />
       </nav>
       <div className={guide.docbody} data-text>
         <div>
@@ -89,6 +76,31 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
   )
 }
 
+/** The sections of a page as links. */
+export const Contents = ({ of }: { of: readonly Chapter[] }) =>
+  of.map(({ title, entries }) => (
+    <section key={title}>
+      <h2>{title}</h2>
+      <ul>
+        {entries.map(({ id, name }) => (
+          <li key={id}>
+            <a href={`#${id}`}>{name}</a>
+          </li>
+        ))}
+      </ul>
+    </section>
+  ))
+
+/** A text with its heading. */
+export const Passage = ({ id, title, children }: { id: string; title: ReactNode; children: ReactNode }) => (
+  <section className={cards.card} id={id}>
+    <div className={clsx(cards.bd, prose.md)}>
+      <h2>{title}</h2>
+      {children}
+    </div>
+  </section>
+)
+
 interface UnreadProps {
   what: string
   query: { error: Error | null; failureReason: Error | null; refetch: () => unknown }
@@ -98,10 +110,8 @@ interface UnreadProps {
 export function Unread({ what, query: { error, failureReason, refetch } }: UnreadProps) {
   if (!error) return <Loading what={what} failed={failureReason} />
   return (
-    <section className={cards.card}>
-      <div className={cards.bd}>
-        <Failed error={error} retry={() => void refetch()} />
-      </div>
-    </section>
+    <Card>
+      <Failed error={error} retry={() => void refetch()} />
+    </Card>
   )
 }

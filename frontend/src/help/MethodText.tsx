@@ -1,22 +1,13 @@
 // The text of a method with its settings: the installed one on help pages, the stored one on a run's page.
+import { optionsOf, type Schema } from '../api/schema'
 import type { MethodEntry } from '../client'
 import { count } from '../format/numbers'
 import { type Column, Table } from '../ui/Table'
 import { Docstring } from './Docstring'
 import styles from './help.module.css'
 
-interface Rule {
-  type?: string
-  default?: unknown
-  description?: string
-  minimum?: number
-  maximum?: number
-  enum?: unknown[]
-  anyOf?: Rule[]
-}
-
 export function MethodText({ method }: { method: MethodEntry }) {
-  const options = Object.entries((method.options.properties ?? {}) as Record<string, Rule>)
+  const options = Object.entries(optionsOf(method))
   return (
     <>
       <Docstring text={method.text} />
@@ -47,7 +38,7 @@ export function MethodText({ method }: { method: MethodEntry }) {
   )
 }
 
-const COLUMNS: readonly Column<[string, Rule]>[] = [
+const COLUMNS: readonly Column<[string, Schema]>[] = [
   { head: 'Setting', tone: 'mono', cell: ([name]) => name },
   { head: 'Default', tone: 'tn nw', cell: ([, rule]) => (rule.default === undefined ? 'must be given' : written(rule.default)) },
   { head: 'Meaning', tone: 'sec', cell: ([, rule]) => meaning(rule) },
@@ -73,7 +64,7 @@ function Fact({ title, text }: { title: string; text: string }) {
 const written = (value: unknown): string =>
   value === null ? 'none' : typeof value === 'string' || typeof value === 'number' ? String(value) : JSON.stringify(value)
 
-function meaning(rule: Rule): string {
+function meaning(rule: Schema): string {
   const of = rule.anyOf?.find((option) => option.type !== 'null') ?? rule
   const limits =
     of.minimum !== undefined && of.maximum !== undefined

@@ -1,14 +1,13 @@
 // The search methods and their guarantees, from the catalogue: the texts are the methods' docstrings.
-import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { catalogueQuery } from '../api/queries'
 import { useTitle } from '../page/useTitle'
 import type { MethodEntry } from '../client'
+import { Card } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { HelpFrame, Unread } from './HelpFrame'
 import { MethodText } from './MethodText'
-import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 
 const KINDS: Record<MethodEntry['kind'], { name: string; text: string }> = {
@@ -60,16 +59,10 @@ export function MethodsPage() {
 
 function Method({ method }: { method: MethodEntry }) {
   return (
-    <section className={cards.card} id={method.name}>
-      <div className={cards.h}>
-        <h3>
-          <MethodName method={method.name} title={method.title} />
-        </h3>
-        <span className={cards.d}>{method.how}</span>
-      </div>
-      <div className={clsx(cards.bd, layout.stack)}>
+    <Card inner id={method.name} title={<MethodName method={method.name} title={method.title} />} note={method.how}>
+      <div className={layout.stack}>
         <MethodText method={method} />
       </div>
-    </section>
+    </Card>
   )
 }

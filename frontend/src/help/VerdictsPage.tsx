@@ -1,13 +1,11 @@
 // The meaning and requirements of each verdict, and what it does not mean.
 import { Link } from '@tanstack/react-router'
-import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import { CHECKS } from '../api/rules'
 import { useTitle } from '../page/useTitle'
+import { Card } from '../ui/Card'
 import { type Outcome, VerdictBadge } from '../ui/VerdictBadge'
-import { HelpFrame } from './HelpFrame'
-import cards from '../ui/cards.module.css'
-import prose from '../ui/prose.module.css'
+import { HelpFrame, Passage } from './HelpFrame'
 import styles from './help.module.css'
 
 interface Meaning {
@@ -88,33 +86,25 @@ export function VerdictsPage() {
       contents={contents}
     >
       {[...MEANINGS, ...STATES].map((meaning) => (
-        <section key={meaning.outcome} className={cards.card} id={meaning.outcome}>
-          <div className={clsx(cards.bd, prose.md)}>
-            <h2>
-              <VerdictBadge outcome={meaning.outcome} />
-            </h2>
-            <p>{meaning.says}</p>
-            {meaning.takes && (
-              <>
-                <p className="b">Requires all of these</p>
-                <ul>
-                  {meaning.takes.map((take, i) => (
-                    <li key={i}>{take}</li>
-                  ))}
-                </ul>
-              </>
-            )}
-            <p className="sec">
-              <span className="b">What it does not mean:</span> {meaning.not}
-            </p>
-          </div>
-        </section>
+        <Passage key={meaning.outcome} id={meaning.outcome} title={<VerdictBadge outcome={meaning.outcome} />}>
+          <p>{meaning.says}</p>
+          {meaning.takes && (
+            <>
+              <p className="b">Requires all of these</p>
+              <ul>
+                {meaning.takes.map((take, i) => (
+                  <li key={i}>{take}</li>
+                ))}
+              </ul>
+            </>
+          )}
+          <p className="sec">
+            <span className="b">What it does not mean:</span> {meaning.not}
+          </p>
+        </Passage>
       ))}
-      <section className={cards.card} id="words">
-        <div className={cards.h}>
-          <h2>What the words mean</h2>
-        </div>
-        <dl className={clsx(cards.bd, styles.terms)}>
+      <Card title="What the words mean" id="words">
+        <dl className={styles.terms}>
           {TERMS.map(([word, text]) => (
             <div key={word}>
               <dt>{word}</dt>
@@ -122,7 +112,7 @@ export function VerdictsPage() {
             </div>
           ))}
         </dl>
-      </section>
+      </Card>
     </HelpFrame>
   )
 }

@@ -115,8 +115,8 @@ function runOption(run: RunSummary): ReactNode {
       <span data-tone={lookOf(outcome).tone}>
         <OutcomeIcon outcome={outcome} className="i s" />
       </span>
-      <span className={layout.one}>{run.name}</span>
-      <span className={clsx(styles.what, layout.one)}>
+      <span className={layout.cut}>{run.name}</span>
+      <span className={clsx(styles.what, layout.cut)}>
         {run.id} · {wordOf(run)} · {run.campaign_name}
       </span>
     </Combobox.Option>
@@ -127,8 +127,8 @@ function placeOption({ to, name, note }: Place): ReactNode {
   return (
     <Combobox.Option key={to} value={to}>
       <IconArrowRight className="i s mut" aria-hidden />
-      <span className={layout.one}>{name}</span>
-      <span className={clsx(styles.what, layout.one)}>{note}</span>
+      <span className={layout.cut}>{name}</span>
+      <span className={clsx(styles.what, layout.cut)}>{note}</span>
     </Combobox.Option>
   )
 }

@@ -11,6 +11,7 @@ import { type FieldProblem, Refusal } from '../api/problems'
 import type { Catalogue, Draft, LibraryCampaign } from '../client'
 import { Skipped } from '../page/Skipped'
 import { Seg } from '../ui/Card'
+import { IconButton } from '../ui/IconButton'
 import { SectionTabs } from '../ui/SectionTabs'
 import { useHotkeys } from '../ui/useHotkeys'
 import type { Start } from './draft/beginning'
@@ -35,7 +36,6 @@ import { isAnother, useNames } from './draft/useNames'
 import { usePreview } from './preview/usePreview'
 import { useSaved } from './draft/useSaved'
 import { YamlEditor } from './YamlEditor'
-import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './launch.module.css'
@@ -181,7 +181,7 @@ export function Editor(props: EditorProps) {
               onForm={toForm}
             />
           ) : draft.readable ? (
-            <CampaignForm draft={draft} catalogue={catalogue} parameters={parameters} />
+            <CampaignForm {...draft} catalogue={catalogue} parameters={parameters} />
           ) : (
             <p className={clsx(cards.note, cards.warn)}>
               <IconAlertTriangle className="i" aria-hidden />
@@ -264,12 +264,8 @@ export function Editor(props: EditorProps) {
 function Back({ draft }: { draft: DraftState }) {
   return (
     <span className={styles.back}>
-      <button type="button" className={buttons.iconbtn} aria-label="Undo" title="Undo the last edit" disabled={!draft.undo} onClick={() => draft.undo?.()}>
-        <IconArrowBackUp className="i" aria-hidden />
-      </button>
-      <button type="button" className={buttons.iconbtn} aria-label="Redo" title="Redo" disabled={!draft.redo} onClick={() => draft.redo?.()}>
-        <IconArrowForwardUp className="i" aria-hidden />
-      </button>
+      <IconButton bare large label="Undo" title="Undo the last edit" icon={IconArrowBackUp} off={!draft.undo} act={() => draft.undo?.()} />
+      <IconButton bare large label="Redo" icon={IconArrowForwardUp} off={!draft.redo} act={() => draft.redo?.()} />
     </span>
   )
 }

@@ -10,6 +10,7 @@ import { Sign } from '../ui/Sign'
 import { Labelled, NumberField } from './fields/Field'
 import { numberOf } from './campaign/parameters'
 import { FieldErrors, idOf } from './fields/problems'
+import type { SetValue } from './fields/props'
 import type { Regression } from './regression/regression'
 import { amountOf, timeOf } from './estimate'
 import { RegressionFields } from './regression/RegressionFields'
@@ -26,7 +27,7 @@ interface RunCardProps {
   regression: Regression
   onName: (name: string) => void
   onTags: (tags: string[]) => void
-  set: (at: readonly (string | number)[], value: unknown) => void
+  set: SetValue
 }
 
 export function RunCard({ name, tags, campaign, readable, criterion, regression, onName, onTags, set }: RunCardProps) {

@@ -1,7 +1,7 @@
 // At the lower edge of the window wherever the page is scrolled: the estimated effort, and the start of the run.
-import { clsx } from 'clsx'
 import { IconPlayerPlay } from '@tabler/icons-react'
 import type { Checked } from '../client'
+import { Button } from '../ui/Button'
 import { amountOf, timeOf } from './estimate'
 import buttons from '../ui/buttons.module.css'
 import styles from './launch.module.css'
@@ -31,11 +31,10 @@ export function StartBar({ checked, checking, failed, disabled, busy, why, onSta
           {why}
         </p>
       </div>
-      <button type="button" className={clsx(buttons.btn, buttons.p)} disabled={disabled || busy} onClick={onStart}>
-        <IconPlayerPlay className="i s" aria-hidden />
+      <Button main icon={IconPlayerPlay} disabled={disabled || busy} onClick={onStart}>
         {busy ? 'Starting …' : 'Start run'}
         <span className={buttons.kbd}>Ctrl ↵</span>
-      </button>
+      </Button>
     </div>
   )
 }

@@ -2,6 +2,7 @@
 import { clsx } from 'clsx'
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { FieldProblem } from '../api/problems'
+import { Button } from '../ui/Button'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import styles from './launch.module.css'
@@ -32,9 +33,7 @@ export function Summary({ problems, trouble, recheck, tab, onForm, onText }: Sum
         </span>
         {recheck && (
           <div className={styles.recheck}>
-            <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={recheck}>
-              Try again
-            </button>
+            <Button small onClick={recheck}>Try again</Button>
           </div>
         )}
         <ul>

@@ -3,10 +3,10 @@ import { useMediaQuery } from '@mantine/hooks'
 import { IconCircleCheck, IconDownload, IconFileText, IconLoader } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { type DragEvent, lazy, Suspense, useRef, useState } from 'react'
+import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { CopyButton, save } from '../ui/files'
 import type { CodeEditorProps } from './code/CodeEditor'
-import buttons from '../ui/buttons.module.css'
 import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './launch.module.css'
@@ -46,9 +46,7 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
       flush
       right={
         <>
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => chooser.current?.click()}>
-            <IconFileText className="i s" aria-hidden /> Open file
-          </button>
+          <Button small icon={IconFileText} onClick={() => chooser.current?.click()}>Open file</Button>
           <input
             ref={chooser}
             type="file"
@@ -61,9 +59,7 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
             }}
           />
           <CopyButton text={() => text}>Copy</CopyButton>
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => save('campaign.yaml', text, 'application/yaml')}>
-            <IconDownload className="i s" aria-hidden /> Download
-          </button>
+          <Button small icon={IconDownload} onClick={() => save('campaign.yaml', text, 'application/yaml')}>Download</Button>
         </>
       }
       footer={
@@ -87,17 +83,11 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
 }
 
 function State({ ok, checking, problems }: { ok: boolean; checking: boolean; problems: number }) {
-  if (checking)
-    return (
-      <span className={layout.row} style={{ gap: 5 }}>
-        <IconLoader className={clsx(icons.spin, 'i s')} aria-hidden /> Checking
-      </span>
-    )
-  if (ok)
-    return (
-      <span className={layout.row} style={{ gap: 5 }}>
-        <IconCircleCheck className="i s" aria-hidden /> Valid
-      </span>
-    )
-  return <span className="bad-t">{problems === 1 ? 'One problem' : `${problems} problems`}</span>
+  if (!checking && !ok) return <span className="bad-t">{problems === 1 ? 'One problem' : `${problems} problems`}</span>
+  return (
+    <span className={layout.row} style={{ gap: 5 }}>
+      {checking ? <IconLoader className={clsx(icons.spin, 'i s')} aria-hidden /> : <IconCircleCheck className="i s" aria-hidden />}
+      {checking ? 'Checking' : 'Valid'}
+    </span>
+  )
 }

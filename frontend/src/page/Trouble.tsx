@@ -4,6 +4,7 @@ import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { Refusal, statement } from '../api/problems'
+import { Button } from '../ui/Button'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import icons from '../ui/icons.module.css'
@@ -57,9 +58,7 @@ export function Trouble({ error, retry, onward = true, below = false }: TroubleP
       actions={
         <>
           {again && (
-            <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={again}>
-              Try again
-            </button>
+            <Button main onClick={again}>Try again</Button>
           )}
           {onward && (
             <Link to="/runs" className={again ? buttons.btn : clsx(buttons.btn, buttons.p)}>
@@ -116,9 +115,7 @@ export function Failed({ error, retry }: { error: Error; retry: () => void }) {
   return (
     <p className={layout.row} role="alert">
       <span className={clsx('bad-t', layout.wrapAny)}>{statement(error.message)}</span>
-      <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={retry}>
-        Try again
-      </button>
+      <Button small onClick={retry}>Try again</Button>
     </p>
   )
 }

@@ -6,7 +6,7 @@ import { getRun, listRuns } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { decimalsFor, signed } from '../format/numbers'
-import { storeOf } from '../ui/store'
+import { store, stored, storeOf } from '../ui/store'
 import { wordOf } from '../ui/VerdictBadge'
 
 export interface Wanted {
@@ -32,26 +32,14 @@ export function readWanted(text: string | null): Wanted {
   }
 }
 
-const stored = (): Wanted => {
-  try {
-    return readWanted(localStorage.getItem(KEY))
-  } catch {
-    return NOTHING
-  }
-}
-
-const wanted = storeOf(stored())
+const wanted = storeOf(readWanted(stored(KEY)))
 
 function want(next: Wanted): void {
   wanted.set(next)
-  try {
-    localStorage.setItem(KEY, JSON.stringify(next))
-  } catch {
-    // Without storage the choice lasts as long as the page.
-  }
+  store(KEY, JSON.stringify(next))
 }
 
-addEventListener('storage', () => wanted.set(stored()))
+addEventListener('storage', () => wanted.set(readWanted(stored(KEY))))
 
 export const useWanted = wanted.useValue
 

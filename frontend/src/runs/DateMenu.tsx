@@ -1,5 +1,6 @@
 // When a run was submitted: today, in the last days, or between two days.
 import { DAYS, type Days, type RunsSearch } from './search'
+import { Field } from '../ui/Form'
 import { Menu } from '../ui/Menu'
 import fields from '../ui/fields.module.css'
 import styles from './runs.module.css'
@@ -27,26 +28,8 @@ export function DateMenu({ search, onChange }: DateMenuProps) {
         ))}
       </div>
       <div className={styles.dates}>
-        <label className={fields.lbl}>
-          From
-          <input
-            type="date"
-            className={fields.inp}
-            value={since ?? ''}
-            max={until}
-            onChange={(event) => set({ since: event.target.value || undefined, until })}
-          />
-        </label>
-        <label className={fields.lbl}>
-          To
-          <input
-            type="date"
-            className={fields.inp}
-            value={until ?? ''}
-            min={since}
-            onChange={(event) => set({ since, until: event.target.value || undefined })}
-          />
-        </label>
+        <Field label="From" type="date" value={since ?? ''} max={until} onChange={(day) => set({ since: day || undefined, until })} />
+        <Field label="To" type="date" value={until ?? ''} min={since} onChange={(day) => set({ since, until: day || undefined })} />
       </div>
     </Menu>
   )

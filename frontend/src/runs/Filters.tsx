@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import { IconPinned, IconTrash } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { facetsQuery } from '../api/queries'
-import { count } from '../format/numbers'
+import { Chip, ChipCount } from '../ui/Button'
 import { MethodName } from '../ui/MethodMark'
 import { SearchBox } from '../ui/SearchBox'
 import { lookOf, OutcomeIcon } from '../ui/VerdictBadge'
@@ -14,13 +14,6 @@ import { FilterMenu } from '../ui/FilterMenu'
 import { CLEARED, isNarrowed, type RunsSearch, SHOWS, type Show } from './search'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
-
-const TONE: Record<string, string> = {
-  ok: 'var(--ok-solid)',
-  bad: 'var(--bad-solid)',
-  unk: 'var(--unk-solid)',
-  run: 'var(--run)',
-}
 
 interface FiltersProps {
   search: RunsSearch
@@ -82,40 +75,24 @@ function Outcomes({ search, counts, onChange }: FiltersProps) {
   const shown = SHOWS.filter((show) => numberOf(show) > 0 || search.show === show)
   return (
     <div className={layout.filters}>
-      <button type="button" className={buttons.chip} aria-pressed={!search.show && !search.removed} onClick={() => onChange({ show: undefined, removed: undefined })}>
-        All {!search.removed && <span className={buttons.n}>{count(counts.total)}</span>}
-      </button>
+      <Chip on={!search.show && !search.removed} act={() => onChange({ show: undefined, removed: undefined })}>
+        All {!search.removed && <ChipCount of={counts.total} />}
+      </Chip>
       {shown.map((show) => (
-        <button
-          key={show}
-          type="button"
-          className={buttons.chip}
-          aria-pressed={search.show === show}
-          onClick={() => onChange({ show: search.show === show ? undefined : show })}
-        >
-          <span style={{ color: TONE[lookOf(show).tone], display: 'flex' }}>
+        <Chip key={show} on={search.show === show} act={() => onChange({ show: search.show === show ? undefined : show })}>
+          <span data-tone={lookOf(show).tone} style={{ color: 'var(--tone-solid, var(--tone))', display: 'flex' }}>
             <OutcomeIcon outcome={show} />
           </span>
-          {lookOf(show).word} <span className={buttons.n}>{count(numberOf(show))}</span>
-        </button>
+          {lookOf(show).word} <ChipCount of={numberOf(show)} />
+        </Chip>
       ))}
-      <button
-        type="button"
-        className={buttons.chip}
-        aria-pressed={search.pinned === true}
-        onClick={() => onChange({ pinned: search.pinned ? undefined : true })}
-      >
+      <Chip on={search.pinned === true} act={() => onChange({ pinned: search.pinned ? undefined : true })}>
         <IconPinned className="i" aria-hidden /> Pinned
-      </button>
+      </Chip>
       {(search.removed || (counts.removed ?? 0) > 0) && (
-        <button
-          type="button"
-          className={buttons.chip}
-          aria-pressed={search.removed === true}
-          onClick={() => onChange({ removed: search.removed ? undefined : true, show: undefined })}
-        >
-          <IconTrash className="i" aria-hidden /> Removed <span className={buttons.n}>{count(counts.removed)}</span>
-        </button>
+        <Chip on={search.removed === true} act={() => onChange({ removed: search.removed ? undefined : true, show: undefined })}>
+          <IconTrash className="i" aria-hidden /> Removed <ChipCount of={counts.removed} />
+        </Chip>
       )}
     </div>
   )

@@ -14,6 +14,7 @@ import { count } from '../format/numbers'
 import { plural, RemoveMarked, RunNames } from '../run/header/Removal'
 import { Button } from '../ui/Button'
 import { Form } from '../ui/Form'
+import { IconButton } from '../ui/IconButton'
 import { Modal } from '../ui/Modal'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
@@ -51,9 +52,7 @@ export function Marked({ runs, onClear }: MarkedProps) {
       )}
       <CancelMarked key={runs.map((run) => run.id).join()} live={live} />
       <RemoveMarked runs={runs} onDone={onClear} />
-      <button type="button" className={buttons.iconbtn} onClick={onClear} aria-label="Clear selection" title="Clear selection">
-        <IconX className="i s" aria-hidden />
-      </button>
+      <IconButton bare label="Clear selection" icon={IconX} act={onClear} />
       {pin.isError && <span className={fields.ferr}>{pin.error.message}</span>}
     </>
   )

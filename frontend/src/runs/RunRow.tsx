@@ -20,7 +20,7 @@ interface RunRowProps extends CellContext {
   number: number
   chosen: boolean
   marked: boolean
-  onMark: (id: string, on: boolean) => void
+  onMark: (ids: readonly string[], on: boolean) => void
 }
 
 export const RunRow = memo(function RunRow(props: RunRowProps) {
@@ -47,7 +47,7 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
             type="checkbox"
             checked={marked}
             aria-label={`Select ${run.id}`}
-            onChange={(event) => onMark(run.id, event.target.checked)}
+            onChange={(event) => onMark([run.id], event.target.checked)}
           />
         </label>
       </td>

@@ -13,6 +13,7 @@ import type { Sort } from './search'
 import { useRows } from './useRows'
 import cards from '../ui/cards.module.css'
 import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 import styles from './runs.module.css'
 
@@ -28,10 +29,11 @@ interface RunTableProps {
   cols: ColumnKey[] | undefined
   sort: Sort
   onSort: (sort: Sort) => void
+  /** These three stay the same between renderings, so that only rows that changed are rendered. */
   onTag: (tag: string) => void
   onLabel: (label: string) => void
-  marked: ReadonlySet<string>
   onMark: (ids: readonly string[], on: boolean) => void
+  marked: ReadonlySet<string>
   /** Whether the list shows removed runs. */
   removed: boolean
   more: (() => void) | null
@@ -53,25 +55,9 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, mark
     if (more && !loading && end > runs.length - 30) more()
   }, [more, loading, end, runs.length])
 
-  const mark = useRef((id: string, on: boolean) => onMark([id], on))
-  const tag = useRef(onTag)
-  const label = useRef(onLabel)
-  useEffect(() => {
-    mark.current = (id, on) => onMark([id], on)
-    tag.current = onTag
-    label.current = onLabel
-  })
-  const stable = useMemo(
-    () => ({
-      onMark: (id: string, on: boolean) => mark.current(id, on),
-      onTag: (name: string) => tag.current(name),
-      onLabel: (name: string) => label.current(name),
-    }),
-    [],
-  )
   return (
     <div ref={holder}>
-      <div className={least > width ? clsx(cards.card, styles.scrollx) : clsx(cards.card, styles.clip)}>
+      <div className={clsx(cards.card, least > width ? layout.scrollx : styles.clip)}>
         <table className={clsx(tables.table, styles.runs)} aria-rowcount={total + 1} style={{ minWidth: least }} onMouseDown={() => setChosen(-1)}>
           <colgroup>
             <col style={{ width: MARK }} />
@@ -116,7 +102,9 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, mark
                 marked={marked.has(run.id)}
                 units={common.unit === undefined}
                 now={now}
-                {...stable}
+                onTag={onTag}
+                onLabel={onLabel}
+                onMark={onMark}
               />
             ))}
             <Space rows={runs.length - Math.min(end, runs.length)} />

@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import { IconPlus } from '@tabler/icons-react'
 import { useInfiniteQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
-import { useMemo, useState } from 'react'
+import { useCallback, useMemo, useState } from 'react'
 import { runsQuery } from '../api/queries'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
@@ -21,21 +21,21 @@ import layout from '../ui/layout.module.css'
 export function RunsPage() {
   useTitle('Runs')
   const search = useSearch({ from: '/runs' })
-  const navigate = useNavigate()
+  const navigate = useNavigate({ from: '/runs' })
   const query = useInfiniteQuery(runsQuery(filterOf(search)))
-  const set = (change: Partial<RunsSearch>) =>
-    void navigate({ to: '/runs', search: { ...search, ...change }, replace: true })
+  const set = useCallback(
+    (change: Partial<RunsSearch>) => void navigate({ to: '/runs', search: (before) => ({ ...before, ...change }), replace: true }),
+    [navigate],
+  )
+  const onTag = useCallback((tag: string) => set({ tag: [tag] }), [set])
+  const onLabel = useCallback((label: string) => set({ label: [label] }), [set])
 
   const [marked, setMarked] = useState<ReadonlySet<string>>(new Set())
   const runs = useMemo(() => query.data?.pages.flatMap((page) => page.items) ?? [], [query.data])
-  const mark = (ids: readonly string[], on: boolean) =>
-    setMarked((before) => {
-      const after = new Set(before)
-      for (const id of ids)
-        if (on) after.add(id)
-        else after.delete(id)
-      return after
-    })
+  const onMark = useCallback(
+    (ids: readonly string[], on: boolean) => setMarked((before) => new Set(on ? [...before, ...ids] : [...before].filter((id) => !ids.includes(id)))),
+    [],
+  )
 
   if (query.isPending) return <Loading what="runs" title="Runs" failed={query.failureReason} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} onward={false} />
@@ -65,10 +65,10 @@ export function RunsPage() {
               cols={search.cols}
               sort={search.sort ?? '-created'}
               onSort={(sort) => set({ sort: sort === '-created' ? undefined : sort })}
-              onTag={(tag) => set({ tag: [tag] })}
-              onLabel={(label) => set({ label: [label] })}
+              onTag={onTag}
+              onLabel={onLabel}
               marked={marked}
-              onMark={mark}
+              onMark={onMark}
               removed={search.removed === true}
               more={query.hasNextPage ? () => void query.fetchNextPage() : null}
               loading={query.isFetchingNextPage}

@@ -2,7 +2,7 @@
 // whose cell is a number, a time or a text is declared here alone, others have a cell of their own in `columns.tsx`.
 import type { RunSummary } from '../client'
 
-interface Declared {
+export interface Declared {
   /** In the menu of columns. */
   name: string
   /** The header where it differs, and its second line. */

@@ -9,7 +9,7 @@ import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
 import { RunBadge } from '../ui/VerdictBadge'
 import { amount, Margin, Removal, Tags, Time } from './cells'
-import { COLUMN_KEYS, type ColumnKey, DECLARED, type SortKey } from './columnKeys'
+import { COLUMN_KEYS, type ColumnKey, DECLARED, type Declared, type SortKey } from './columnKeys'
 import { Spark } from './Spark'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
@@ -29,23 +29,12 @@ export interface Common {
   unit: string | undefined
 }
 
-export interface Column {
+export interface Column extends Pick<Declared, 'name' | 'width' | 'down' | 'num' | 'inset' | 'result'> {
   key: ColumnKey | 'removal'
-  /** In the menu of columns. */
-  name: string
   head: (common: Common) => ReactNode
   /** Second line of the header. */
   under?: (common: Common) => ReactNode
-  /** [px] */
-  width: number
   sort?: SortKey
-  /** Right padding of the header, if the numbers are not at the right edge [px]. */
-  inset?: number
-  /** Sorted downwards at first. */
-  down?: boolean
-  num?: boolean
-  /** Part of a result: a run without one shows its state instead. */
-  result?: boolean
   cell: (run: RunSummary, context: CellContext) => ReactNode
 }
 

@@ -89,13 +89,8 @@ function midnight(day: string | Date, later = 0): number {
 }
 
 export function filterOf(search: RunsSearch, now = Date.now()): RunFilter {
-  const { q, show, campaign, tag, owner, method, label, days, since, until, pinned, removed, sort } = search
-  const filter: RunFilter = {}
-  if (q) filter.q = q
-  if (sort) filter.sort = sort
-  Object.assign(filter, campaign && { campaign }, tag && { tag }, owner && { owner }, method && { method }, label && { label })
-  if (pinned) filter.pinned = true
-  if (removed) filter.removed = true
+  const { show, days, since, until, q, sort, campaign, tag, owner, method, label, pinned, removed } = search
+  const filter: RunFilter = { q, sort, campaign, tag, owner, method, label, pinned, removed }
   if (days) filter.since = midnight(new Date(now - (days - 1) * DAY))
   if (since) filter.since = midnight(since)
   if (until) filter.until = midnight(until, 1)

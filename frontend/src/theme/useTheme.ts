@@ -1,20 +1,14 @@
 // Light or dark: the stored choice, else the system's setting, for the page, its widgets and its canvases.
-import { storeOf } from '../ui/store'
+import { store, stored, storeOf } from '../ui/store'
 
 export type Theme = 'light' | 'dark'
 
 const system = matchMedia('(prefers-color-scheme: dark)')
 
-function stored(): Theme | null {
-  try {
-    const value = localStorage.getItem('theme')
-    return value === 'dark' || value === 'light' ? value : null
-  } catch {
-    return null
-  }
+function current(): Theme {
+  const chosen = stored('theme')
+  return chosen === 'dark' || chosen === 'light' ? chosen : system.matches ? 'dark' : 'light'
 }
-
-const current = (): Theme => stored() ?? (system.matches ? 'dark' : 'light')
 
 const shown = storeOf(current())
 
@@ -29,12 +23,7 @@ system.addEventListener('change', apply)
 addEventListener('storage', apply)
 
 export function toggleTheme(): void {
-  const next: Theme = shown.get() === 'dark' ? 'light' : 'dark'
-  try {
-    localStorage.setItem('theme', next)
-  } catch {
-    // Without storage the choice cannot be kept; the system's setting stays.
-  }
+  store('theme', shown.get() === 'dark' ? 'light' : 'dark')
   apply()
 }
 

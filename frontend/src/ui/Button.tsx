@@ -1,7 +1,8 @@
-// A button with words, and an icon before them. What bars the user from it is its tooltip.
+// A button with words, and an icon before them. What bars the user from it is its tooltip. And the chips of filters.
 import type { IconLink } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import type { ButtonHTMLAttributes } from 'react'
+import type { ButtonHTMLAttributes, ReactNode } from 'react'
+import { count } from '../format/numbers'
 import buttons from './buttons.module.css'
 
 interface ButtonProps extends ButtonHTMLAttributes<HTMLButtonElement> {
@@ -10,16 +11,18 @@ interface ButtonProps extends ButtonHTMLAttributes<HTMLButtonElement> {
   /** The main action of its place. */
   main?: boolean
   danger?: boolean
+  /** As wide as its place, and higher. */
+  wide?: boolean
   /** Why this user may not press it. */
   barred?: string | undefined
 }
 
-export function Button({ icon: Icon, small, main, danger, barred, disabled, title, className, type = 'button', children, ...rest }: ButtonProps) {
+export function Button({ icon: Icon, small, main, danger, wide, barred, disabled, title, className, type = 'button', children, ...rest }: ButtonProps) {
   return (
     <button
       {...rest}
       type={type}
-      className={clsx(buttons.btn, small && buttons.s, danger && buttons.danger, main && buttons.p, className)}
+      className={clsx(buttons.btn, small && buttons.s, danger && buttons.danger, main && buttons.p, wide && buttons.wide, className)}
       disabled={disabled || barred !== undefined}
       title={barred ?? title}
     >
@@ -28,3 +31,13 @@ export function Button({ icon: Icon, small, main, danger, barred, disabled, titl
     </button>
   )
 }
+
+/** A filter that is on or off. */
+export const Chip = ({ on, act, children }: { on: boolean; act: () => void; children: ReactNode }) => (
+  <button type="button" className={buttons.chip} aria-pressed={on} onClick={act}>
+    {children}
+  </button>
+)
+
+/** How many it stands for, in a chip. */
+export const ChipCount = ({ of }: { of: number | undefined }) => <span className={buttons.n}>{count(of)}</span>

@@ -9,24 +9,30 @@ import tables from './tables.module.css'
 import styles from './ui.module.css'
 
 interface CardProps {
-  title: ReactNode
+  /** Without one the card has no header. */
+  title?: ReactNode
   note?: ReactNode
   right?: ReactNode
   footer?: ReactNode
   flush?: boolean
+  /** Whether it is in a section that has a heading of its own. */
+  inner?: boolean
   className?: string
   id?: string
   children: ReactNode
 }
 
-export function Card({ title, note, right, footer, flush, className, id, children }: CardProps) {
+export function Card({ title, note, right, footer, flush, inner, className, id, children }: CardProps) {
+  const Heading = inner ? 'h3' : 'h2'
   return (
     <section className={clsx(cards.card, className)} id={id}>
-      <div className={cards.h}>
-        <h2>{title}</h2>
-        <span className={cards.d}>{note}</span>
-        {right && <div className={cards.r}>{right}</div>}
-      </div>
+      {title !== undefined && (
+        <div className={cards.h}>
+          <Heading>{title}</Heading>
+          <span className={cards.d}>{note}</span>
+          {right && <div className={cards.r}>{right}</div>}
+        </div>
+      )}
       {flush ? <Flush>{children}</Flush> : <div className={cards.bd} data-body>{children}</div>}
       {footer && <div className={styles.ft}>{footer}</div>}
     </section>

@@ -3,8 +3,8 @@ import { clsx } from 'clsx'
 import { type ReactNode, useState } from 'react'
 import type { Facet } from '../client'
 import { count } from '../format/numbers'
+import { Button } from './Button'
 import { Menu, Pick, Picks } from './Menu'
-import buttons from './buttons.module.css'
 import fields from './fields.module.css'
 import layout from './layout.module.css'
 
@@ -53,9 +53,7 @@ export function FilterMenu({ name, options, value = [], onChange, label = (text)
         {shown.length === 0 && <p className="small mut">{all.length ? 'No match.' : 'No run has any yet.'}</p>}
       </Picks>
       {value.length > 0 && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onChange(undefined)}>
-          Any {name.toLowerCase()}
-        </button>
+        <Button small onClick={() => onChange(undefined)}>Any {name.toLowerCase()}</Button>
       )}
     </Menu>
   )

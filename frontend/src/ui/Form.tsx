@@ -1,27 +1,58 @@
-// The form of a dialog that sends one request, and its fields.
+// The form of a dialog: its text and fields, why its request was refused, and the buttons at its end.
 import type { InputHTMLAttributes, ReactNode } from 'react'
 import { clsx } from 'clsx'
-import { type DialogFormProps, DialogForm } from './DialogForm'
+import { Button } from './Button'
 import fields from './fields.module.css'
+import layout from './layout.module.css'
 
-interface FormProps extends Pick<DialogFormProps, 'leave' | 'danger' | 'more' | 'children'> {
-  onLeave: () => void
-  /** The request that the form sends. */
-  sent: { isPending: boolean; error: Error | null }
+interface FormProps {
+  /** The request that the form sends, if it sends one. */
+  sent?: { isPending: boolean; error: Error | null }
   onSend: () => void
-  /** The words of its button. */
-  send: ReactNode
+  /** The words of its button; without them there are only those of `more`. */
+  send?: ReactNode
   /** Not complete or not valid. */
   off?: boolean
+  danger?: boolean
+  /** Closes the dialog. */
+  leave?: string
+  onLeave?: () => void
+  /** Further buttons, between those two. */
+  more?: ReactNode
+  children: ReactNode
 }
 
-export function Form({ sent, onSend, send, off = false, children, ...rest }: FormProps) {
+export function Form({ sent, onSend, send, off, danger, leave = 'Not now', onLeave, more, children }: FormProps) {
   return (
-    <DialogForm error={sent.error} submit={send} disabled={sent.isPending || off} onSubmit={onSend} {...rest}>
+    <form
+      className={fields.panel}
+      onSubmit={(event) => {
+        event.preventDefault()
+        onSend()
+      }}
+    >
       {children}
-    </DialogForm>
+      <Refused error={sent?.error} />
+      <div className={clsx(layout.acts, layout.end)}>
+        {onLeave && <Button onClick={onLeave}>{leave}</Button>}
+        {more}
+        {send && (
+          <Button main type="submit" danger={danger} disabled={sent?.isPending || off}>
+            {send}
+          </Button>
+        )}
+      </div>
+    </form>
   )
 }
+
+/** Why the service refused; nothing without an error. */
+export const Refused = ({ error }: { error: Error | null | undefined }) =>
+  error && (
+    <p className={fields.ferr} role="alert">
+      {error.message}
+    </p>
+  )
 
 interface FieldProps extends Omit<InputHTMLAttributes<HTMLInputElement>, 'value' | 'onChange'> {
   label: string

@@ -10,12 +10,28 @@ interface IconButtonProps {
   icon: typeof IconLink
   off?: boolean
   act: () => void
+  /** Without a border. */
+  bare?: boolean
+  /** With an icon of full size. */
+  large?: boolean
+  /** Whether what it shows is open. */
+  expanded?: boolean
+  className?: string
 }
 
-export function IconButton({ label, title = label, icon: Icon, off, act }: IconButtonProps) {
+export function IconButton({ label, title = label, icon: Icon, off, act, bare, large, expanded, className }: IconButtonProps) {
   return (
-    <button type="button" className={clsx(buttons.iconbtn, buttons.bd)} data-control aria-label={label} title={title} disabled={off} onClick={act}>
-      <Icon className="i s" aria-hidden />
+    <button
+      type="button"
+      className={clsx(buttons.iconbtn, !bare && buttons.bd, className)}
+      data-control={bare ? undefined : true}
+      aria-label={label}
+      aria-expanded={expanded}
+      title={title}
+      disabled={off}
+      onClick={act}
+    >
+      <Icon className={large ? 'i' : 'i s'} aria-hidden />
     </button>
   )
 }

@@ -1,8 +1,10 @@
 // The tabs below the figures: links to the sections in page order, with the one that is read highlighted.
+import { clsx } from 'clsx'
 import { useCallback, useEffect, useRef, useState } from 'react'
 import { count } from '../format/numbers'
 import { useHotkeys } from './useHotkeys'
 import { currentOf, inPageOrder, lineOf, type Placed } from './sections'
+import layout from './layout.module.css'
 import styles from './sections.module.css'
 
 export interface Section {
@@ -70,7 +72,7 @@ export function SectionTabs({ sections }: { sections: Section[] }) {
     ),
   )
   return (
-    <nav className={styles.subnav} aria-label="Sections" ref={bar}>
+    <nav className={clsx(layout.tabs, styles.subnav)} aria-label="Sections" ref={bar}>
       {ordered.map(({ id, name, count: number }) => (
         <a key={id} href={`#${id}`} aria-current={id === current ? 'true' : undefined} onClick={() => jumped(id)}>
           {name}

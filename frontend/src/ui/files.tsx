@@ -1,9 +1,8 @@
 // Copy to the clipboard, save as a file.
-import { clsx } from 'clsx'
 import { useClipboard } from '@mantine/hooks'
 import { IconCheck, IconCopy } from '@tabler/icons-react'
 import type { ReactNode } from 'react'
-import buttons from './buttons.module.css'
+import { Button } from './Button'
 
 /** Saves text or a blob as a file. */
 export function save(name: string, content: string | Blob, type = 'text/plain'): void {
@@ -25,9 +24,8 @@ interface CopyProps {
 export function CopyButton({ text, children }: CopyProps) {
   const { copied: done, copy } = useClipboard({ timeout: 1600 })
   return (
-    <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => copy(text())}>
-      {done ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />}
+    <Button small icon={done ? IconCheck : IconCopy} onClick={() => copy(text())}>
       <span aria-live="polite">{done ? 'Copied' : children}</span>
-    </button>
+    </Button>
   )
 }

@@ -1,7 +1,25 @@
-// A value outside of React, whose changes the components that read it show.
+// A value outside of React, whose changes the components that read it show; and what the browser stores.
 import { useSyncExternalStore } from 'react'
 
-export interface Store<T> {
+/** What this browser has stored under a name; null without any, or without storage. */
+export function stored(name: string): string | null {
+  try {
+    return localStorage.getItem(name)
+  } catch {
+    return null
+  }
+}
+
+/** Without storage the value lasts as long as the page. */
+export function store(name: string, value: string): void {
+  try {
+    localStorage.setItem(name, value)
+  } catch {
+    // The browser forbids it.
+  }
+}
+
+interface Store<T> {
   get: () => T
   set: (value: T) => void
   useValue: () => T

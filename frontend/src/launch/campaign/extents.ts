@@ -2,14 +2,14 @@
 // vehicle inside an obstacle. The rule is that of the service (campaigns/asked/extents.py).
 import type { Campaign, Part } from '../../api/campaign'
 import type { Catalogue } from '../../client'
-import { boundsOf, numberOf, parametersOf } from './parameters'
+import { boundsOf, criterionOf, numberOf, parametersOf } from './parameters'
 
 const SLACK = 1e-9
 
 /** The obstacles, by their number, that extend beyond the threshold, with their extent [m]; empty if not applicable. */
 export function withinOf(campaign: Campaign, catalogue: Catalogue): Map<number, number> {
   const { criterion, scenario } = campaign
-  const entry = catalogue.components.find((c) => c.role === 'criterion' && c.name === criterion.component)
+  const entry = criterionOf(campaign, catalogue)
   const threshold = numberOf(criterion.threshold)
   const found = new Map<number, number>()
   if (entry?.measured_to !== 'centre' || criterion.from_centre || threshold === null) return found

@@ -110,8 +110,8 @@ export const decidingOf = (campaign: Campaign, catalogue: Catalogue): ComponentE
     ? simulatorOf(campaign, catalogue)?.results.find((result) => result.name === campaign.criterion.result)
     : criterionOf(campaign, catalogue)
 
-export const criterionOf = (campaign: Campaign, catalogue: Catalogue): ComponentEntry | undefined =>
-  catalogue.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
+export const criterionOf = (campaign: Campaign, catalogue: Catalogue | undefined): ComponentEntry | undefined =>
+  catalogue?.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
 
 /** Parses a raw value; null if it is not a number. */
 export function numberOf(raw: Raw | null | undefined): number | null {

@@ -39,9 +39,8 @@ export const VERDICT: Setting[] = [
 ]
 
 export interface Group {
+  /** The name of the stage. */
   title: string
-  /** The service's name of the group. */
-  field: string
   digest: (campaign: Campaign) => string
   settings: Setting[]
 }
@@ -51,7 +50,6 @@ const words = (count: Raw | null | undefined, one: string): string => `${count ?
 export const STAGES: Group[] = [
   {
     title: 'Certify',
-    field: 'stages.certify',
     digest: ({ stages: { certify } }) =>
       certify
         ? [
@@ -103,7 +101,6 @@ export const STAGES: Group[] = [
   },
   {
     title: 'Estimate',
-    field: 'stages.estimate',
     digest: ({ stages: { estimate } }) => (estimate ? words(estimate.evaluations, 'evaluations over the modes of violations') : 'omitted'),
     settings: [
       {
@@ -116,7 +113,6 @@ export const STAGES: Group[] = [
   },
   {
     title: 'Attraction',
-    field: 'stages.attraction',
     digest: ({ stages: { attraction } }) => (attraction ? 'region of attraction about trim' : 'omitted'),
     settings: [
       {
@@ -129,7 +125,6 @@ export const STAGES: Group[] = [
   },
   {
     title: 'Sensitivity',
-    field: 'stages.sensitivity',
     digest: ({ stages: { sensitivity } }) =>
       sensitivity
         ? [
@@ -164,7 +159,6 @@ export const STAGES: Group[] = [
   },
   {
     title: 'Findings',
-    field: 'stages.findings',
     digest: ({ stages: { findings } }) => `at most ${findings?.at_most ?? 8} distinct worst cases`,
     settings: [
       { at: ['stages', 'findings', 'at_most'], label: 'Findings at most', text: 'Maximum number of distinct worst cases' },
@@ -183,7 +177,6 @@ export const STAGES: Group[] = [
   },
   {
     title: 'Validate',
-    field: 'stages.validate',
     digest: ({ stages: { validate } }) =>
       `tolerance ${validate?.tolerance ?? ''}, ${words(validate?.neighbours, 'neighbours of each finding')}`,
     settings: [

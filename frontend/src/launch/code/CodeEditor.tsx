@@ -14,7 +14,7 @@ import { fieldAt, placeOf, tolerant } from '../text/places'
 import { plain } from '../text/tree'
 import { hintOf, type Known } from './hints'
 import { ProblemList } from './ProblemList'
-import type { Rule } from '../text/schema'
+import type { Schema } from '../../api/schema'
 import { diagnosticsOf, fromPage, type Hands, locking, opened, placedIn, unified } from './setup'
 import buttons from '../../ui/buttons.module.css'
 import styles from './code.module.css'
@@ -41,7 +41,7 @@ export default function CodeEditor(props: CodeEditorProps) {
   const host = useRef<HTMLDivElement>(null)
   const [cursor, setCursor] = useState<number | null>(null)
   const { data, isError } = useQuery(schemaQuery)
-  const schema = data as Rule | undefined
+  const schema = data as Schema | undefined
   const view = useView(host, props, setCursor)
   const lines = unified(props.text)
   const placed = useMemo(() => placedIn(lines, problems), [lines, problems])
@@ -90,7 +90,7 @@ function useView(
   useEffect(() => {
     if (!host.current) return
     const now = () => latest.current
-    const schema = (): Rule | undefined => cache.getQueryData(schemaQuery.queryKey)
+    const schema = (): Schema | undefined => cache.getQueryData(schemaQuery.queryKey)
     const hands: Hands = {
       // The line ends of the file are kept.
       onChange: (text) => now().onChange(now().text.includes('\r\n') ? text.replaceAll('\n', '\r\n') : text),
@@ -125,7 +125,7 @@ function useView(
 
 interface StandingProps extends CodeEditorProps {
   cursor: number | null
-  schema: Rule | undefined
+  schema: Schema | undefined
 }
 
 /** The description of the field at the cursor, as in the tooltip. */

@@ -9,16 +9,16 @@ import { fieldAt, placeOf, tolerant } from '../text/places'
 import { plain } from '../text/tree'
 import { choicesIn, completed } from './complete'
 import { hintOf, type Known } from './hints'
-import type { Rule } from '../text/schema'
+import type { Schema } from '../../api/schema'
 
 let catalogue: Catalogue
 let campaign: Campaign
 let text: string
-let schema: Rule
+let schema: Schema
 beforeAll(() => {
   const library = shipped()
   catalogue = library.catalogue
-  schema = library.schema as Rule
+  schema = library.schema as Schema
   campaign = library.campaigns.unicycle_static?.document as Campaign
   text = library.campaigns.unicycle_static?.text ?? ''
 })
@@ -53,7 +53,7 @@ it('offers keys, components, parameters and methods where they may stand', () =>
 })
 
 it('waits for the schema where only the schema knows the choices', async () => {
-  let there: Rule | undefined
+  let there: Schema | undefined
   let arrive = () => {}
   const arriving = new Promise<void>((resolve) => (arrive = resolve))
   const requests: boolean[] = []

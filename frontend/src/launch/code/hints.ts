@@ -7,7 +7,8 @@ import { type Parameter, parametersOf, type Role } from '../campaign/parameters'
 import { type Setting, SIMULATION, STAGES, VERDICT } from '../campaign/settings'
 import type { At } from '../text/tree'
 import { scalar } from '../text/words'
-import { type Rule, ruleAt, rulesOf } from '../text/schema'
+import { optionsOf, type Schema } from '../../api/schema'
+import { ruleAt, rulesOf } from '../text/schema'
 
 export interface Known {
   catalogue: Catalogue
@@ -15,7 +16,7 @@ export interface Known {
   campaign: Campaign
   /** The campaign in the text, as far as it can be parsed. */
   document: Json
-  schema: Rule | undefined
+  schema: Schema | undefined
 }
 
 export interface Hint {
@@ -69,7 +70,7 @@ const SETTINGS = new Map<string, Setting>(
   [...SIMULATION, ...STAGES.flatMap((group) => group.settings), ...VERDICT].map((one) => [one.at.join('.'), one]),
 )
 
-function ofRule(at: At, rule: Rule): Hint {
+function ofRule(at: At, rule: Schema): Hint {
   const setting = SETTINGS.get(at.join('.'))
   const rules = rulesOf(rule)
   const low = rules.map((r) => r.minimum ?? r.exclusiveMinimum).find((v) => v !== undefined)
@@ -123,18 +124,15 @@ export function hintOf(known: Known, at: At): Hint | null {
   }
   const method = methodAt(known, at)
   if (name === 'method' && method) return ofMethod(method)
-  const rule = isOptions(above) ? propertiesOf(method)[name] : ruleAt(known.schema, at)
+  const rule = isOptions(above) ? optionsOf(method)[name] : ruleAt(known.schema, at)
   return rule ? ofRule(at, rule) : null
 }
 
 /** The description of a name, if it adds information. */
-function choiceOf(at: At, name: string, rule: Rule): Choice {
+function choiceOf(at: At, name: string, rule: Schema): Choice {
   const { title, ...rest } = ofRule([...at, name], rule)
   return title.toLowerCase() === name.replaceAll('_', ' ').toLowerCase() ? { name, ...rest } : { name, title, ...rest }
 }
-
-const propertiesOf = (method: MethodEntry | undefined): Record<string, Rule> =>
-  (method?.options.properties ?? {}) as Record<string, Rule>
 
 /** The possible keys of a mapping, without existing ones. */
 export function keysAt(known: Known, at: At): Choice[] {
@@ -146,7 +144,7 @@ function allKeys(known: Known, at: At): Choice[] {
   const entries = entriesAt(known, at)
   if (entries) return entries.map((entry) => ({ name: entry.name, ...ofParameter(entry) }))
   if (holdsPaths(at)) return paths(known, at[0] !== 'uncertain')
-  if (isOptions(at)) return Object.entries(propertiesOf(methodAt(known, at))).map(([name, rule]) => choiceOf(at, name, rule))
+  if (isOptions(at)) return Object.entries(optionsOf(methodAt(known, at))).map(([name, rule]) => choiceOf(at, name, rule))
   const rule = ruleAt(known.schema, at)
   const properties = rule ? rulesOf(rule).flatMap((one) => Object.entries(one.properties ?? {})) : []
   const offered = [...new Map(properties)].filter(([name]) => at.length > 0 || !AT_LAUNCH.has(name))
@@ -179,7 +177,7 @@ export function valuesAt(known: Known, at: At): Choice[] {
     const found = parametersOf(campaign, catalogue).find(({ path }) => path === at[1])
     return found ? [{ name: found.entry.unit || '1', title: found.entry.text, detail: '', text: '' }] : []
   }
-  const rule = isOptions(above) ? propertiesOf(methodAt(known, at))[name] : ruleAt(known.schema, at)
+  const rule = isOptions(above) ? optionsOf(methodAt(known, at))[name] : ruleAt(known.schema, at)
   if (!rule) return []
   const rules = rulesOf(rule)
   const values = rules.flatMap((one) => one.enum ?? (one.const !== undefined ? [one.const] : one.type === 'boolean' ? [true, false] : []))

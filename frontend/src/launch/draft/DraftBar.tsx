@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import { IconAlertTriangle, IconDeviceFloppy } from '@tabler/icons-react'
 import { useBarred } from '../../api/may'
 import type { Saved } from './useSaved'
-import buttons from '../../ui/buttons.module.css'
+import { Button } from '../../ui/Button'
 import cards from '../../ui/cards.module.css'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
@@ -26,10 +26,9 @@ export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarP
   const standing = draft && foreign ? `${draft.id} belongs to ${draft.owner}: saving makes a new draft.` : dirty ? 'Unsaved changes.' : draft ? `All changes are saved in ${draft.id}.` : ''
   return (
     <div className={styles.draftbar}>
-      <button type="button" className={clsx(buttons.btn, buttons.wide)} disabled={saving || barred !== undefined || (draft !== null && !dirty && !foreign)} title={barred} onClick={() => save()}>
-        <IconDeviceFloppy className="i s" aria-hidden />
+      <Button wide icon={IconDeviceFloppy} disabled={saving || (draft !== null && !dirty && !foreign)} barred={barred} onClick={() => save()}>
         {saving ? 'Saving …' : draft && !foreign ? `Save ${draft.id}` : foreign ? 'Save as a new draft' : 'Save as draft'}
-      </button>
+      </Button>
       <p className="small mut" aria-live="polite" data-testid="kept">
         {standing}
       </p>
@@ -46,12 +45,8 @@ export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarP
             <p>{trouble.message}</p>
             {overtaken && (
               <div className={clsx(layout.acts, styles.acts)}>
-                <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => save(true)}>
-                  Keep mine as a new draft
-                </button>
-                <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={onReopen}>
-                  Open theirs
-                </button>
+                <Button small onClick={() => save(true)}>Keep mine as a new draft</Button>
+                <Button small onClick={onReopen}>Open theirs</Button>
               </div>
             )}
           </div>

@@ -11,7 +11,8 @@ import { count } from '../../format/numbers'
 import { moment, when } from '../../format/time'
 import { Card, Tags } from '../../ui/Card'
 import { type Column, hiddenHead, Table } from '../../ui/Table'
-import { DialogForm } from '../../ui/DialogForm'
+import { Form } from '../../ui/Form'
+import { IconButton } from '../../ui/IconButton'
 import { Modal } from '../../ui/Modal'
 import { useNow } from '../../ui/useNow'
 import buttons from '../../ui/buttons.module.css'
@@ -71,11 +72,7 @@ export function Drafts() {
       }
     >
       <Table stack rows={shown} by={({ id }) => id} columns={columns} />
-      <Modal
-        opened={leaving !== null}
-        onClose={() => setLeaving(null)}
-        title={`Delete draft ${leaving?.id ?? ''}`}
-      >
+      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title={`Delete draft ${leaving?.id ?? ''}`}>
         {leaving && <Deletion draft={leaving} onDone={() => setLeaving(null)} />}
       </Modal>
     </Card>
@@ -85,16 +82,7 @@ export function Drafts() {
 function Delete({ draft, onAsk }: { draft: DraftSummary; onAsk: () => void }) {
   const barred = useBarredFromOwn('engineer', draft)
   return (
-    <button
-      type="button"
-      className={buttons.iconbtn}
-      aria-label={`Delete draft ${draft.id}`}
-      title={barred ?? 'Delete'}
-      disabled={barred !== undefined}
-      onClick={onAsk}
-    >
-      <IconTrash className="i s" aria-hidden />
-    </button>
+    <IconButton bare label={`Delete draft ${draft.id}`} title={barred ?? 'Delete'} icon={IconTrash} off={barred !== undefined} act={onAsk} />
   )
 }
 
@@ -106,10 +94,10 @@ function Deletion({ draft, onDone }: { draft: DraftSummary; onDone: () => void }
     onSettled: () => cache.invalidateQueries({ queryKey: ['drafts'] }),
   })
   return (
-    <DialogForm error={removal.error} submit="Delete" disabled={removal.isPending} onSubmit={() => removal.mutate()} leave="Keep it" onLeave={onDone}>
+    <Form sent={removal} send="Delete" onSend={() => removal.mutate()} leave="Keep it" onLeave={onDone}>
       <p>
         {draft.name || 'This untitled draft'} will be deleted for all users. Runs started from it remain.
       </p>
-    </DialogForm>
+    </Form>
   )
 }

@@ -1,9 +1,9 @@
 // Asks for confirmation before leaving the page or choosing another case with unsaved edits.
+import { useMutation } from '@tanstack/react-query'
 import { useBlocker } from '@tanstack/react-router'
-import { useState } from 'react'
-import { DialogForm } from '../../ui/DialogForm'
+import { Button } from '../../ui/Button'
+import { Form } from '../../ui/Form'
 import { Modal } from '../../ui/Modal'
-import buttons from '../../ui/buttons.module.css'
 
 interface Place {
   pathname: string
@@ -23,31 +23,26 @@ const elsewhere = (current: Place, next: Place): boolean =>
   (['case', 'from', 'draft'] as const).some((key) => current.search[key] !== next.search[key])
 
 export function Leaving({ dirty, expected, onSave }: LeavingProps) {
-  const [failed, setFailed] = useState<Error | null>(null)
   const blocker = useBlocker({
     shouldBlockFn: ({ current, next }) =>
       dirty && !expected(next as Place) && elsewhere(current as Place, next as Place),
     enableBeforeUnload: () => dirty,
     withResolver: true,
   })
+  const keep = useMutation({ mutationFn: onSave, onSuccess: () => blocker.proceed?.() })
   if (blocker.status !== 'blocked') return null
-  const keep = () => void onSave().then(blocker.proceed, setFailed)
   return (
     <Modal opened onClose={blocker.reset} title="Unsaved changes">
-      <DialogForm
-        error={failed}
-        submit="Save as draft"
-        onSubmit={keep}
+      <Form
+        sent={keep}
+        send="Save as draft"
+        onSend={() => keep.mutate()}
         leave="Stay"
         onLeave={blocker.reset}
-        more={
-          <button type="button" className={buttons.btn} onClick={blocker.proceed}>
-            Leave without saving
-          </button>
-        }
+        more={<Button onClick={blocker.proceed}>Leave without saving</Button>}
       >
         <p>Your changes to this campaign are not saved.</p>
-      </DialogForm>
+      </Form>
     </Modal>
   )
 }

@@ -1,5 +1,5 @@
 // The campaign of a run with the changes of remedies, as a document and as the text that was written by hand.
-import type { Json } from '../../api/campaign'
+import { type Json, read } from '../../api/campaign'
 import { statementOf, type Step, stepsIn } from '../../api/steps'
 import type { RunDetail, Span } from '../../client'
 import { applied, type Change } from '../text/changes'
@@ -29,7 +29,7 @@ export function changesFor(document: unknown, steps: readonly Step[]): Change[] 
   let before = document as Json
   return steps.flatMap(({ remedy }) =>
     remedy.changes.map(({ at, value }) => {
-      const list = lookedUp(before, at.slice(0, -1))
+      const list = read(before, at.slice(0, -1))
       const added = Array.isArray(list) && at.at(-1) === list.length
       const change: Change = added
         ? { kind: 'insert', at, value: value as Json }
@@ -39,6 +39,3 @@ export function changesFor(document: unknown, steps: readonly Step[]): Change[] 
     }),
   )
 }
-
-const lookedUp = (document: Json, at: readonly (string | number)[]): unknown =>
-  at.reduce<unknown>((place, step) => (place as Record<string | number, unknown> | null | undefined)?.[step], document)

@@ -8,12 +8,12 @@ import { schemaQuery } from '../../api/queries'
 import { asCampaign, type Campaign, type List, without, write } from '../../api/campaign'
 import type { FieldProblem } from '../../api/problems'
 import type { Checked } from '../../client'
+import type { FormProps } from '../fields/props'
 import { type History, NOTHING, recorded, redo, undo, type Version } from './history'
 
 const PAUSE = 300
 
-export interface Draft {
-  campaign: Campaign
+export interface Draft extends Pick<FormProps, 'campaign' | 'set' | 'remove'> {
   text: string
   /** Whether form and text agree; false while the text cannot be parsed as a campaign. */
   readable: boolean
@@ -27,9 +27,6 @@ export interface Draft {
   recheck: (() => void) | null
   /** Number of edits. */
   edits: number
-  set: (at: readonly (string | number)[], value: unknown) => void
-  /** Removes a part of a list, with all references to it. */
-  remove: (list: List | 'objectives', index: number) => void
   setText: (text: string, how?: 'typed' | 'replaced') => void
   undo: (() => void) | null
   redo: (() => void) | null

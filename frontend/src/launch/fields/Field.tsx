@@ -1,11 +1,10 @@
-// Labelled fields of a campaign, and the buttons of its lists: each with its problems next to it.
+// Labelled fields of a campaign, and the button that removes an entry of a list: each with its problems next to it.
 import { Select, type SelectProps } from '@mantine/core'
-import { IconPlus, IconTrash } from '@tabler/icons-react'
-import { clsx } from 'clsx'
+import { IconTrash } from '@tabler/icons-react'
 import type { ReactNode } from 'react'
+import { IconButton } from '../../ui/IconButton'
 import { NumberCell, type NumberCellProps } from './NumberCell'
 import { FieldErrors, idOf } from './problems'
-import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
 
 interface LabelledProps {
@@ -16,13 +15,12 @@ interface LabelledProps {
   text?: ReactNode
   /** The field whose problems are shown, with those of everything below it, instead of its own alone. */
   within?: string
-  className?: string
   children: ReactNode
 }
 
-export function Labelled({ field, label, unit, text, within, className, children }: LabelledProps) {
+export function Labelled({ field, label, unit, text, within, children }: LabelledProps) {
   return (
-    <div className={className}>
+    <div>
       <label className={fields.lbl} htmlFor={idOf(field)}>
         {label}
         {unit && <span className="mut">, {unit}</span>}
@@ -82,18 +80,6 @@ export function Adder({ what, wide, position, ...choice }: ChoiceProps & { what:
   )
 }
 
-export function AddButton({ children, label, ...button }: { children: ReactNode; label?: string; disabled?: boolean; onClick: () => void }) {
-  return (
-    <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={label} {...button}>
-      <IconPlus className="i s" aria-hidden /> {children}
-    </button>
-  )
-}
-
-export function RemoveButton({ label, title, onClick }: { label: string; title?: string; onClick: () => void }) {
-  return (
-    <button type="button" className={buttons.iconbtn} aria-label={label} title={title} onClick={onClick}>
-      <IconTrash className="i s" aria-hidden />
-    </button>
-  )
-}
+export const RemoveButton = ({ label, onClick }: { label: string; onClick: () => void }) => (
+  <IconButton bare label={label} title="Remove" icon={IconTrash} act={onClick} />
+)

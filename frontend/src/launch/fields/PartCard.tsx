@@ -1,7 +1,6 @@
 // One part of a campaign: its component, and its parameters with unit, limits and text from the catalogue.
 import { clsx } from 'clsx'
 import { type Campaign, place, type Raw } from '../../api/campaign'
-import type { Catalogue } from '../../client'
 import { plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Docstring } from '../../help/Docstring'
@@ -12,29 +11,23 @@ import { Choice, RemoveButton } from './Field'
 import { NumberCell } from './NumberCell'
 import { numberOf, type Parameter, type Section } from '../campaign/parameters'
 import { FieldErrors, idOf } from './problems'
+import type { FormProps, SetValue } from './props'
 import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
 import styles from './fields.module.css'
 
-export type SetValue = (at: readonly (string | number)[], value: unknown) => void
-
 /** Up to this number of default parameters is not collapsed. */
 const FEW = 4
 
-interface PartCardProps {
+interface PartCardProps extends Pick<FormProps, 'campaign' | 'catalogue' | 'set'> {
   section: Section
-  campaign: Campaign
-  catalogue: Catalogue
-  set: SetValue
   onRemove?: () => void
 }
 
 export function PartCard({ onRemove, ...props }: PartCardProps) {
   const { title, component } = props.section
-  const remove = onRemove && (
-    <RemoveButton label={`Remove ${title}`} title="Remove" onClick={onRemove} />
-  )
+  const remove = onRemove && <RemoveButton label={`Remove ${title}`} onClick={onRemove} />
   return (
     <Card title={title} note={component?.dimension ? `${component.dimension}D` : undefined} right={remove}>
       <PartBody {...props} />

@@ -26,21 +26,11 @@ export function useProblems(field: string, deep = false): FieldProblem[] {
 /** An identifier of an element for a field. */
 export const idOf = (field: string): string => `f-${field.replace(/[^\w-]/g, '-')}`
 
-interface MessageProps {
-  problem: FieldProblem
-  /** Shows the field's name, if the message is not next to the field. */
-  named?: boolean
-}
-
-export function Message({ problem, named }: MessageProps) {
-  const words = problem.message.charAt(0).toUpperCase() + problem.message.slice(1)
+export function Message({ problem: { field, message } }: { problem: FieldProblem }) {
   return (
-    <p className={fieldsCss.ferr} data-problem={problem.field}>
+    <p className={fieldsCss.ferr} data-problem={field}>
       <IconAlertCircle className="i" aria-hidden />
-      <span>
-        {named && problem.field && <span className="mono">{problem.field} </span>}
-        {named ? problem.message : words}
-      </span>
+      <span>{message.charAt(0).toUpperCase() + message.slice(1)}</span>
     </p>
   )
 }

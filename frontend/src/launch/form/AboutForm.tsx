@@ -1,11 +1,13 @@
 // Descriptive fields of a campaign: name, summary, notes on sources and limits, published values.
+import { IconPlus } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import type { Campaign, Published } from '../../api/campaign'
+import type { Published } from '../../api/campaign'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
-import { AddButton, Labelled, RemoveButton } from '../fields/Field'
+import { Labelled, RemoveButton } from '../fields/Field'
 import { Fold } from '../fields/Fold'
 import { NumberCell } from '../fields/NumberCell'
-import type { SetValue } from '../fields/PartCard'
+import type { FormProps, SetValue } from '../fields/props'
 import { FieldErrors, idOf } from '../fields/problems'
 import fieldsCss from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
@@ -26,12 +28,7 @@ const TEXTS: readonly WrittenText[] = [
   { at: 'notes', label: 'Notes: sources, what is reconstructed, what is not modelled', rows: 6 },
 ]
 
-interface AboutFormProps {
-  campaign: Campaign
-  set: SetValue
-}
-
-export function AboutForm({ campaign, set }: AboutFormProps) {
+export function AboutForm({ campaign, set }: FormProps) {
   const published = campaign.published ?? []
   const digest = published.length === 0 ? 'none' : `${published.length} to compare with ours`
   return (
@@ -41,10 +38,10 @@ export function AboutForm({ campaign, set }: AboutFormProps) {
           {TEXTS.map(({ at, field = at, label, rows, most }) => {
             const Input = rows ? 'textarea' : 'input'
             return (
-              <Labelled key={at} className={styles.written} field={field} label={label}>
+              <Labelled key={at} field={field} label={label}>
                 <Input
                   id={idOf(field)}
-                  className={fieldsCss.inp}
+                  className={clsx(fieldsCss.inp, rows && fieldsCss.area)}
                   rows={rows}
                   maxLength={most}
                   value={campaign[at] ?? ''}
@@ -92,7 +89,9 @@ function Values({ published, set }: { published: Published[]; set: SetValue }) {
         </div>
       ))}
       <span>
-        <AddButton onClick={() => set(['published'], [...published, { label: '', value: '', at: {}, source: '' }])}>Add published value</AddButton>
+        <Button small icon={IconPlus} onClick={() => set(['published'], [...published, { label: '', value: '', at: {}, source: '' }])}>
+          Add published value
+        </Button>
       </span>
     </div>
   )

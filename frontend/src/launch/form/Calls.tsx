@@ -2,7 +2,7 @@
 import type { Campaign, Raw } from '../../api/campaign'
 import { Choice, NumberField } from '../fields/Field'
 import { Fold } from '../fields/Fold'
-import type { SetValue } from '../fields/PartCard'
+import type { FormProps } from '../fields/props'
 import styles from './form.module.css'
 
 const REPEATS = 'simulator.repeats'
@@ -21,7 +21,7 @@ export function callsOf(campaign: Campaign): string {
 
 const HOW: Record<string, string> = { worst: 'the worst counts', mean: 'their average counts', quantile: 'a quantile counts' }
 
-export function Calls({ campaign, set }: { campaign: Campaign; set: SetValue }) {
+export function Calls({ campaign, set }: FormProps) {
   const { repeats, retries } = campaign.simulator ?? {}
   const calls = (value: Raw | null) => {
     if (value === null) set(['simulator', 'repeats'], undefined)

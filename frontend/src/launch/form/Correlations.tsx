@@ -1,21 +1,16 @@
 // Correlations of uncertain parameters in random samples, as pairs.
-import type { Campaign, Correlation } from '../../api/campaign'
-import { AddButton, Choice, RemoveButton } from '../fields/Field'
+import { IconPlus } from '@tabler/icons-react'
+import type { Correlation } from '../../api/campaign'
+import { Button } from '../../ui/Button'
+import { Choice, RemoveButton } from '../fields/Field'
 import { Fold } from '../fields/Fold'
 import { NumberCell } from '../fields/NumberCell'
-import type { SetValue } from '../fields/PartCard'
-import type { Parameter } from '../campaign/parameters'
+import type { FormProps } from '../fields/props'
 import { FieldErrors, idOf } from '../fields/problems'
 import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
 
-interface CorrelationsProps {
-  campaign: Campaign
-  parameters: Parameter[]
-  set: SetValue
-}
-
-export function Correlations({ campaign, parameters, set }: CorrelationsProps) {
+export function Correlations({ campaign, parameters, set }: FormProps) {
   const pairs = campaign.correlations ?? []
   const paths = Object.keys(campaign.uncertain)
   const replace = (next: Correlation[]) => set(['correlations'], next)
@@ -57,9 +52,9 @@ export function Correlations({ campaign, parameters, set }: CorrelationsProps) {
             <FieldErrors field={`correlations.${i}`} deep />
           </div>
         ))}
-        <AddButton disabled={paths.length < 2} onClick={add}>
+        <Button small icon={IconPlus} disabled={paths.length < 2} onClick={add}>
           Add pair
-        </AddButton>
+        </Button>
         <p className="small mut">Of random samples only; between two normal distributions it is their correlation, -1 to 1.</p>
       </div>
     </Fold>

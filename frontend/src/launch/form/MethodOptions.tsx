@@ -1,4 +1,5 @@
 // The options of a method, as a form generated from their JSON schema, and its start points.
+import { IconPlus } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { Json, SearchStage } from '../../api/campaign'
 import type { MethodEntry } from '../../client'
@@ -6,28 +7,28 @@ import { plain } from '../../format/numbers'
 import { Docstring } from '../../help/Docstring'
 import { HelpLink } from '../../help/links'
 import { Sign } from '../../ui/Sign'
-import { AddButton, Choice, Labelled, RemoveButton } from '../fields/Field'
+import { Button } from '../../ui/Button'
+import { Choice, Labelled, RemoveButton } from '../fields/Field'
 import { NumberCell } from '../fields/NumberCell'
-import type { Parameter } from '../campaign/parameters'
 import { numberOf } from '../campaign/parameters'
-import type { Rule } from '../text/schema'
+import { optionsOf, type Schema } from '../../api/schema'
 import { FieldErrors } from '../fields/problems'
+import type { FormProps } from '../fields/props'
 import fieldsCss from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
 import styles from './form.module.css'
 
-interface MethodOptionsProps {
+interface MethodOptionsProps extends Pick<FormProps, 'parameters' | 'set'> {
   field: string
   at: (string | number)[]
   stage: SearchStage
   method: MethodEntry
-  parameters: Parameter[]
-  set: (at: readonly (string | number)[], value: unknown) => void
 }
 
-export function MethodOptions({ field, at, stage, method, parameters, set }: MethodOptionsProps) {
-  const rules = Object.entries((method.options.properties ?? {}) as Record<string, Rule>)
+export function MethodOptions(props: MethodOptionsProps) {
+  const { field, at, stage, method, set } = props
+  const rules = Object.entries(optionsOf(method))
   return (
     <div style={{ padding: '4px 0 12px', display: 'grid', gap: 12 }}>
       {rules.length > 0 && (
@@ -45,9 +46,7 @@ export function MethodOptions({ field, at, stage, method, parameters, set }: Met
         </div>
       )}
       {rules.length === 0 && <p className="small mut">This method has no settings except its budget.</p>}
-      {(method.starts || (stage.starts?.length ?? 0) > 0) && (
-        <Starts title={method.title} field={field} at={at} starts={stage.starts ?? []} parameters={parameters} set={set} />
-      )}
+      {(method.starts || (stage.starts?.length ?? 0) > 0) && <Starts {...props} />}
       <details>
         <summary>What {method.title} does</summary>
         <div className={lists.about}>
@@ -64,7 +63,7 @@ export function MethodOptions({ field, at, stage, method, parameters, set }: Met
 interface OptionProps {
   field: string
   name: string
-  rule: Rule
+  rule: Schema
   value: Json | undefined
   onChange: (value: Json | undefined) => void
 }
@@ -102,22 +101,12 @@ function Option({ field, name, rule, value, onChange }: OptionProps) {
   )
 }
 
-function limits(rule: Rule): string {
+function limits(rule: Schema): string {
   if (rule.minimum === undefined || rule.maximum === undefined) return ''
   return `, ${plain(rule.minimum)} to ${plain(rule.maximum)}`
 }
 
-interface StartsProps {
-  /** Of the method. */
-  title: string
-  field: string
-  at: (string | number)[]
-  starts: Record<string, number>[]
-  parameters: Parameter[]
-  set: MethodOptionsProps['set']
-}
-
-function Starts({ title, field, at, starts, parameters, set }: StartsProps) {
+function Starts({ field, at, stage: { starts = [] }, method: { title }, parameters, set }: MethodOptionsProps) {
   const paths = [...new Set(starts.flatMap((start) => Object.keys(start)))]
   const add = () => {
     const nominal = parameters.filter((p) => p.path in (starts[0] ?? {}) || starts.length === 0)
@@ -149,9 +138,9 @@ function Starts({ title, field, at, starts, parameters, set }: StartsProps) {
           <FieldErrors field={`${field}.starts.${i}`} deep />
         </div>
       ))}
-      <AddButton label={`Add start of ${title} at nominal`} onClick={add}>
+      <Button small icon={IconPlus} aria-label={`Add start of ${title} at nominal`} onClick={add}>
         Add start at nominal
-      </AddButton>
+      </Button>
     </div>
   )
 }

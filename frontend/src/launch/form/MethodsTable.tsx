@@ -2,28 +2,22 @@
 import { clsx } from 'clsx'
 import { IconAdjustments, IconChevronDown, IconChevronUp } from '@tabler/icons-react'
 import { useState } from 'react'
-import type { Campaign, SearchStage } from '../../api/campaign'
-import type { Catalogue, MethodEntry } from '../../client'
+import type { SearchStage } from '../../api/campaign'
+import type { MethodEntry } from '../../client'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
+import { IconButton } from '../../ui/IconButton'
 import { MethodName } from '../../ui/MethodMark'
 import { MethodOptions } from './MethodOptions'
 import { NumberCell } from '../fields/NumberCell'
-import type { Parameter } from '../campaign/parameters'
 import { FieldErrors, idOf, useProblems } from '../fields/problems'
-import buttons from '../../ui/buttons.module.css'
+import type { FormProps } from '../fields/props'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import tables from '../../ui/tables.module.css'
 import styles from './form.module.css'
 
-interface MethodsTableProps {
-  campaign: Campaign
-  catalogue: Catalogue
-  parameters: Parameter[]
-  set: (at: readonly (string | number)[], value: unknown) => void
-}
-
-export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTableProps) {
+export function MethodsTable({ campaign, catalogue, parameters, set }: FormProps) {
   const [dropped, setDropped] = useState<Record<string, SearchStage>>({})
   // The methods above the others. While those are shown nothing moves, so that a ticked row stays under the pointer.
   const [fixed, setFixed] = useState<readonly string[] | null>(null)
@@ -75,7 +69,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
       flush
       footer="Cleared requires methods of two families that agree on the worst case (Auto has both), and an independent sample."
     >
-      <table data-dense className={clsx(tables.table, styles.ptable)}>
+      <table data-dense className={clsx(tables.table, tables.tight, styles.ptable)}>
         <thead>
           <tr>
             <th aria-label="Runs" />
@@ -93,15 +87,9 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
           {others.length > 0 && (
             <tr>
               <td colSpan={6}>
-                <button
-                  type="button"
-                  className={clsx(buttons.btn, buttons.s)}
-                  aria-expanded={fixed !== null}
-                  onClick={() => setFixed(fixed ? null : known)}
-                >
-                  {fixed ? <IconChevronUp className="i s" aria-hidden /> : <IconChevronDown className="i s" aria-hidden />}
+                <Button small icon={fixed ? IconChevronUp : IconChevronDown} aria-expanded={fixed !== null} onClick={() => setFixed(fixed ? null : known)}>
                   {fixed ? 'Fewer methods' : `More methods (${others.length})`}
-                </button>
+                </Button>
               </td>
             </tr>
           )}
@@ -118,15 +106,13 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
   )
 }
 
-interface MethodRowProps {
+interface MethodRowProps extends Pick<FormProps, 'parameters' | 'set'> {
   /** Its index among the campaign's searches; null if not selected. */
   at: number | null
   stage: SearchStage | undefined
   method: MethodEntry
   /** True if there is only one criterion. */
   single: boolean
-  parameters: Parameter[]
-  set: MethodsTableProps['set']
   onToggle: () => void
 }
 
@@ -166,17 +152,7 @@ function MethodRow({ at, stage, method, single, parameters, set, onToggle }: Met
           />
         </td>
         <td>
-          <button
-            type="button"
-            className={buttons.iconbtn}
-            aria-expanded={expanded}
-            aria-label={`Options of ${method.title}`}
-            title="Options"
-            disabled={!on}
-            onClick={() => setOpen(!open)}
-          >
-            <IconAdjustments className="i" aria-hidden />
-          </button>
+          <IconButton bare large label={`Options of ${method.title}`} title="Options" icon={IconAdjustments} expanded={expanded} off={!on} act={() => setOpen(!open)} />
         </td>
       </tr>
       {on && (expanded || alone || problems.length > 0) && (

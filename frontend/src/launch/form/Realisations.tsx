@@ -1,26 +1,17 @@
 // The noise and gust realisations of every evaluation; only for scenarios with random components.
-import type { Campaign, Raw } from '../../api/campaign'
-import type { Catalogue } from '../../client'
+import { Card } from '../../ui/Card'
 import { Choice, Labelled } from '../fields/Field'
 import { Fold } from '../fields/Fold'
-import { ListCell } from '../fields/ListCell'
-import type { SetValue } from '../fields/PartCard'
+import { ListCell } from '../fields/NumberCell'
+import type { FormProps } from '../fields/props'
 import { sectionsOf } from '../campaign/parameters'
-import { FieldErrors } from '../fields/problems'
-import cards from '../../ui/cards.module.css'
 import styles from './form.module.css'
 
 const FIELD = 'scenario.realisations'
 /** The parameter that sets the realisation of a random component. */
 const SEED = 'seed'
 
-interface RealisationsProps {
-  campaign: Campaign
-  catalogue: Catalogue
-  set: SetValue
-}
-
-export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
+export function Realisations({ campaign, catalogue, set }: FormProps) {
   const { seeds = [0], combine = 'worst' } = campaign.scenario.realisations ?? {}
   const random = sectionsOf(campaign, catalogue)
     .filter(({ role }) => role === 'environment' || role === 'fault')
@@ -28,34 +19,30 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
   if (!random && seeds.length < 2) return null
   const digest = `${seeds.length} ${seeds.length === 1 ? 'simulation' : 'simulations'} for every evaluation`
   return (
-    <div className={cards.card}>
-      <div className={cards.bd}>
-        <Fold title="Noise realisations" digest={digest} fields={[FIELD]}>
-          <div className={styles.fields}>
-            <Labelled field={`${FIELD}.seeds`} label="Seeds" text="Whole numbers separated by commas; every evaluation simulates all of them" within={`${FIELD}.seeds`}>
-              <ListCell
-                field={`${FIELD}.seeds`}
-                label="Seeds of the realisations"
-                values={seeds}
-                onChange={(values: Raw[]) => set(['scenario', 'realisations', 'seeds'], values)}
-              />
-            </Labelled>
-            <div>
-              <Choice
-                field={`${FIELD}.combine`}
-                label="Which counts"
-                data={[
-                  { value: 'worst', label: 'The worst of them' },
-                  { value: 'mean', label: 'Their average' },
-                ]}
-                value={combine}
-                onChange={(value) => set(['scenario', 'realisations', 'combine'], value)}
-              />
-              <FieldErrors field={`${FIELD}.combine`} />
-            </div>
-          </div>
-        </Fold>
-      </div>
-    </div>
+    <Card>
+      <Fold title="Noise realisations" digest={digest} fields={[FIELD]}>
+        <div className={styles.fields}>
+          <Labelled field={`${FIELD}.seeds`} label="Seeds" text="Whole numbers separated by commas; every evaluation simulates all of them" within={`${FIELD}.seeds`}>
+            <ListCell
+              field={`${FIELD}.seeds`}
+              label="Seeds of the realisations"
+              values={seeds}
+              onChange={(values) => set(['scenario', 'realisations', 'seeds'], values)}
+            />
+          </Labelled>
+          <Labelled field={`${FIELD}.combine`} label="Which counts">
+            <Choice
+              field={`${FIELD}.combine`}
+              data={[
+                { value: 'worst', label: 'The worst of them' },
+                { value: 'mean', label: 'Their average' },
+              ]}
+              value={combine}
+              onChange={(value) => set(['scenario', 'realisations', 'combine'], value)}
+            />
+          </Labelled>
+        </div>
+      </Fold>
+    </Card>
   )
 }

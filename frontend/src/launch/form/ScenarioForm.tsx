@@ -1,25 +1,17 @@
 // The scenario: components, obstacles, disturbances, horizon.
-import { clsx } from 'clsx'
-import { type Campaign, type List, LISTS, listAt } from '../../api/campaign'
-import type { Catalogue } from '../../client'
+import { type List, LISTS, listAt } from '../../api/campaign'
+import { Card } from '../../ui/Card'
 import { criterionFor } from '../campaign/extents'
 import { Adder } from '../fields/Field'
-import { PartCard, type SetValue } from '../fields/PartCard'
-import { ROLE_OF, sectionsOf } from '../campaign/parameters'
+import { PartCard } from '../fields/PartCard'
+import { ROLE_OF, type Section, sectionsOf } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
+import type { FormProps } from '../fields/props'
 import { Realisations } from './Realisations'
 import { SettingFields } from './SettingsForm'
 import { SIMULATION } from '../campaign/settings'
-import cards from '../../ui/cards.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
-
-interface ScenarioFormProps {
-  campaign: Campaign
-  catalogue: Catalogue
-  set: SetValue
-  remove: (list: List | 'objectives', index: number) => void
-}
 
 const TITLE: Record<List, string> = { obstacles: 'Obstacles', environment: 'Environment', faults: 'Faults' }
 const NONE: Record<List, string> = {
@@ -28,64 +20,57 @@ const NONE: Record<List, string> = {
   faults: 'Sensing, timing and actuation are ideal.',
 }
 
-export function ScenarioForm({ campaign, catalogue, set, remove }: ScenarioFormProps) {
-  const sections = sectionsOf(campaign, catalogue).filter((section) => section.at[0] === 'scenario')
-  const shared = { campaign, catalogue, set }
+export function ScenarioForm(form: FormProps) {
+  const sections = sectionsOf(form.campaign, form.catalogue).filter((section) => section.at[0] === 'scenario')
   return (
     <section aria-label="Scenario" id={idOf('scenario')} tabIndex={-1} className={layout.stack}>
       <h2 className={layout.sect}>Scenario</h2>
       <FieldErrors field="scenario" />
-      <div className={cards.card}>
-        <div className={clsx(cards.bd, styles.fields)}>
-          <SettingFields campaign={campaign} set={set} settings={SIMULATION} />
+      <Card>
+        <div className={styles.fields}>
+          <SettingFields {...form} settings={SIMULATION} />
         </div>
-      </div>
-      <div className={styles.parts}>
-        {sections
-          .filter((section) => section.at.length === 2)
-          .map((section) => (
-            <PartCard key={section.at.join('.')} section={section} {...shared} />
-          ))}
-      </div>
+      </Card>
+      <Parts sections={sections.filter((section) => section.at.length === 2)} {...form} />
       {LISTS.map((list) => {
         const own = sections.filter((section) => section.at[1] === list)
         return (
           <div key={list} className={styles.partlist} id={idOf(`scenario.${list}`)} tabIndex={-1}>
             <div className={layout.row}>
               <h3>{TITLE[list]}</h3>
-              <AddPart list={list} campaign={campaign} catalogue={catalogue} set={set} />
+              <AddPart list={list} {...form} />
               {own.length === 0 && <span className="small mut">{NONE[list]}</span>}
             </div>
             <FieldErrors field={`scenario.${list}`} />
-            {own.length > 0 && (
-              <div className={styles.parts}>
-                {own.map((section) => (
-                  <PartCard
-                    key={section.at.join('.')}
-                    section={section}
-                    {...shared}
-                    onRemove={() => remove(list, Number(section.at[2]))}
-                  />
-                ))}
-              </div>
-            )}
+            <Parts sections={own} list={list} {...form} />
           </div>
         )
       })}
-      <Realisations campaign={campaign} catalogue={catalogue} set={set} />
+      <Realisations {...form} />
     </section>
   )
 }
 
-interface AddPartProps {
-  list: List | 'objectives'
-  campaign: Campaign
-  catalogue: Catalogue
-  set: SetValue
+interface PartsProps extends FormProps {
+  sections: Section[]
+  /** The list that they are in, from which each can be removed. */
+  list?: List | 'objectives'
+}
+
+/** The cards of several parts. */
+export function Parts({ sections, list, ...form }: PartsProps) {
+  if (sections.length === 0) return null
+  return (
+    <div className={styles.parts}>
+      {sections.map((section) => (
+        <PartCard key={section.at.join('.')} section={section} {...form} onRemove={list && (() => form.remove(list, Number(section.at.at(-1))))} />
+      ))}
+    </div>
+  )
 }
 
 /** A new part of a list: a copy of the last one if of the same component, else the component's defaults. */
-export function AddPart({ list, campaign, catalogue, set }: AddPartProps) {
+export function AddPart({ list, campaign, catalogue, set }: FormProps & { list: List | 'objectives' }) {
   const parts = (list === 'objectives' ? campaign.objectives : campaign.scenario[list]) ?? []
   const role = list === 'objectives' ? 'criterion' : ROLE_OF[list]
   const word = list === 'objectives' ? 'criterion' : role

@@ -1,38 +1,35 @@
 // The other stages and the settings of the verdict, collapsed with a summary of each.
-import type { Campaign } from '../../api/campaign'
 import { Card } from '../../ui/Card'
 import { Choice, Labelled, NumberField } from '../fields/Field'
 import { Fold } from '../fields/Fold'
-import type { SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
+import type { FormProps } from '../fields/props'
 import { type Setting, settingOf, settled, STAGES, VERDICT } from '../campaign/settings'
 import styles from './form.module.css'
 
-interface SettingsFormProps {
-  campaign: Campaign
-  set: SetValue
-}
-
-export function SettingsForm({ campaign, set }: SettingsFormProps) {
+export function SettingsForm(form: FormProps) {
   return (
     <Card title="Certify, stages and verdict" id="section-stages">
-      {STAGES.map((group) => (
-        <Fold key={group.title} title={group.title} digest={group.digest(campaign)} fields={[group.field]}>
-          <div className={styles.fields} id={idOf(group.field)} tabIndex={-1}>
-            <SettingFields campaign={campaign} set={set} settings={group.settings} />
-          </div>
-          <FieldErrors field={group.field} />
-        </Fold>
-      ))}
+      {STAGES.map(({ title, digest, settings }) => {
+        const field = `stages.${title.toLowerCase()}`
+        return (
+          <Fold key={title} title={title} digest={digest(form.campaign)} fields={[field]}>
+            <div className={styles.fields} id={idOf(field)} tabIndex={-1}>
+              <SettingFields {...form} settings={settings} />
+            </div>
+            <FieldErrors field={field} />
+          </Fold>
+        )
+      })}
       <h3 style={{ margin: '14px 0 8px' }}>Verdict</h3>
       <div className={styles.fields}>
-        <SettingFields campaign={campaign} set={set} settings={VERDICT} />
+        <SettingFields {...form} settings={VERDICT} />
       </div>
     </Card>
   )
 }
 
-interface SettingFieldsProps extends SettingsFormProps {
+interface SettingFieldsProps extends FormProps {
   settings: Setting[]
 }
 

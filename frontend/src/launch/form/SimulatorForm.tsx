@@ -1,26 +1,20 @@
 // Instead of a scenario: the simulator, its parameters, and the deciding result.
-import type { Campaign } from '../../api/campaign'
-import type { Catalogue } from '../../client'
 import { Docstring } from '../../help/Docstring'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { unitText } from '../../format/units'
 import { StatedRequirements } from './CriterionForm'
 import { Calls } from './Calls'
-import { type Parameter, simulatorOf } from '../campaign/parameters'
+import { simulatorOf } from '../campaign/parameters'
 import { Choice } from '../fields/Field'
-import { ParameterGrid, type SetValue } from '../fields/PartCard'
+import { ParameterGrid } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
+import type { FormProps } from '../fields/props'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
 
-interface SimulatorFormProps {
-  campaign: Campaign
-  catalogue: Catalogue
-  set: SetValue
-}
-
-export function SimulatorForm({ campaign, catalogue, parameters, set }: SimulatorFormProps & { parameters: Parameter[] }) {
+export function SimulatorForm(form: FormProps) {
+  const { campaign, catalogue, parameters, set } = form
   const entry = simulatorOf(campaign, catalogue)
   const name = campaign.simulator?.name ?? ''
   const choose = (next: string) => {
@@ -43,7 +37,7 @@ export function SimulatorForm({ campaign, catalogue, parameters, set }: Simulato
           <FieldErrors field="simulator" />
           <FieldErrors field="simulator.name" />
           <ParameterGrid parameters={parameters} set={set} />
-          <Calls campaign={campaign} set={set} />
+          <Calls {...form} />
           {entry && (
             <details>
               <summary>Description</summary>
@@ -59,7 +53,7 @@ export function SimulatorForm({ campaign, catalogue, parameters, set }: Simulato
 }
 
 /** The deciding result; a simulator has no further criteria. */
-export function ResultForm({ campaign, catalogue, set }: SimulatorFormProps) {
+export function ResultForm({ campaign, catalogue, set }: FormProps) {
   const results = (simulatorOf(campaign, catalogue)?.results ?? []).filter((result) => result.worse === 'low')
   const name = campaign.criterion.result ?? ''
   const decides = results.find((result) => result.name === name)

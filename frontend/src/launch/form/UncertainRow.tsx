@@ -8,6 +8,7 @@ import { Choice } from '../fields/Field'
 import { NumberCell } from '../fields/NumberCell'
 import { boundsOf, numberOf, type Parameter } from '../campaign/parameters'
 import { idOf, Message, useProblems } from '../fields/problems'
+import type { SetValue } from '../fields/props'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
@@ -36,7 +37,7 @@ interface UncertainRowProps {
   uncertain: Uncertain | undefined
   fixed: Uncertain | undefined
   onToggle: (on: boolean) => void
-  set: (at: readonly (string | number)[], value: unknown) => void
+  set: SetValue
 }
 
 export function UncertainRow({ path, name, parameter, uncertain, fixed, onToggle, set }: UncertainRowProps) {
@@ -51,8 +52,7 @@ export function UncertainRow({ path, name, parameter, uncertain, fixed, onToggle
   const distribution = shown.distribution ?? { kind: 'uniform' }
   const shaped = on && distribution.kind !== 'uniform'
   // An edited bound replaces a plus-minus; the other bound is unchanged.
-  const bound = (which: 'low' | 'high') => (value: Raw | null) =>
-    set(['uncertain', path], { ...shown, plus_minus: null, low, high, [which]: value })
+  const bounds = { low, high }
   const wide = problems.some((p) => p.field === field || p.field.endsWith('.plus_minus'))
   const numbers = { low: numberOf(low), high: numberOf(high), nominal: numberOf(nominal) }
   const distribute = (kind: string) =>
@@ -93,26 +93,18 @@ export function UncertainRow({ path, name, parameter, uncertain, fixed, onToggle
             />
           )}
         </td>
-        <td>
-          <NumberCell
-            field={`${field}.low`}
-            label={`${name}, low`}
-            value={low}
-            disabled={!on}
-            invalid={wide}
-            onChange={bound('low')}
-          />
-        </td>
-        <td>
-          <NumberCell
-            field={`${field}.high`}
-            label={`${name}, high`}
-            value={high}
-            disabled={!on}
-            invalid={wide}
-            onChange={bound('high')}
-          />
-        </td>
+        {(['low', 'high'] as const).map((which) => (
+          <td key={which}>
+            <NumberCell
+              field={`${field}.${which}`}
+              label={`${name}, ${which}`}
+              value={bounds[which]}
+              disabled={!on}
+              invalid={wide}
+              onChange={(value) => set(['uncertain', path], { ...shown, plus_minus: null, ...bounds, [which]: value })}
+            />
+          </td>
+        ))}
         <td className="sec nw">{unitText(parameter?.entry.unit ?? '')}</td>
         <td>
           <Choice
@@ -155,7 +147,7 @@ interface DistributionFieldsProps {
   path: string
   name: string
   distribution: NonNullable<Uncertain['distribution']>
-  set: UncertainRowProps['set']
+  set: SetValue
 }
 
 function DistributionFields({ field, path, name, distribution, set }: DistributionFieldsProps) {

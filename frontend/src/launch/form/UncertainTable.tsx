@@ -1,24 +1,20 @@
 // The uncertain parameters: selection, bounds, distributions.
 import { clsx } from 'clsx'
 import { useState } from 'react'
-import type { Campaign, Uncertain } from '../../api/campaign'
+import type { Uncertain } from '../../api/campaign'
 import { Card } from '../../ui/Card'
 import { Correlations } from './Correlations'
 import { numberOf, type Parameter } from '../campaign/parameters'
 import { Adder } from '../fields/Field'
 import { FieldErrors } from '../fields/problems'
+import type { FormProps } from '../fields/props'
 import { UncertainRow } from './UncertainRow'
 import layout from '../../ui/layout.module.css'
 import tables from '../../ui/tables.module.css'
 import styles from './form.module.css'
 
-interface UncertainTableProps {
-  campaign: Campaign
-  parameters: Parameter[]
-  set: (at: readonly (string | number)[], value: unknown) => void
-}
-
-export function UncertainTable({ campaign, parameters, set }: UncertainTableProps) {
+export function UncertainTable(form: FormProps) {
+  const { campaign, parameters, set } = form
   // Deselected parameters keep their bounds on the page, so that they can be restored.
   const [fixed, setFixed] = useState<Record<string, Uncertain>>({})
   const uncertain = campaign.uncertain
@@ -56,7 +52,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
         'holds for that distribution.'
       }
     >
-      <table data-dense className={clsx(tables.table, styles.ptable, styles.inTable)}>
+      <table data-dense className={clsx(tables.table, tables.tight, styles.ptable, styles.inTable)}>
         <thead>
           <tr>
             <th aria-label="Varies" />
@@ -87,7 +83,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
       </table>
       <div id="f-uncertain" tabIndex={-1} style={{ padding: '0 16px 8px' }}>
         <FieldErrors field="uncertain" />
-        <Correlations campaign={campaign} parameters={parameters} set={set} />
+        <Correlations {...form} />
       </div>
     </Card>
   )

@@ -6,10 +6,12 @@ import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../../client'
 import { count, decimalsApart, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
+import { Button, Chip, ChipCount } from '../../ui/Button'
 import { Sign } from '../../ui/Sign'
+import { criterionOf } from '../campaign/parameters'
 import { PlanView } from '../plan/PlanView'
+import { Key, Legend } from '../plan/scene'
 import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
-import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
@@ -56,11 +58,11 @@ export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose
           />
         ))}
       </div>
-      {found.length === 0 ? <p className="sec">No campaign in the library matches.</p> : <Legend shown={shown} />}
+      {found.length === 0 ? <p className="sec">No campaign in the library matches.</p> : <Lines shown={shown} />}
       {shown.length < found.length && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onShelf({ ...shelf, whole: true })}>
-          <IconChevronDown className="i s" aria-hidden /> Show {count(found.length - shown.length)} more
-        </button>
+        <Button small icon={IconChevronDown} onClick={() => onShelf({ ...shelf, whole: true })}>
+          Show {count(found.length - shown.length)} more
+        </Button>
       )}
       {about && <About campaign={asCampaign(about.document)} />}
     </div>
@@ -81,24 +83,13 @@ interface ShelvesProps {
 function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
   return (
     <div className={clsx(layout.filters, styles.shelves)}>
-      <button
-        type="button"
-        className={buttons.chip}
-        aria-pressed={shelf.tag === null}
-        onClick={() => onChange({ ...shelf, tag: null })}
-      >
-        All <span className={buttons.n}>{count(campaigns.length)}</span>
-      </button>
+      <Chip on={shelf.tag === null} act={() => onChange({ ...shelf, tag: null })}>
+        All <ChipCount of={campaigns.length} />
+      </Chip>
       {tagsOf(campaigns).map(({ tag, count: n }) => (
-        <button
-          key={tag}
-          type="button"
-          className={buttons.chip}
-          aria-pressed={shelf.tag === tag}
-          onClick={() => onChange({ ...shelf, tag: shelf.tag === tag ? null : tag })}
-        >
-          {tag} <span className={buttons.n}>{count(n)}</span>
-        </button>
+        <Chip key={tag} on={shelf.tag === tag} act={() => onChange({ ...shelf, tag: shelf.tag === tag ? null : tag })}>
+          {tag} <ChipCount of={n} />
+        </Chip>
       ))}
       <span className={clsx(fields.inp, fields.search)}>
         <IconSearch className="i s" aria-hidden />
@@ -115,34 +106,16 @@ function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
 }
 
 /** What the pictures show, as far as the shown ones have it. */
-function Legend({ shown }: { shown: readonly LibraryCampaign[] }) {
+function Lines({ shown }: { shown: readonly LibraryCampaign[] }) {
   const flights = shown.flatMap(({ nominal }) => nominal ?? [])
   if (flights.length === 0) return null
   return (
-    <p className={clsx(styles.legend, 'micro mut')}>
-      <span>
-        <Key colour="--c-nom" /> Nominal path, simulated
-      </span>
-      {flights.some(({ tracks }) => tracks.length > 0) && (
-        <span>
-          <Key colour="--c-obs" dash="5 3" /> Path of an obstacle
-        </span>
-      )}
-      <span>
-        <Key colour="--c-crit" dash="3 2" /> Required distance at the closest approach
-      </span>
-      <span>
-        <Key colour="--ink" /> Closest approach
-      </span>
-    </p>
-  )
-}
-
-function Key({ colour, dash }: { colour: string; dash?: string }) {
-  return (
-    <svg width={18} height={8} aria-hidden>
-      <path d="M0 4h18" stroke={`var(${colour})`} strokeWidth={1.8} strokeDasharray={dash} fill="none" />
-    </svg>
+    <Legend>
+      <Key colour="--c-nom">Nominal path, simulated</Key>
+      {flights.some(({ tracks }) => tracks.length > 0) && <Key colour="--c-obs" dash="5 3">Path of an obstacle</Key>}
+      <Key colour="--c-crit" dash="3 2">Required distance at the closest approach</Key>
+      <Key colour="--ink">Closest approach</Key>
+    </Legend>
   )
 }
 
@@ -173,7 +146,7 @@ interface CardProps {
 
 function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps) {
   const campaign = asCampaign(item.document)
-  const criterion = catalogue?.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
+  const criterion = criterionOf(campaign, catalogue)
   const { nominal } = item
   const threshold = Number(campaign.criterion.threshold)
   const high = criterion?.worse === 'high'

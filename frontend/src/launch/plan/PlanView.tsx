@@ -4,10 +4,9 @@
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, DrawnFlight } from '../../client'
 import { type Nominal, nominalOf } from './nominal'
-import { extentOf, fit, type Plan, type PlanBody, planOf, reachOf, type Window } from './plan'
-import { Goal, Head, line, Obstacle } from './scene'
+import { describedBy, extentOf, fit, type PlanBody, planOf, reachOf, type Window } from './plan'
+import { Goal, Head, line, Obstacle, Start } from './scene'
 import { useWidth } from '../../ui/useWidth'
-import { degrees } from './ways'
 
 interface PlanViewProps {
   campaign: Campaign
@@ -23,7 +22,7 @@ const FIRST = 280
 
 export function PlanView({ campaign, catalogue, flight, clear = true, height = 140 }: PlanViewProps) {
   const plan = planOf(campaign, catalogue)
-  const reach = distanceOf(campaign, catalogue)
+  const reach = reachOf(campaign, catalogue)
   const nominal = flight ? nominalOf(flight, plan.axes) : null
   const [holder, width] = useWidth(FIRST)
   const bodies = plan.bodies.map((body, i) => placed(body, i, nominal))
@@ -31,8 +30,7 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
   // A course beyond the end of its flight is not drawn.
   const shown = { ...plan, bodies, way: nominal && !plan.goal ? [] : plan.way }
   const view = fit([...extentOf(shown, reach), ...flown], width, height, { x: 24, y: 18 })
-  const { start, goal } = plan
-  const length = 0.1 * height
+  const { goal } = plan
   return (
     <div ref={holder} style={{ overflow: 'hidden' }}>
       <svg
@@ -41,7 +39,7 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
         height={height}
         style={{ display: 'block' }}
         role="img"
-        aria-label={labelOf(campaign.name, plan, nominal !== null)}
+        aria-label={`${nominal ? 'Nominal case' : 'Plan'} of ${campaign.name} from above: ${describedBy(plan)}`}
       >
         <Grid view={view} width={width} height={height} />
         <path
@@ -57,35 +55,17 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
           <Body key={i} body={body} reach={reach} surface={plan.surface} view={view} />
         ))}
         {nominal && <Flown nominal={nominal} clear={clear} view={view} />}
-        <g transform={`translate(${view.x(start)} ${view.y(start)}) rotate(${degrees(-plan.heading)})`}>
-          <path
-            d={`M${length} 0 L${-0.6 * length} ${0.55 * length} L${-0.3 * length} 0 L${-0.6 * length} ${-0.55 * length}Z`}
-            fill="var(--ink-2)"
-          />
-        </g>
+        <Start plan={plan} pixels={view} size={0.1 * height} />
         {goal && <Goal at={goal} pixels={view} />}
       </svg>
     </div>
   )
 }
 
-/** The required distance where the criterion is one [m]. */
-function distanceOf(campaign: Campaign, catalogue: Catalogue | undefined): number {
-  const criterion = catalogue?.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
-  const kept = !criterion || (criterion.unit === 'm' && criterion.of !== 'goal' && criterion.of !== 'flight')
-  return kept ? reachOf(campaign) : 0
-}
-
 /** An obstacle on its simulated path, where it is at the closest approach. */
 function placed(body: PlanBody, i: number, nominal: Nominal | null): PlanBody {
   const [at, track] = [nominal?.moment.get(i), nominal?.tracks.get(i)]
   return at && track ? { ...body, at: { ...body.at, ...at }, track: track.map((p) => ({ up: 0, t: 0, ...p })) } : body
-}
-
-function labelOf(name: string, { goal, bodies }: Plan, flown: boolean): string {
-  const moving = bodies.filter((body) => body.track.length > 1).length
-  const obstacles = `${bodies.length} ${bodies.length === 1 ? 'obstacle' : 'obstacles'}`
-  return `${flown ? 'Nominal case' : 'Plan'} of ${name} from above: start, ${goal ? 'goal' : 'course'} and ${obstacles}, ${moving} of them moving`
 }
 
 /** The path, its end, and the distance at the closest approach. */
@@ -99,11 +79,7 @@ function Flown({ nominal, clear, view }: { nominal: Nominal; clear: boolean; vie
       {end && <circle cx={view.x(end)} cy={view.y(end)} r={2.4} fill="var(--c-nom)" />}
       {closest && (
         <>
-          <path
-            d={line([closest.at, closest.other], view)}
-            stroke={colour}
-            strokeWidth={1.4}
-          />
+          <path d={line([closest.at, closest.other], view)} stroke={colour} strokeWidth={1.4} />
           <circle cx={view.x(closest.at)} cy={view.y(closest.at)} r={2.8} fill={colour} />
         </>
       )}

@@ -3,7 +3,7 @@
 // east, down that is north up.
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, ObstacleLook } from '../../client'
-import { numberOf, parametersOf } from '../campaign/parameters'
+import { criterionOf, numberOf, parametersOf } from '../campaign/parameters'
 import { courseOf, liftOf, placeOf, type Step, type Values, wayLike, wayOf } from './ways'
 
 export interface Place {
@@ -84,7 +84,7 @@ export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Pl
       return bodyOf(look, values, way, known?.moving, axes)
     }),
     axes,
-    surface: entry('criterion', campaign.criterion.component)?.measured_to === 'surface',
+    surface: criterionOf(campaign, catalogue)?.measured_to === 'surface',
     space: vehicle?.dimension === 3,
     horizon,
   }
@@ -163,9 +163,16 @@ export function fit(points: Place[], width: number, height: number, air: { x: nu
   }
 }
 
-/** The required distance from obstacles' centres or surfaces to a point of the vehicle [m]. */
-export const reachOf = (campaign: Campaign): number =>
-  (numberOf(campaign.criterion.threshold) ?? 0) + (numberOf(campaign.criterion.parameters?.body_radius) ?? 0)
+/** The required distance from obstacles' centres or surfaces to a point of the vehicle [m]; 0 if the criterion is none. */
+export function reachOf(campaign: Campaign, catalogue: Catalogue | undefined): number {
+  const { unit, of } = criterionOf(campaign, catalogue) ?? {}
+  if (catalogue && (unit !== 'm' || of === 'goal' || of === 'flight')) return 0
+  return (numberOf(campaign.criterion.threshold) ?? 0) + (numberOf(campaign.criterion.parameters?.body_radius) ?? 0)
+}
+
+/** What a picture of it shows, in words. */
+export const describedBy = ({ goal, bodies }: Plan): string =>
+  `start, ${goal ? 'goal' : 'course'} and ${bodies.length} ${bodies.length === 1 ? 'obstacle' : 'obstacles'}, ${bodies.filter((body) => body.moving).length} of them moving`
 
 /** The radius about the centre of a round obstacle, or of a rectangle's corners, that must stay free [m]. */
 export const freeOf = (body: PlanBody, reach: number, surface: boolean): number =>

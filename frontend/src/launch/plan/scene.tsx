@@ -1,6 +1,9 @@
 // What every picture of a scenario has: paths, arrow heads, obstacles with the region that must stay free, the goal.
-import { freeOf, type Place, type PlanBody } from './plan'
+import { clsx } from 'clsx'
+import type { ReactNode } from 'react'
+import { freeOf, type Place, type Plan, type PlanBody } from './plan'
 import { degrees } from './ways'
+import figures from '../../ui/figures.module.css'
 
 /** From positions to the picture. */
 export interface Pixels<P = Place> {
@@ -11,6 +14,18 @@ export interface Pixels<P = Place> {
 export const line = <P,>(way: readonly P[], { x, y }: Pixels<P>): string =>
   way.map((p, i) => `${i === 0 ? 'M' : 'L'}${x(p).toFixed(1)} ${y(p).toFixed(1)}`).join('')
 
+/** What the lines of a picture mean. */
+export const Legend = ({ children }: { children: ReactNode }) => <p className={clsx(figures.keys, 'micro mut')}>{children}</p>
+
+export const Key = ({ colour, dash, children }: { colour: string; dash?: string; children: ReactNode }) => (
+  <span>
+    <svg width={18} height={8} aria-hidden>
+      <path d="M0 4h18" stroke={`var(${colour})`} strokeWidth={1.8} strokeDasharray={dash} fill="none" />
+    </svg>
+    {children}
+  </span>
+)
+
 /** An arrow head at the end of a path. */
 export function Head<P>({ way, pixels, colour }: { way: readonly P[]; pixels: Pixels<P>; colour: string }) {
   const [from, to] = way.slice(-2)
@@ -18,6 +33,17 @@ export function Head<P>({ way, pixels, colour }: { way: readonly P[]; pixels: Pi
   const [x, y] = [pixels.x(to), pixels.y(to)]
   const angle = Math.atan2(y - pixels.y(from), x - pixels.x(from))
   return <path d="M0 0L-8 3.6L-8 -3.6Z" fill={colour} transform={`translate(${x} ${y}) rotate(${degrees(angle)})`} />
+}
+
+/** The vehicle at its start, along its heading. `size`: from its middle to its tip [px]. */
+export function Start({ plan: { start, heading }, pixels, size }: { plan: Plan; pixels: Pixels; size: number }) {
+  return (
+    <path
+      d={`M${size} 0L${-0.6 * size} ${0.55 * size}L${-0.3 * size} 0L${-0.6 * size} ${-0.55 * size}Z`}
+      transform={`translate(${pixels.x(start)} ${pixels.y(start)}) rotate(${degrees(-heading)})`}
+      fill="var(--ink-2)"
+    />
+  )
 }
 
 export function Goal({ at, pixels }: { at: Place; pixels: Pixels }) {

@@ -6,11 +6,13 @@ import type { Campaign } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, Preview } from '../../client'
 import { decimalsApart, duration, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import { flownOf } from './flown'
-import { planOf, reachOf } from '../plan/plan'
+import { describedBy, planOf, reachOf } from '../plan/plan'
+import { Key, Legend } from '../plan/scene'
 import { PreviewPlan } from './PreviewPlan'
 import { hasHeights, PreviewSide } from './PreviewSide'
 import { rangesOf } from './ranges'
@@ -42,50 +44,29 @@ export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live
     return { plan, ranges: rangesOf(campaign, catalogue, plan) }
   }, [campaign, catalogue])
   const flown = useMemo(() => (live.flown ? flownOf(live.flown) : null), [live.flown])
-  const kept = criterion?.unit === 'm' && criterion.of !== 'goal' && criterion.of !== 'flight'
-  const reach = kept ? reachOf(campaign) : 0
+  const reach = reachOf(campaign, catalogue)
   const shared = { ...drawn, reach, flown, stale: live.stale, width }
   const bodies = drawn.plan.bodies
-  const label = `${campaign.name}: start, ${drawn.plan.goal ? 'goal' : 'course'} and ${bodies.length} obstacles, ${bodies.filter((body) => body.moving).length} of them moving`
+  const label = `${campaign.name}: ${describedBy(drawn.plan)}`
   const ranges = drawn.ranges.boxes.length + drawn.ranges.fans.length + drawn.ranges.rings.length
   return (
     <Card title="Preview" className={styles.preview} note={readable ? undefined : 'of the last text that could be read'}>
       <div ref={holder}>
         <PreviewPlan {...shared} label={`Seen from above, ${label}`} />
         {hasHeights(shared) && <PreviewSide {...shared} label={`Seen from the side, ${label}`} />}
-        <Legend flown={flown !== null} moving={bodies.some((body) => body.moving)} reach={reach} from={FROM[criterion?.measured_to ?? '']} ranges={ranges} />
+        <Legend>
+          {flown && <Key colour="--c-nom">Nominal path</Key>}
+          {bodies.some((body) => body.moving) && <Key colour="--c-obs" dash="5 3">{flown ? 'Path of the obstacle' : 'Intended path'}</Key>}
+          {reach > 0 && <Key colour="--c-crit" dash="3 2">Distance {plain(reach)} m{FROM[criterion?.measured_to ?? '']}</Key>}
+          {ranges > 0 && (
+            <span>
+              <i className={styles.swatch} aria-hidden /> Uncertain
+            </span>
+          )}
+        </Legend>
         <Flight ok={ok} live={live} criterion={criterion} />
       </div>
     </Card>
-  )
-}
-
-interface LegendProps {
-  flown: boolean
-  moving: boolean
-  reach: number
-  /** Reference point of the required distance. */
-  from: string
-  ranges: number
-}
-
-function Legend({ flown, moving, reach, from, ranges }: LegendProps) {
-  const key = (d: string, colour: string, dash?: string) => (
-    <svg width={18} height={8} aria-hidden>
-      <path d={d} stroke={colour} strokeWidth={1.8} strokeDasharray={dash} fill="none" />
-    </svg>
-  )
-  return (
-    <p className={clsx(styles.legend, 'micro mut')}>
-      {flown && <span>{key('M0 4h18', 'var(--c-nom)')} Nominal path</span>}
-      {moving && <span>{key('M0 4h18', 'var(--c-obs)', '5 3')} {flown ? 'Path of the obstacle' : 'Intended path'}</span>}
-      {reach > 0 && <span>{key('M0 4h18', 'var(--c-crit)', '3 2')} Distance {plain(reach)} m{from}</span>}
-      {ranges > 0 && (
-        <span>
-          <i className={styles.swatch} aria-hidden /> Uncertain
-        </span>
-      )}
-    </p>
   )
 }
 
@@ -98,11 +79,10 @@ interface FlightProps {
 function Flight({ ok, live, criterion }: FlightProps) {
   const { following, flown, stale, waited, trouble } = live
   return (
-    <div>
-      <button type="button" className={clsx(buttons.btn, buttons.wide)} aria-pressed={following} onClick={() => live.follow(!following)}>
-        <IconRoute className="i s" aria-hidden />
+    <div style={{ marginTop: 10 }}>
+      <Button wide icon={IconRoute} aria-pressed={following} onClick={() => live.follow(!following)}>
         {following ? 'Stop previewing every edit' : 'Preview nominal case'}
-      </button>
+      </Button>
       <div className={clsx(styles.statement, 'small')} aria-live="polite" data-testid="nominal-flight">
         {following && !ok && <p className="mut">It is simulated again after the problems are solved.</p>}
         {waited !== null && (

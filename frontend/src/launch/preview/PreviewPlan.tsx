@@ -4,9 +4,9 @@ import { fixed, plain } from '../../format/numbers'
 import type { Flown } from './flown'
 import { type Area, Frame, RangeBox, timesOf, Way } from './frame'
 import { extentOf, fit, freeOf, type Plan, type PlanBody } from '../plan/plan'
-import { Goal, Head, Obstacle, type Pixels } from '../plan/scene'
+import { Goal, Head, Obstacle, type Pixels, Start } from '../plan/scene'
 import type { FanRange, Ranges } from './ranges'
-import { degrees, type Step } from '../plan/ways'
+import type { Step } from '../plan/ways'
 import styles from './preview.module.css'
 
 export interface DrawnProps {
@@ -52,7 +52,7 @@ export function PreviewPlan({ plan, ranges, reach, flown, stale, width, label }:
       ))}
       {flown && <Way way={flown.path} pixels={pixels} colour="var(--c-nom)" times={times} faint={stale} below />}
       {flown && <Closest flown={flown} plan={plan} reach={reach} stale={stale} {...shared} />}
-      <Start plan={plan} pixels={pixels} />
+      <Start plan={plan} pixels={pixels} size={12} />
       {plan.goal && <Goal at={plan.goal} pixels={pixels} />}
     </Frame>
   )
@@ -137,17 +137,6 @@ function Closest({ flown, plan, reach, stale, pixels, scale }: Shared & Pick<Dra
       <circle cx={x0} cy={y0} r={3.4} fill={colour} />
       <circle cx={x1} cy={y1} r={3} fill="var(--c-obs)" stroke={colour} />
     </g>
-  )
-}
-
-function Start({ plan, pixels }: { plan: Plan; pixels: Pixels }) {
-  const turn = degrees(-plan.heading)
-  return (
-    <path
-      transform={`translate(${pixels.x(plan.start)} ${pixels.y(plan.start)}) rotate(${turn})`}
-      d="M12 0L-7 6.5L-3.5 0L-7 -6.5Z"
-      fill="var(--ink-2)"
-    />
   )
 }
 

@@ -3,24 +3,16 @@ import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { proposeSearches } from '../../api/calls'
 import { thinned } from '../../format/numbers'
-import type { Campaign } from '../../api/campaign'
-import type { Catalogue } from '../../client'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
-import type { SetValue } from '../fields/PartCard'
+import type { FormProps } from '../fields/props'
 import { requestOf, minutesOf, searchesOf, stated } from './proposal'
-import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
 import styles from './proposal.module.css'
 
-interface ProposalCardProps {
-  campaign: Campaign
-  catalogue: Catalogue
-  set: SetValue
-}
-
 const TIME = 'proposal-time'
 
-export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
+export function ProposalCard({ campaign, catalogue, set }: FormProps) {
   const [text, setText] = useState('60')
   const minutes = minutesOf(text)
   const request = requestOf(campaign, minutes)
@@ -35,7 +27,7 @@ export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
   const use = () => set(['stages', 'search'], searches)
   return (
     <Card title="Proposal" note="Methods and budgets for the time that you allow the searches." id="section-proposal">
-      <p className={styles.known}>{thinned(known(request !== null, data?.known, error))}</p>
+      <p>{thinned(known(request !== null, data?.known, error))}</p>
       {data?.measured && (
         <>
           <div className={styles.time}>
@@ -53,9 +45,9 @@ export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
               />
               <span className={fields.un}>min</span>
             </span>
-            <button type="button" className={buttons.btn} disabled={searches.length === 0 || same} onClick={use}>
+            <Button disabled={searches.length === 0 || same} onClick={use}>
               Use the proposal
-            </button>
+            </Button>
           </div>
           <p aria-live="polite">{thinned(described(minutes, data.sentence, same))}</p>
           <p className="small mut">The other stages take evaluations in addition, mostly Validate: see Evaluations at most.</p>

@@ -7,10 +7,10 @@ import { checkCampaign, submitSweep } from '../../api/calls'
 import { asCampaign, type Campaign } from '../../api/campaign'
 import { Refusal } from '../../api/problems'
 import { unitText } from '../../format/units'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import type { Parameter } from '../campaign/parameters'
 import { valuesOf } from './values'
-import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 
@@ -54,9 +54,9 @@ export function SweepCard({ campaign, parameters, name, tags, labels, blocked, t
       note="Several values of one parameter"
       id="sweep"
       right={
-        <button type="button" className={clsx(buttons.btn, buttons.s)} aria-expanded={open} onClick={() => setOpen(!open)}>
+        <Button small aria-expanded={open} onClick={() => setOpen(!open)}>
           {open ? 'Hide' : 'Show'}
-        </button>
+        </Button>
       }
     >
       {!open && <p className="small mut">One run for each value of a parameter that is not uncertain, shown together.</p>}
@@ -103,10 +103,9 @@ export function SweepCard({ campaign, parameters, name, tags, labels, blocked, t
               {launch.error && statementOf(launch.error)}
             </p>
           </div>
-          <button type="button" className={clsx(buttons.btn, buttons.wide)} disabled={blocked || values === null || launch.isPending} onClick={() => launch.mutate()}>
-            <IconPlayerTrackNext className="i s" aria-hidden />
+          <Button wide icon={IconPlayerTrackNext} disabled={blocked || values === null || launch.isPending} onClick={() => launch.mutate()}>
             {launch.isPending ? 'Starting …' : `Start ${values?.length ?? ''} runs`.replace('  ', ' ')}
-          </button>
+          </Button>
           {blocked && <p className="small mut">Give the run a name and solve the problems of the campaign first.</p>}
         </div>
       )}

@@ -1,17 +1,18 @@
 // Shows an incomplete or invalid text in the form, as far as its structure is that of a campaign.
 import type { Campaign, Json } from '../../api/campaign'
-import { type Rule, rulesOf } from './schema'
+import type { Schema } from '../../api/schema'
+import { rulesOf } from './schema'
 import { parsed, plain } from './tree'
 import { isMapping } from './words'
 
-type Rules = Record<string, Rule>
+type Rules = Record<string, Schema>
 
 /** The approximate campaign of a text, with the schema's defaults; null if the form cannot show it. */
 export function formOf(text: string, schema: unknown): Campaign | null {
   const tree = parsed(text)
   const typed = tree && plain(tree)
   if (!isMapping(typed)) return null
-  const rule = schema as Rule
+  const rule = schema as Schema
   const found = filled(typed, rule, rule.$defs ?? {})
   if (!isMapping(found) || !fits(found, rule, rule.$defs ?? {})) return null
   // Omitted unless it contains a value.
@@ -22,7 +23,7 @@ export function formOf(text: string, schema: unknown): Campaign | null {
 }
 
 /** A document with the defaults written out that a JSON schema states. */
-function filled(value: Json, rule: Rule, all: Rules): Json {
+function filled(value: Json, rule: Schema, all: Rules): Json {
   const choices = rulesOf(rule, all)
   if (Array.isArray(value)) {
     const items = choices.find((one) => one.items)?.items
@@ -41,10 +42,10 @@ const TEXTS = new Set(['name', 'summary', 'notes', 'label', 'source'])
 /** What the form does not edit, and shows at most as it is. */
 const LOOSE = new Set(['requirements', 'encounter', 'regression', 'baseline'])
 
-const isNumber = ({ type }: Rule): boolean => type === 'number' || type === 'integer'
+const isNumber = ({ type }: Schema): boolean => type === 'number' || type === 'integer'
 
 /** Whether a value is of the kind that the schema states. A number may be any text, null or missing: the service reports it. */
-function fits(value: unknown, rule: Rule, all: Rules, key = ''): boolean {
+function fits(value: unknown, rule: Schema, all: Rules, key = ''): boolean {
   const rules = rulesOf(rule, all)
   if (LOOSE.has(key)) return true
   if (Array.isArray(value)) return rules.some(({ items }) => items && value.every((inner) => fits(inner, items, all)))
@@ -55,10 +56,10 @@ function fits(value: unknown, rule: Rule, all: Rules, key = ''): boolean {
 }
 
 /** Whether a mapping has what is required, of the right kind; keys that the schema does not have are left to the service. */
-function holds(value: Record<string, unknown>, rule: Rule, all: Rules): boolean {
+function holds(value: Record<string, unknown>, rule: Schema, all: Rules): boolean {
   const { properties = {}, patternProperties = {}, additionalProperties: more, required = [] } = rule
   const other = Object.values(patternProperties)[0] ?? (typeof more === 'object' ? more : undefined)
-  const needs = ([key, one]: [string, Rule]) => one.const !== undefined || (required.includes(key) && !rulesOf(one, all).some(isNumber))
+  const needs = ([key, one]: [string, Schema]) => one.const !== undefined || (required.includes(key) && !rulesOf(one, all).some(isNumber))
   const complete = Object.entries(properties).filter(needs).every(([key]) => key in value)
   return complete && Object.entries(value).every(([key, inner]) => {
     const its = properties[key] ?? other

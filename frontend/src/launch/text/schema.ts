@@ -1,39 +1,18 @@
 // Looks up the path of a field in a JSON schema. Source: JSON Schema 2020-12, the subset used by campaigns.
-import type { Json } from '../../api/campaign'
+import type { Schema } from '../../api/schema'
 import type { At } from './tree'
 
-export interface Rule {
-  $ref?: string
-  $defs?: Record<string, Rule>
-  anyOf?: Rule[]
-  oneOf?: Rule[]
-  properties?: Record<string, Rule>
-  patternProperties?: Record<string, Rule>
-  additionalProperties?: Rule | boolean
-  required?: string[]
-  items?: Rule
-  type?: string
-  enum?: Json[]
-  const?: Json
-  default?: Json
-  description?: string
-  minimum?: number
-  maximum?: number
-  exclusiveMinimum?: number
-  exclusiveMaximum?: number
-}
-
 /** A rule and its alternatives. */
-export function rulesOf(rule: Rule, all: Record<string, Rule> = rule.$defs ?? {}): Rule[] {
+export function rulesOf(rule: Schema, all: Record<string, Schema> = rule.$defs ?? {}): Schema[] {
   const named = rule.$ref ? (all[rule.$ref.replace('#/$defs/', '')] ?? {}) : {}
   const choices = [...(rule.anyOf ?? []), ...(rule.oneOf ?? [])]
   return [rule, ...(rule.$ref ? rulesOf({ ...named, $defs: all }, all) : []), ...choices.flatMap((one) => rulesOf({ ...one, $defs: all }, all))]
 }
 
 /** The schema of a field, with the definitions. */
-export function ruleAt(schema: Rule | undefined, at: At): Rule | undefined {
+export function ruleAt(schema: Schema | undefined, at: At): Schema | undefined {
   const all = schema?.$defs ?? {}
-  return at.reduce<Rule | undefined>((rule, step) => {
+  return at.reduce<Schema | undefined>((rule, step) => {
     const next = (rule ? rulesOf(rule, all) : []).flatMap((one) => {
       const inner = typeof step === 'number' ? one.items : (one.properties?.[step] ?? Object.values(one.patternProperties ?? {})[0])
       return inner ? [inner] : []

@@ -1,0 +1,33 @@
+// What the pages read of a JSON Schema: of a campaign, of a method's options, of the API. Source: JSON Schema 2020-12.
+import type { Json } from './campaign'
+
+export interface Schema {
+  $ref?: string
+  $defs?: Record<string, Schema>
+  anyOf?: Schema[]
+  oneOf?: Schema[]
+  type?: string | string[]
+  description?: string
+  enum?: Json[]
+  const?: Json
+  default?: Json
+  minimum?: number
+  maximum?: number
+  exclusiveMinimum?: number
+  exclusiveMaximum?: number
+  minLength?: number
+  maxLength?: number
+  minItems?: number
+  maxItems?: number
+  pattern?: string
+  items?: Schema
+  prefixItems?: Schema[]
+  properties?: Record<string, Schema>
+  patternProperties?: Record<string, Schema>
+  additionalProperties?: Schema | boolean
+  required?: string[]
+}
+
+/** The options of a method, by name. */
+export const optionsOf = (method: { options: { properties?: unknown } } | undefined): Record<string, Schema> =>
+  (method?.options.properties ?? {}) as Record<string, Schema>

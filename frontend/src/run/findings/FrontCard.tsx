@@ -40,11 +40,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
   if (!x || !y || !spec) return null
   const sizes = searches.map((search) => search.front_size ?? 0)
   const thinned = searches.some((search) => (search.front_size ?? 0) > (search.front?.length ?? 0))
-  const keys: Key[] = [...new Set(points.map((point) => point.method))].map((method) => ({
-    key: method,
-    label: points.find((point) => point.method === method)?.title ?? method,
-    method,
-  }))
+  const keys: Key[] = methodsOf(points).map(([method, label]) => ({ key: method, label, method }))
   const table = () => ({
     name: 'front',
     columns: ['method', 'evaluation', ...criteria.map(headed), ...parameters.map((p) => p.path)],
@@ -91,6 +87,9 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
   )
 }
 
+/** Each method with its title. */
+const methodsOf = (points: readonly Placed[]) => [...new Map(points.map(({ method, title }) => [method, title]))]
+
 const headed = (c: FrontCriterion): string => (c.unit ? `${c.title}, ${c.unit}` : c.title)
 
 function axisTitle(c: FrontCriterion) {
@@ -120,9 +119,9 @@ function specOf(
   return {
     label: `Pareto front: ${y.title} over ${x.title}, ${points.length} evaluations`,
     x: xs,
-    lines: [...new Set(points.map((point) => point.method))].map((method) => ({
+    lines: methodsOf(points).map(([method, label]) => ({
       key: method,
-      label: points.find((point) => point.method === method)?.title ?? method,
+      label,
       colour: colourOf(method),
       y: sorted.map((point, i) => (point.method === method ? (ys[i] as number) : null)),
       dots: true,

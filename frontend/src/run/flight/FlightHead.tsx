@@ -138,15 +138,7 @@ function CopyInstant({ view, address, alone }: CopyProps) {
   }
   return (
     <>
-      <button
-        type="button"
-        className={clsx(buttons.iconbtn, buttons.bd)}
-        aria-label="Copy link to this instant"
-        title="Copy link to this instant"
-        onClick={() => void copy()}
-      >
-        {statement.startsWith('Copied') ? <IconCheck className="i s" aria-hidden /> : <IconLink className="i s" aria-hidden />}
-      </button>
+      <IconButton label="Copy link to this instant" icon={statement.startsWith('Copied') ? IconCheck : IconLink} act={() => void copy()} />
       <span className={clsx(styles.statement, 'small sec')} role="status">
         {statement}
       </span>

@@ -54,7 +54,6 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
     if (!own.includes(inAddress)) setWhatIf(addressed)
     if (own[own.length - 1] === inAddress) setOwn([inAddress])
   }
-  const change = useCallback((next: WhatIf | null) => setWhatIf(next), [])
 
   useWritten(whatIf, inAddress, (next) => {
     setOwn((written) => [...written, JSON.stringify(next)])
@@ -69,7 +68,7 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
     const like = findings.some(({ label }) => label === chosen) ? chosen : NOMINAL
     setWhatIf(open ? null : { like, set: {}, seed: null })
   }, [open, findings, chosen])
-  return { whatIf, ...flight, change, toggle }
+  return { whatIf, ...flight, change: setWhatIf, toggle }
 }
 
 /** Writes it into the address after the debounce interval. */

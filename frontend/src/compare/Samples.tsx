@@ -65,7 +65,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
   const [least, most] = [Math.min(...values), Math.max(...values)]
   const limits = [...new Set(drawn.flatMap(({ of }) => of.run.threshold ?? []))]
   const shown = limits.filter((limit) => limit > least - 2 * (most - least) && limit < most + 2 * (most - least))
-  const [low, high] = padded([...values, ...shown], false, 0.04)
+  const [low, high] = padded([...values, ...shown], 0.04)
   const peak = Math.max(...drawn.flatMap(({ density }) => density))
   const x = (value: number) => LEFT + ((width - LEFT - RIGHT) * (value - low)) / (high - low)
   const y = (density: number) => HEIGHT - BOTTOM - ((HEIGHT - BOTTOM - TOP) * density) / peak

@@ -82,6 +82,8 @@ function Campaigns() {
   )
 }
 
+const ALONG = [{ value: 'time', label: 'Time' }, { value: 'order', label: 'Order' }] as const
+
 function Shown({ trend }: { trend: Trend }) {
   const { runs, total } = trend
   const search = useSearch({ from: '/trends' })
@@ -128,7 +130,14 @@ function Shown({ trend }: { trend: Trend }) {
         <p className="sec">{search.label ? 'No run of this campaign has these labels.' : 'No run has this campaign.'}</p>
       ) : (
         <div className={layout.grid}>
-          <ChartCard title={`Worst margin and P(violation) ${along === 'time' ? 'over time' : 'by run'}`} note={changesOf(runs)} className={layout.c12} run="trend" data={data} right={<AlongSeg value={along} onChange={show} />}>
+          <ChartCard
+            title={`Worst margin and P(violation) ${along === 'time' ? 'over time' : 'by run'}`}
+            note={changesOf(runs)}
+            className={layout.c12}
+            run="trend"
+            data={data}
+            right={<Seg label="Horizontal axis" options={ALONG} value={along} onChange={show} />}
+          >
             <OutcomesChart points={points} axis={axis} sync="trend" name={({ run }) => run} />
           </ChartCard>
           <Card
@@ -143,20 +152,6 @@ function Shown({ trend }: { trend: Trend }) {
         </div>
       )}
     </>
-  )
-}
-
-function AlongSeg({ value, onChange }: { value: Along; onChange: (value: Along) => void }) {
-  return (
-    <Seg
-      label="Horizontal axis"
-      options={[
-        { value: 'time', label: 'Time' },
-        { value: 'order', label: 'Order' },
-      ]}
-      value={value}
-      onChange={onChange}
-    />
   )
 }
 

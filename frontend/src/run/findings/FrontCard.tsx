@@ -112,7 +112,7 @@ function specOf(
   const sorted = [...points].sort((a, b) => valueOf(a, x) - valueOf(b, x))
   const xs = sorted.map((point) => valueOf(point, x))
   const ys = sorted.map((point) => valueOf(point, y))
-  const range = padded(ys, false, 0.06)
+  const range = padded(ys, 0.06)
   // The axis includes the criterion unless the points would shrink to a line.
   const near = threshold !== null && threshold > range[0] - (range[1] - range[0]) && threshold < range[1] + (range[1] - range[0])
   const [dx, dy] = [decimalsFor(xs, 5), decimalsFor(ys, 5)]
@@ -128,8 +128,8 @@ function specOf(
     })),
     xTitle: axisTitle(x),
     yTitle: axisTitle(y),
-    xRange: padded(xs, false, 0.04),
-    yRange: near ? padded([...ys, threshold], false, 0.06) : range,
+    xRange: padded(xs, 0.04),
+    yRange: near ? padded([...ys, threshold], 0.06) : range,
     criterion: near ? { value: threshold, label: `Criterion, ${plain(threshold)} ${y.unit}`, tint: true, right: true } : undefined,
     height: 300,
     xText: (v) => `${symbolText(x.quantity)} = ${fixed(v, dx)} ${unitText(x.unit)}`,

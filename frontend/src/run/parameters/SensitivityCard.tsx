@@ -35,7 +35,7 @@ export function SensitivityCard({ data, result, validation, className, height }:
   const drawn = [...result.curves, ...(slices?.curves ?? [])]
   const costs = drawn.flatMap((curve) => curve.costs.filter((cost): cost is number => cost !== null))
   const { criterion, choice, note } = useReach(costs, run.threshold, run.unit, 'these axes')
-  const yRange = padded(criterion === null ? costs : [...costs, criterion], false, 0.1)
+  const yRange = padded(criterion === null ? costs : [...costs, criterion], 0.1)
   const keys: Key[] = [
     { key: 'nominal', label: 'Others at nominal', colour: '--c-nom' },
     ...(slices ? [{ key: 'worst', label: `Others at ${called}`, colour: '--c-worst' }] : []),

@@ -3,7 +3,7 @@ import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo } from 'react'
 import { getTrend } from '../api/calls'
-import { facetsQuery } from '../api/queries'
+import { facetsQuery, isLive } from '../api/queries'
 import { ChartCard } from '../charts/ChartCard'
 import { OutcomesChart } from '../charts/OutcomesChart'
 import type { Trend, TrendRun } from '../client'
@@ -40,7 +40,7 @@ export function TrendsPage() {
   const search = useSearch({ from: '/trends' })
   const query = useQuery(trendQuery(search))
   useTitle(query.data ? `Trend of ${query.data.name}` : 'Trends')
-  usePolling(() => void query.refetch(), 5000, query.data?.runs.some((run) => ['queued', 'running', 'cancelling'].includes(run.state)) ?? false)
+  usePolling(() => void query.refetch(), 5000, query.data?.runs.some(isLive) ?? false)
   if (!search.campaign && !search.name) return <Campaigns />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what="the trend" title="Trends" failed={query.failureReason} />

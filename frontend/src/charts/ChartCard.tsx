@@ -5,6 +5,7 @@ import { IconDownload, IconPhoto, IconTable } from '@tabler/icons-react'
 import { type MouseEvent, type ReactNode, useState } from 'react'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
+import { IconButton } from '../ui/IconButton'
 import { Popup } from '../ui/Popup'
 import { save } from '../ui/files'
 import { Table } from '../ui/Table'
@@ -50,9 +51,7 @@ export function ChartCard({ data, run, right, children, footer, ...card }: Chart
           <IconTable className="i s" aria-hidden />
         </button>
         <FigureButton name={() => `${run}-${data().name}`} />
-        <button type="button" data-control className={clsx(buttonsCss.iconbtn, buttonsCss.bd)} aria-label="Download CSV" title="Download CSV" onClick={download}>
-          <IconDownload className="i s" aria-hidden />
-        </button>
+        <IconButton label="Download CSV" icon={IconDownload} act={download} />
       </span>
     </>
   )

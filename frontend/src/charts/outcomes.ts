@@ -49,7 +49,15 @@ function rangeOf(points: readonly At[]): [number, number] {
   return [low - room, high + room]
 }
 
-const rulesOf = (points: readonly At[]) => points.filter(isBare).map(({ x }) => ({ x, colour: '--c-axis' }))
+/** What both charts have; the position of a run without a worst margin is marked. */
+const chartOf = (points: readonly At[], axis: Axis, height: number, sync: string) => ({
+  ...axis,
+  x: points.map(({ x }) => x),
+  xRange: rangeOf(points),
+  rules: [...(axis.rules ?? []), ...points.filter(isBare).map(({ x }) => ({ x, colour: '--c-axis' }))],
+  height,
+  sync,
+})
 
 /** The worst margins; null if no run has one. */
 export function marginsOf(points: readonly At[], axis: Axis, height: number, sync: string): PlotSpec | null {
@@ -58,20 +66,15 @@ export function marginsOf(points: readonly At[], axis: Axis, height: number, syn
   if (!common || margins.every((margin) => margin === null)) return null
   const decimals = decimalsFor(margins)
   return {
-    ...axis,
+    ...chartOf(points, axis, height, sync),
     label: `Worst margin of ${points.length} runs`,
-    x: points.map(({ x }) => x),
-    xRange: rangeOf(points),
     lines: [{ key: 'margin', label: 'Worst margin', colour: '--c-nom', y: margins, dots: true }],
     points: points.flatMap(({ x, outcome }): Point[] => {
       const kind = kindOf(outcome)
       if (outcome?.margin === null || outcome?.margin === undefined) return []
       return [{ x, y: outcome.margin, colour: COLOUR[kind] ?? '--c-nom', hollow: kind === 'inconclusive' }]
     }),
-    rules: [...(axis.rules ?? []), ...rulesOf(points)],
     criterion: { value: 0, label: 'Criterion: margin 0', tint: true },
-    height,
-    sync,
     yText: (y) => `${signed(y, decimals)} ${common.unit}`.trim(),
   }
 }
@@ -88,15 +91,10 @@ export function boundsOf(points: readonly At[], axis: Axis, height: number, sync
     { key: 'observed', label: 'Observed fraction', colour: '--c-nom', y: observed, dots: true },
   ]
   return {
-    ...axis,
+    ...chartOf(points, axis, height, sync),
     label: `Upper bound on P(violation) of ${points.length} runs`,
-    x: points.map(({ x }) => x),
-    xRange: rangeOf(points),
     lines,
-    rules: [...(axis.rules ?? []), ...rulesOf(points)],
     yRange: [0, highest > 0 ? 1.12 * highest : 1],
-    height,
-    sync,
     yText: (y) => probability(y / 100),
   }
 }

@@ -32,13 +32,20 @@ export function logTicks(low: number, high: number): number[] {
 
 /** Number of decimals needed to distinguish adjacent ticks. */
 export function tickDecimals(ticks: readonly number[]): number {
-  const gaps = ticks.slice(1).map((tick, i) => Math.abs(tick - (ticks[i] as number)))
-  const least = Math.min(...gaps.filter((gap) => gap > 0))
+  const least = leastGap(ticks)
   if (!Number.isFinite(least)) return ticks.length === 1 && ticks[0] !== 0 ? significantDecimals(ticks[0] as number) : 0
-  let decimals = Math.max(0, -Math.floor(Math.log10(least) + 1e-9))
-  const scaled = least * 10 ** decimals
-  if (Math.abs(scaled - Math.round(scaled)) > 1e-6) decimals += 1
-  return decimals
+  return decimalsOf(least, 0)
+}
+
+/** The smallest distance between adjacent ticks; infinite for a single one. */
+const leastGap = (ticks: readonly number[]): number =>
+  Math.min(...ticks.slice(1).map((tick, i) => Math.abs(tick - (ticks[i] as number))).filter((gap) => gap > 0))
+
+/** The decimals of a distance between ticks, no fewer than `fewest`. */
+function decimalsOf(gap: number, fewest: number): number {
+  const decimals = Math.max(fewest, -Math.floor(Math.log10(gap) + 1e-9))
+  const scaled = gap * 10 ** decimals
+  return Math.abs(scaled - Math.round(scaled)) > 1e-6 ? decimals + 1 : decimals
 }
 
 /** The labels of an axis: with as many decimals as distinguish them, or as powers of ten where that is shorter. */
@@ -58,11 +65,8 @@ const missing = (size: number, tick: number): number => Math.floor(Math.log10(si
 
 /** As `tickDecimals`, negative if tens or hundreds distinguish the ticks. */
 function decimalsApart(ticks: readonly number[]): number {
-  const gaps = ticks.slice(1).map((tick, i) => Math.abs(tick - (ticks[i] as number))).filter((gap) => gap > 0)
-  const least = gaps.length > 0 ? Math.min(...gaps) : Math.abs(ticks[0] ?? 1) / 1000
-  const power = -Math.floor(Math.log10(least) + 1e-9)
-  const scaled = least * 10 ** power
-  return Math.abs(scaled - Math.round(scaled)) > 1e-6 ? power + 1 : power
+  const least = leastGap(ticks)
+  return decimalsOf(Number.isFinite(least) ? least : Math.abs(ticks[0] ?? 1) / 1000, Number.NEGATIVE_INFINITY)
 }
 
 /** The width of a label of an axis in its font of 11 px [px]: a dot or a space between thousands is half as wide. */
@@ -73,18 +77,14 @@ export function labelWidth(text: string): number {
 const significantDecimals = (value: number): number => Math.max(0, 3 - Math.floor(Math.log10(Math.abs(value))))
 
 /** A range around the values with padding; never empty. */
-export function padded(values: readonly number[], log = false, air = 0.06): [number, number] {
-  const finite = values.filter((value) => Number.isFinite(value) && (!log || value > 0))
-  if (finite.length === 0) return log ? [1, 10] : [0, 1]
+export function padded(values: readonly number[], air = 0.06): [number, number] {
+  const finite = values.filter(Number.isFinite)
+  if (finite.length === 0) return [0, 1]
   let low = finite[0] as number
   let high = low
   for (const value of finite) {
     if (value < low) low = value
     if (value > high) high = value
-  }
-  if (log) {
-    const reach = Math.max((high / low) ** air, 1.02)
-    return [low / reach, high * reach]
   }
   const reach = (high - low) * air || Math.abs(high) * 0.05 || 1
   return [low - reach, high + reach]

@@ -21,13 +21,17 @@ export const RunKeys = ({ runs }: { runs: Compared[] }) => (
   <span className={figures.lg}>
     {runs.map(({ letter, dash }) => (
       <span key={letter} className={figures.k}>
-        <svg width={26} height={8} aria-hidden="true">
-          <path d="M0 4h26" stroke="var(--ink-2)" strokeWidth={2} strokeDasharray={dash.join(' ') || undefined} />
-        </svg>
+        <Dash dash={dash} colour="--ink-2" />
         {letter}
       </span>
     ))}
   </span>
+)
+
+const Dash = ({ dash, colour }: { dash: Compared['dash']; colour: string }) => (
+  <svg width={26} height={8} aria-hidden="true">
+    <path d="M0 4h26" stroke={`var(${colour})`} strokeWidth={2} strokeDasharray={dash.join(' ') || undefined} />
+  </svg>
 )
 
 interface CardProps {
@@ -35,7 +39,7 @@ interface CardProps {
   className: string | undefined
 }
 
-interface Drawn {
+export interface Drawn {
   key: string
   label: string
   colour: string
@@ -73,14 +77,7 @@ export function SeparationOverlay({ runs, className }: CardProps) {
         <ul className={styles.ends}>
           {drawn.map(({ key, label, colour, trace, of }) => (
             <li key={key}>
-              <svg width={22} height={8} aria-hidden="true">
-                <path
-                  d="M0 4h22"
-                  stroke={`var(${colour})`}
-                  strokeWidth={2}
-                  strokeDasharray={of.dash.join(' ') || undefined}
-                />
-              </svg>
+              <Dash dash={of.dash} colour={colour} />
               <span>
                 {label}
                 <small className="sec">
@@ -95,7 +92,8 @@ export function SeparationOverlay({ runs, className }: CardProps) {
   )
 }
 
-function drawnOf(of: Compared): Drawn[] {
+/** The nominal and the worst flight of a run. */
+export function drawnOf(of: Compared): Drawn[] {
   const { letter, nominal, worst } = of
   const flights: [string, string, TraceData | undefined][] = [
     ['nominal', '--c-nom', nominal],

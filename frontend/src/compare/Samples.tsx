@@ -2,8 +2,9 @@
 import { clsx } from 'clsx'
 import { independentSample } from '../api/stages'
 import type { Sample } from '../client'
+import { AxisBelow } from '../charts/axes'
 import { ChartCard } from '../charts/ChartCard'
-import { linearTicks, padded, tickText } from '../charts/ticks'
+import { linearTicks, padded } from '../charts/ticks'
 import { violatedOf } from '../format/counts'
 import { plain } from '../format/numbers'
 import { SvgSign } from '../ui/Sign'
@@ -64,7 +65,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
   const [least, most] = [Math.min(...values), Math.max(...values)]
   const limits = [...new Set(drawn.flatMap(({ of }) => of.run.threshold ?? []))]
   const shown = limits.filter((limit) => limit > least - 2 * (most - least) && limit < most + 2 * (most - least))
-  const [low, high] = padded([...values, ...shown], false, 0.04)
+  const [low, high] = padded([...values, ...shown], 0.04)
   const peak = Math.max(...drawn.flatMap(({ density }) => density))
   const x = (value: number) => LEFT + ((width - LEFT - RIGHT) * (value - low)) / (high - low)
   const y = (density: number) => HEIGHT - BOTTOM - ((HEIGHT - BOTTOM - TOP) * density) / peak
@@ -73,14 +74,15 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
     <div ref={holder}>
       <div className={figures.ytitle}>Density of the sampled evaluations</div>
       <svg className={figures.ch} height={HEIGHT} role="img" aria-label="Independent samples of the runs as densities">
-        {ticks.map((tick) => (
-          <g key={tick}>
-            <path className={figures.g} d={`M${x(tick)} ${TOP}V${HEIGHT - BOTTOM}`} />
-            <text x={x(tick)} y={HEIGHT - BOTTOM + 15} textAnchor="middle">
-              {tickText(ticks)(tick)}
-            </text>
-          </g>
-        ))}
+        <AxisBelow
+          ticks={ticks}
+          at={x}
+          foot={HEIGHT - BOTTOM}
+          top={TOP}
+          from={LEFT}
+          to={width - RIGHT}
+          title={<><SvgSign text={first?.of.run.quantity ?? 'value'} />, {first?.of.run.unit}</>}
+        />
         {drawn.map(({ of, edges, density }, i) => (
           <path
             key={of.letter}
@@ -92,7 +94,6 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
             strokeDasharray={of.dash.join(' ') || undefined}
           />
         ))}
-        <path className={figures.a} d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
         {shown.map((limit, i) => (
           <g key={limit}>
             <path className={figures.cr} d={`M${x(limit)} ${TOP - 8}V${HEIGHT - BOTTOM}`} />
@@ -101,9 +102,6 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
             </text>
           </g>
         ))}
-        <text x={(LEFT + width - RIGHT) / 2} y={HEIGHT - 4} textAnchor="middle">
-          <SvgSign text={first?.of.run.quantity ?? 'value'} />, {first?.of.run.unit}
-        </text>
       </svg>
       {shown.length === 0 && limits.length > 0 && <p className={figures.fig}>The criterion is off this axis.</p>}
     </div>

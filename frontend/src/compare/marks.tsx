@@ -5,7 +5,6 @@ import figures from '../ui/figures.module.css'
 
 export interface Axis {
   width: number
-  edge: number
   x: (value: number) => number
   ticks: number[]
   /** The criteria near enough to be shown. */
@@ -18,7 +17,7 @@ export function axisOf(values: readonly number[], limits: readonly number[], wid
   const shown = limits.filter((limit) => Math.min(...values.map((v) => Math.abs(v - limit))) <= 3 * spread)
   const [low, high] = padded([...values, ...shown])
   const x = (value: number) => edge + ((width - 2 * edge) * (value - low)) / (high - low)
-  return { width, edge, x, ticks: linearTicks(low, high, 5), shown }
+  return { width, x, ticks: linearTicks(low, high, 5), shown }
 }
 
 /** The tick labels of the axis, as a column header. */

@@ -135,13 +135,8 @@ function Cells({ run }: { run: RequirementRun }) {
         <DateCell outcome={run} />
       </td>
       <td data-label="Sign-off" className={styles.signed}>
-        <Signed run={run} />
+        {run.signoffs.length > 0 ? <SignedBy items={run.signoffs} /> : <span className="mut">{run.verdict ? 'none' : NONE}</span>}
       </td>
     </>
   )
-}
-
-function Signed({ run }: { run: RequirementRun }) {
-  if (run.signoffs.length === 0) return <span className="mut">{run.verdict ? 'none' : NONE}</span>
-  return <SignedBy items={run.signoffs} />
 }

@@ -5,7 +5,7 @@ import { useInfiniteQuery, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useCallback, useState } from 'react'
 import { hasRole } from '../api/access'
-import { sessionQuery } from '../api/queries'
+import { isLive, sessionQuery } from '../api/queries'
 import { EXPORTS, requirementsQuery } from '../api/requirements'
 import type { RequirementRow } from '../client'
 import { count } from '../format/numbers'
@@ -45,7 +45,7 @@ export function RequirementsPage() {
   const query = useInfiniteQuery(requirementsQuery(q))
   const mayChange = hasRole(useQuery(sessionQuery).data?.role, 'engineer')
   const items = query.data?.pages.flatMap((page) => page.items) ?? []
-  const active = items.some(({ runs }) => runs.some(({ state }) => ['queued', 'running', 'cancelling'].includes(state)))
+  const active = items.some(({ runs }) => runs.some(isLive))
   usePolling(() => void query.refetch(), 10_000, active)
   if (!query.data)
     return (

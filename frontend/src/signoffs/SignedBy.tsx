@@ -17,10 +17,7 @@ export const STANDINGS: Readonly<Record<Standing, { word: string; tone: 'ok-t' |
 /** Unless it begins with a name, such as that of a file. */
 const capital = (clause: string): string => (/^[a-z]+[ ,:;]/.test(clause) ? clause.charAt(0).toUpperCase() + clause.slice(1) : clause)
 
-/** The standing as a sentence. */
-const sentenceOf = ({ sentence }: Signoff): string => capital(sentence)
-
-/** The same below the word of the standing, which is not repeated. */
+/** The standing as a sentence, below the word of the standing, which is not repeated. */
 export const detailOf = ({ sentence }: Signoff): string => capital(sentence.replace(/^(suspect:|withdrawn) /, ''))
 
 export function SignedBy({ items }: { items: readonly Signoff[] }) {
@@ -34,7 +31,7 @@ export function SignedBy({ items }: { items: readonly Signoff[] }) {
               <Icon className="i s" aria-hidden /> {one.name}
               {one.typed && <span className="mut small"> as typed</span>}
             </span>
-            {(one.standing !== 'standing' || one.own) && <small>{sentenceOf(one)}</small>}
+            {(one.standing !== 'standing' || one.own) && <small>{capital(one.sentence)}</small>}
           </span>
         )
       })}

@@ -10,7 +10,7 @@ import { ChartCard } from '../charts/ChartCard'
 import { type At, codesOf, sampleOf } from '../charts/outcomes'
 import { OutcomesChart } from '../charts/OutcomesChart'
 import type { SweepDetail } from '../client'
-import { plain } from '../format/numbers'
+import { field, plain } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
 import { unitText } from '../format/units'
@@ -22,7 +22,7 @@ import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { Table } from '../ui/Table'
 import { usePolling } from '../ui/usePolling'
-import { activeOf, statementOf, valueText } from './states'
+import { activeOf, statementOf } from './states'
 import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
@@ -109,7 +109,7 @@ function Points({ sweep }: { sweep: SweepDetail }) {
           tone: 'b',
           cell: ({ value }) => (
             <>
-              {valueText(value)}
+              {field(value)}
               {value === sweep.nominal && <div className="mut small">in the campaign</div>}
             </>
           ),

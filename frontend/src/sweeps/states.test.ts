@@ -1,6 +1,7 @@
 // The states of a sweep's runs in words.
 import { expect, it } from 'vitest'
-import { activeOf, statementOf, valueText } from './states'
+import { field } from '../format/numbers'
+import { activeOf, statementOf } from './states'
 
 it('counts what has not ended', () => {
   expect(activeOf({ queued: 2, running: 1, cancelling: 1, done: 3, cleared: 3 })).toBe(4)
@@ -13,5 +14,5 @@ it('names verdicts instead of done', () => {
 })
 
 it('shows values at full precision', () => {
-  expect([valueText(0.1 + 0.2), valueText(-1)]).toEqual(['0.30000000000000004', '−1'])
+  expect([field(0.1 + 0.2), field(-1)]).toEqual(['0.30000000000000004', '−1'])
 })

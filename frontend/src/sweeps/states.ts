@@ -1,5 +1,5 @@
 // The states of a sweep's runs in words.
-import { count, field } from '../format/numbers'
+import { count } from '../format/numbers'
 
 const ACTIVE = ['queued', 'running', 'cancelling'] as const
 
@@ -11,6 +11,3 @@ export function statementOf(states: Record<string, number>): string {
   const order = ['queued', 'running', 'cancelling', 'cleared', 'violated', 'inconclusive', 'cancelled', 'failed']
   return order.flatMap((word) => (states[word] ? [`${count(states[word])} ${word}`] : [])).join(', ') || 'Every run was purged'
 }
-
-/** A value at full precision. */
-export const valueText = (value: number): string => field(value)

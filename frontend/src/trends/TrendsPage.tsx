@@ -3,7 +3,7 @@ import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo } from 'react'
 import { getTrend } from '../api/calls'
-import { facetsQuery } from '../api/queries'
+import { facetsQuery, isLive } from '../api/queries'
 import { ChartCard } from '../charts/ChartCard'
 import { OutcomesChart } from '../charts/OutcomesChart'
 import type { Trend, TrendRun } from '../client'
@@ -40,7 +40,7 @@ export function TrendsPage() {
   const search = useSearch({ from: '/trends' })
   const query = useQuery(trendQuery(search))
   useTitle(query.data ? `Trend of ${query.data.name}` : 'Trends')
-  usePolling(() => void query.refetch(), 5000, query.data?.runs.some((run) => ['queued', 'running', 'cancelling'].includes(run.state)) ?? false)
+  usePolling(() => void query.refetch(), 5000, query.data?.runs.some(isLive) ?? false)
   if (!search.campaign && !search.name) return <Campaigns />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what="the trend" title="Trends" failed={query.failureReason} />
@@ -81,6 +81,8 @@ function Campaigns() {
     </>
   )
 }
+
+const ALONG = [{ value: 'time', label: 'Time' }, { value: 'order', label: 'Order' }] as const
 
 function Shown({ trend }: { trend: Trend }) {
   const { runs, total } = trend
@@ -128,7 +130,14 @@ function Shown({ trend }: { trend: Trend }) {
         <p className="sec">{search.label ? 'No run of this campaign has these labels.' : 'No run has this campaign.'}</p>
       ) : (
         <div className={layout.grid}>
-          <ChartCard title={`Worst margin and P(violation) ${along === 'time' ? 'over time' : 'by run'}`} note={changesOf(runs)} className={layout.c12} run="trend" data={data} right={<AlongSeg value={along} onChange={show} />}>
+          <ChartCard
+            title={`Worst margin and P(violation) ${along === 'time' ? 'over time' : 'by run'}`}
+            note={changesOf(runs)}
+            className={layout.c12}
+            run="trend"
+            data={data}
+            right={<Seg label="Horizontal axis" options={ALONG} value={along} onChange={show} />}
+          >
             <OutcomesChart points={points} axis={axis} sync="trend" name={({ run }) => run} />
           </ChartCard>
           <Card
@@ -143,20 +152,6 @@ function Shown({ trend }: { trend: Trend }) {
         </div>
       )}
     </>
-  )
-}
-
-function AlongSeg({ value, onChange }: { value: Along; onChange: (value: Along) => void }) {
-  return (
-    <Seg
-      label="Horizontal axis"
-      options={[
-        { value: 'time', label: 'Time' },
-        { value: 'order', label: 'Order' },
-      ]}
-      value={value}
-      onChange={onChange}
-    />
   )
 }
 

@@ -26,8 +26,8 @@ export function PreviewSide(props: DrawnProps) {
     return [at.up - far, at.up + far]
   })
   const wide = plan.bodies.flatMap(({ at, radius }) => [along(at) - Math.max(reach, radius), along(at) + Math.max(reach, radius)])
-  const across = padded([...places.map(along), ...wide], false, 0.03)
-  const up = padded([...places.map((p) => p.up), ...around], false, 0.08)
+  const across = padded([...places.map(along), ...wide], 0.03)
+  const up = padded([...places.map((p) => p.up), ...around], 0.08)
   const kx = area.width / (across[1] - across[0])
   const ky = area.height / (up[1] - up[0])
   const pixels: Pixels<Step> = {

@@ -2,14 +2,15 @@
 import { useState } from 'react'
 import type { AttractionOfResult } from '../../api/stages'
 import type { TrimState } from '../../client'
-import { linearTicks, tickText } from '../../charts/ticks'
+import { AxisBelow, TicksBeside } from '../../charts/axes'
+import { linearTicks, padded } from '../../charts/ticks'
 import { sentence } from '../../format/spans'
 import { unitText } from '../../format/units'
 import { Card } from '../../ui/Card'
 import { Select } from '../../ui/Select'
 import { Spans } from '../../ui/Spans'
 import { useWidth } from '../../ui/useWidth'
-import { extent, outline, type Point } from './outline'
+import { outline, type Point } from './outline'
 import figures from '../../ui/figures.module.css'
 
 interface AttractionProps {
@@ -60,7 +61,7 @@ interface SectionProps {
 function Section({ proved, simulated, x, y }: SectionProps) {
   const [holder, width] = useWidth(420)
   const every = [...proved, ...simulated]
-  const [[left, right], [low, high]] = [extent(every.map(([a]) => a)), extent(every.map(([, b]) => b))]
+  const [[left, right], [low, high]] = [padded(every.map(([a]) => a)), padded(every.map(([, b]) => b))]
   const across = (value: number) => LEFT + ((value - left) / (right - left)) * (width - LEFT - RIGHT)
   const up = (value: number) => HEIGHT - BOTTOM - ((value - low) / (high - low)) * (HEIGHT - BOTTOM - TOP)
   const [below, beside] = [linearTicks(left, right, 4), linearTicks(low, high, 4)]
@@ -70,23 +71,8 @@ function Section({ proved, simulated, x, y }: SectionProps) {
     <div ref={holder}>
       <div className={figures.ytitle}>{title(y)}</div>
       <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`Section of ${title(x)} and ${title(y)}: proved region and simulated ends`}>
-        {beside.map((tick) => (
-          <g key={tick}>
-            <path className={figures.g} d={`M${LEFT} ${up(tick)}H${width - RIGHT}`} />
-            <text x={LEFT - 6} y={up(tick) + 4} textAnchor="end">
-              {tickText(beside)(tick)}
-            </text>
-          </g>
-        ))}
-        <path className={figures.a} d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
-        {below.map((tick) => (
-          <text key={tick} x={across(tick)} y={HEIGHT - BOTTOM + 16} textAnchor="middle">
-            {tickText(below)(tick)}
-          </text>
-        ))}
-        <text x={(LEFT + width - RIGHT) / 2} y={HEIGHT - 4} textAnchor="middle">
-          {title(x)}
-        </text>
+        <TicksBeside ticks={beside} at={up} from={LEFT} to={width - RIGHT} />
+        <AxisBelow ticks={below} at={across} foot={HEIGHT - BOTTOM} from={LEFT} to={width - RIGHT} title={title(x)} />
         <path d={`${path}Z`} fill="var(--ok)" fillOpacity={0.15} stroke="var(--ok)" strokeWidth={1.8} />
         {simulated.map(([a, b], i) => (
           <circle key={i} cx={across(a)} cy={up(b)} r={3} fill="var(--c-nom)" />

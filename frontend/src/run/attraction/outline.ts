@@ -12,10 +12,3 @@ export function outline(radii: readonly (number | null)[], x: TrimState, y: Trim
     return [point]
   })
 }
-
-/** The ends of an axis with some air. */
-export function extent(values: readonly number[]): [number, number] {
-  const [low, high] = [Math.min(...values), Math.max(...values)]
-  const air = (high - low) * 0.06 || 1
-  return [low - air, high + air]
-}

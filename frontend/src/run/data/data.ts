@@ -234,8 +234,6 @@ export function convergenceOf(search: SearchStage, by: 'evaluations' | 'seconds'
 export interface Best {
   cost: number
   method: string | null
-  /** Counted from 1. */
-  evaluation: number
   parameters: Record<string, number>
   /** Values of all criteria, by name. */
   values: Record<string, number | null>
@@ -251,7 +249,7 @@ export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'
       const parameters = Object.fromEntries(Object.entries(series.parameters).map(([path, v]) => [path, v[i] ?? 0]))
       const further = Object.entries(series.further).map(([name, v]) => [name, v[i] ?? null] as const)
       const values = { [run.criteria[0]?.name ?? '']: cost, ...Object.fromEntries(further) }
-      best = { cost, method: series.method, evaluation: (series.index[i] ?? 0) + 1, parameters, values }
+      best = { cost, method: series.method, parameters, values }
     })
   }
   return best

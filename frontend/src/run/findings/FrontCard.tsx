@@ -40,11 +40,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
   if (!x || !y || !spec) return null
   const sizes = searches.map((search) => search.front_size ?? 0)
   const thinned = searches.some((search) => (search.front_size ?? 0) > (search.front?.length ?? 0))
-  const keys: Key[] = [...new Set(points.map((point) => point.method))].map((method) => ({
-    key: method,
-    label: points.find((point) => point.method === method)?.title ?? method,
-    method,
-  }))
+  const keys: Key[] = methodsOf(points).map(([method, label]) => ({ key: method, label, method }))
   const table = () => ({
     name: 'front',
     columns: ['method', 'evaluation', ...criteria.map(headed), ...parameters.map((p) => p.path)],
@@ -91,6 +87,9 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
   )
 }
 
+/** Each method with its title. */
+const methodsOf = (points: readonly Placed[]) => [...new Map(points.map(({ method, title }) => [method, title]))]
+
 const headed = (c: FrontCriterion): string => (c.unit ? `${c.title}, ${c.unit}` : c.title)
 
 function axisTitle(c: FrontCriterion) {
@@ -113,24 +112,24 @@ function specOf(
   const sorted = [...points].sort((a, b) => valueOf(a, x) - valueOf(b, x))
   const xs = sorted.map((point) => valueOf(point, x))
   const ys = sorted.map((point) => valueOf(point, y))
-  const range = padded(ys, false, 0.06)
+  const range = padded(ys, 0.06)
   // The axis includes the criterion unless the points would shrink to a line.
   const near = threshold !== null && threshold > range[0] - (range[1] - range[0]) && threshold < range[1] + (range[1] - range[0])
   const [dx, dy] = [decimalsFor(xs, 5), decimalsFor(ys, 5)]
   return {
     label: `Pareto front: ${y.title} over ${x.title}, ${points.length} evaluations`,
     x: xs,
-    lines: [...new Set(points.map((point) => point.method))].map((method) => ({
+    lines: methodsOf(points).map(([method, label]) => ({
       key: method,
-      label: points.find((point) => point.method === method)?.title ?? method,
+      label,
       colour: colourOf(method),
       y: sorted.map((point, i) => (point.method === method ? (ys[i] as number) : null)),
       dots: true,
     })),
     xTitle: axisTitle(x),
     yTitle: axisTitle(y),
-    xRange: padded(xs, false, 0.04),
-    yRange: near ? padded([...ys, threshold], false, 0.06) : range,
+    xRange: padded(xs, 0.04),
+    yRange: near ? padded([...ys, threshold], 0.06) : range,
     criterion: near ? { value: threshold, label: `Criterion, ${plain(threshold)} ${y.unit}`, tint: true, right: true } : undefined,
     height: 300,
     xText: (v) => `${symbolText(x.quantity)} = ${fixed(v, dx)} ${unitText(x.unit)}`,

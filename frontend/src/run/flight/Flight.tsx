@@ -1,6 +1,6 @@
 // The flight in 3D: the viewer runs in its own frame; all its numbers are also on this page.
 import { useSearch } from '@tanstack/react-router'
-import { useEffect, useLayoutEffect, useRef, useState, useSyncExternalStore } from 'react'
+import { useEffect, useEffectEvent, useLayoutEffect, useState, useSyncExternalStore } from 'react'
 import { hasScenario } from '../../api/campaign'
 import { useTheme } from '../../theme/useTheme'
 import { Card } from '../../ui/Card'
@@ -41,16 +41,13 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
   const drawnBy = wanted ? graphics() : 'hardware'
   const still = drawnBy === 'software' && !asked
   const ready = wanted && drawnBy !== 'none' && !still
-  const place = useRef({ time: t, camera: cam })
+  const open = useEffectEvent(() => view.open({ time: t, camera: cam }))
   const known = useSyncExternalStore(view.subscribe, () => view.known)
 
   useLayoutEffect(() => view.want({ flight: data.chosen, theme }), [view, data.chosen, theme])
-  useLayoutEffect(() => {
-    place.current = { time: t, camera: cam }
-  }, [t, cam])
   // Opened once: later changes are sent with its key.
   // Closed before its frame is removed: otherwise the service would report that the view is lost.
-  useLayoutEffect(() => (ready ? view.open(place.current) : undefined), [view, ready])
+  useLayoutEffect(() => (ready ? open() : undefined), [view, ready])
   useEffect(() => keysOf(holder.current?.closest('section'), view), [view, holder])
   useInstant(view, data.run.id)
 

@@ -45,6 +45,7 @@ export function FlightHead({ data, view, shown, alone, onCamera, onFull }: Props
   const recorded = data.traces.some(({ name, meta }) => name === data.chosen && (flies || meta.scene))
   const [address] = useAddress(data.run.id)
   const place = shownPlace(shown) ?? {}
+  const { whatif, set, noise } = address
   return (
     <div className={clsx(layout.row, styles.flightHead)}>
       {alone && <Choice data={data} />}
@@ -61,7 +62,7 @@ export function FlightHead({ data, view, shown, alone, onCamera, onFull }: Props
             className={clsx(buttons.iconbtn, buttons.bd)}
             to="/runs/$id/flight"
             params={{ id: data.run.id }}
-            search={{ ...whatIfIn(address), finding: data.chosen, t: place.time ?? address.t, cam: place.camera ?? address.cam }}
+            search={{ whatif, set, noise, finding: data.chosen, t: place.time ?? address.t, cam: place.camera ?? address.cam }}
             target="_blank"
             preload={false}
             aria-label="Own window"
@@ -76,13 +77,6 @@ export function FlightHead({ data, view, shown, alone, onCamera, onFull }: Props
     </div>
   )
 }
-
-/** The what-if part of an address. */
-const whatIfIn = ({ whatif, set, noise }: ChosenSearch): ChosenSearch => ({
-  ...(whatif !== undefined && { whatif }),
-  ...(set && { set }),
-  ...(noise !== undefined && { noise }),
-})
 
 /** The address of this page at the displayed instant, with its what-if. */
 function linkTo(run: string, shown: ViewState, address: ChosenSearch, alone: boolean): string {
@@ -138,15 +132,7 @@ function CopyInstant({ view, address, alone }: CopyProps) {
   }
   return (
     <>
-      <button
-        type="button"
-        className={clsx(buttons.iconbtn, buttons.bd)}
-        aria-label="Copy link to this instant"
-        title="Copy link to this instant"
-        onClick={() => void copy()}
-      >
-        {statement.startsWith('Copied') ? <IconCheck className="i s" aria-hidden /> : <IconLink className="i s" aria-hidden />}
-      </button>
+      <IconButton label="Copy link to this instant" icon={statement.startsWith('Copied') ? IconCheck : IconLink} act={() => void copy()} />
       <span className={clsx(styles.statement, 'small sec')} role="status">
         {statement}
       </span>

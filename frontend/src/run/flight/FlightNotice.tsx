@@ -15,14 +15,9 @@ interface Props {
 export function FlightNotice({ known: { phase, statement }, onRetry }: Props) {
   return (
     <div className={phase === 'open' ? clsx(runStyles.poster, runStyles.back) : runStyles.poster} role="status">
-      {phase === 'opening' && (
+      {(phase === 'opening' || phase === 'lost') && (
         <span className={layout.row}>
-          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> Opening the 3D view
-        </span>
-      )}
-      {phase === 'lost' && (
-        <span className={layout.row}>
-          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> {statement}
+          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> {phase === 'lost' ? statement : 'Opening the 3D view'}
         </span>
       )}
       {phase === 'failed' && (

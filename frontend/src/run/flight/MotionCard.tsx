@@ -156,7 +156,7 @@ function Small({ column, flights, span, hidden, onCross, standing, last }: Small
       ),
       xTitle: last ? 'Time since start, s' : undefined,
       xRange: span,
-      yRange: padded(extent ?? [0, 1], false, 0.08),
+      yRange: padded(extent ?? [0, 1], 0.08),
       yTicks: 3,
       left: 46,
       height: 96,

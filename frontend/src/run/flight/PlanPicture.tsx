@@ -49,7 +49,7 @@ export function PlanPicture({ flight, nominal, name, size: [width, height] }: Pl
   )
 }
 
-function Obstacle({ body: { at, radius, reach, track }, scale }: { body: Body; scale: Scale }) {
+export function Obstacle({ body: { at, radius, reach, track }, scale }: { body: Body; scale: Scale }) {
   const [x, y] = [scale.x(at), scale.y(at)]
   return (
     <>
@@ -64,14 +64,31 @@ function Obstacle({ body: { at, radius, reach, track }, scale }: { body: Body; s
   )
 }
 
-function Nearest({ trace, colour, scale }: { trace: TraceData; colour: string; scale: Scale }) {
+interface NearestProps {
+  trace: TraceData
+  colour: string
+  scale: Scale
+  /** Radius of the vehicle's mark [px]. */
+  size?: number
+  hollow?: boolean
+}
+
+/** The closest approach: the line between vehicle and obstacle. */
+export function Nearest({ trace, colour, scale, size = 3, hollow = false }: NearestProps) {
   const { closest, frame } = trace.meta
   if (!closest) return null
   const here = placeOf(closest.position, frame)
   return (
     <>
       <path d={line([here, placeOf(closest.obstacle_position, frame)], scale)} stroke={colour} strokeDasharray="2 2" />
-      <circle cx={scale.x(here)} cy={scale.y(here)} r={3} fill={colour} stroke="var(--surface)" strokeWidth={1.2} />
+      <circle
+        cx={scale.x(here)}
+        cy={scale.y(here)}
+        r={size}
+        fill={hollow ? 'var(--surface)' : colour}
+        stroke={hollow ? colour : 'var(--surface)'}
+        strokeWidth={0.4 * size}
+      />
     </>
   )
 }

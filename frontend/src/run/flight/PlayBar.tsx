@@ -133,12 +133,6 @@ function nearest({ nominalTrace, findingTrace, chosen }: RunData) {
 /** The layers and their titles. */
 type Layer = Exclude<keyof LayersChange, 'trail'>
 
-/** Layers of the sample and the search. A simulator has no avoider that is known, and so no field. */
-function further(flies: boolean, word: string): [Layer, string][] {
-  const field: [Layer, string][] = flies ? [['field', 'Field of the avoider']] : []
-  return [['sampled', `Sampled ${word}s`], ...field]
-}
-
 function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
   const flies = hasScenario(data.campaign)
   const word = caseWord(data.campaign)
@@ -148,7 +142,9 @@ function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
     ...(shown.what_if ? ([['what_if', `What-if ${word}`]] as [Layer, string][]) : []),
     ['velocity', 'Velocity'],
     ['relative', 'Relative velocity'],
-    ...further(flies, word),
+    ['sampled', `Sampled ${word}s`],
+    // A simulator has no avoider that is known, and so no field.
+    ...(flies ? ([['field', 'Field of the avoider']] as [Layer, string][]) : []),
   ]
   return (
     <Menu name="Shown" value={null} on={false} icon={<IconStack2 className="i mut" aria-hidden />} above>

@@ -258,7 +258,7 @@ function Field({ parameter, label, value, onChange }: FieldProps) {
   }
   return (
     <input
-      className={clsx(fields.cell, styles.cell, 'num')}
+      className={clsx(fields.cell, 'num')}
       inputMode="decimal"
       autoComplete="off"
       spellCheck={false}

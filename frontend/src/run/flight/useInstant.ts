@@ -12,10 +12,6 @@ export function useInstant(view: View, id: string): void {
   const [{ t, cam }, change] = useAddress(id)
   /** The values of the address that were sent to the view. */
   const sent = useRef<Place>({ time: t, camera: cam })
-  const latest = useRef(change)
-  useEffect(() => {
-    latest.current = change
-  })
 
   useEffect(() => {
     const before = sent.current
@@ -36,7 +32,7 @@ export function useInstant(view: View, id: string): void {
       if (camera === undefined && place.camera === opened?.camera) delete place.camera
       if (place.time === time && place.camera === camera) return
       sent.current = place
-      latest.current({ t: place.time, cam: place.camera })
+      change({ t: place.time, cam: place.camera })
     }
     const heard = () => {
       opened ??= shownPlace(view.known.shown)
@@ -48,5 +44,5 @@ export function useInstant(view: View, id: string): void {
       clearTimeout(timer)
       end()
     }
-  }, [view])
+  }, [view, change])
 }

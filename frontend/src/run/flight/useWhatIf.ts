@@ -1,6 +1,6 @@
 // The what-if of a run's page: parameters, result, and synchronisation with address and 3D view.
 // Start reading at `useWhatIf`.
-import { useCallback, useEffect, useMemo, useRef, useState } from 'react'
+import { useCallback, useEffect, useEffectEvent, useMemo, useRef, useState } from 'react'
 import { evaluateCase, simulateFlight } from '../../api/calls'
 import { hasScenario } from '../../api/campaign'
 import { Refusal } from '../../api/problems'
@@ -54,7 +54,6 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
     if (!own.includes(inAddress)) setWhatIf(addressed)
     if (own[own.length - 1] === inAddress) setOwn([inAddress])
   }
-  const change = useCallback((next: WhatIf | null) => setWhatIf(next), [])
 
   useWritten(whatIf, inAddress, (next) => {
     setOwn((written) => [...written, JSON.stringify(next)])
@@ -69,21 +68,18 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
     const like = findings.some(({ label }) => label === chosen) ? chosen : NOMINAL
     setWhatIf(open ? null : { like, set: {}, seed: null })
   }, [open, findings, chosen])
-  return { whatIf, ...flight, change, toggle }
+  return { whatIf, ...flight, change: setWhatIf, toggle }
 }
 
 /** Writes it into the address after the debounce interval. */
 function useWritten(whatIf: WhatIf | null, inAddress: string, write: (next: WhatIf | null) => void): void {
-  const latest = useRef(write)
-  useEffect(() => {
-    latest.current = write
-  })
+  const writeNow = useEffectEvent(write)
   const text = JSON.stringify(whatIf)
   useEffect(() => {
     if (text === inAddress) return
     // Opening and closing are written immediately, so that a copied link has them.
     const opened = (text === 'null') !== (inAddress === 'null')
-    const timer = setTimeout(() => latest.current(JSON.parse(text) as WhatIf | null), opened ? 0 : STILL)
+    const timer = setTimeout(() => writeNow(JSON.parse(text) as WhatIf | null), opened ? 0 : STILL)
     return () => clearTimeout(timer)
   }, [text, inAddress])
 }

@@ -5,7 +5,6 @@ import { Refusal } from '../../api/problems'
 import { signedOut } from '../../api/session'
 import type { ViewChange, ViewState } from '../../client'
 import { CLOSED, type Event, type Machine, next, phaseOf, reframed, statementOf } from './reconnect'
-import { Request } from './request'
 import { addressOf, again, merged, type Place, uuid, type Wanted } from '../data/viewChange'
 
 /** Minimum interval between changes [ms]: pending ones are merged, the newest of each kind. */
@@ -14,6 +13,8 @@ const PAUSE = 40
 const NEWS = 100
 /** Maximum wait of the service for a change [s]. */
 const QUIET = 25
+/** Additional time after which a response is considered lost [s]. */
+const LATE = 10
 /** How long to wait for a focused frame, which reopens a lost socket by itself [s]. */
 const OWN = 3
 /** Retry interval if the service does not respond [ms]. */
@@ -154,9 +155,8 @@ export class View {
     this.pending = {} // pending changes are sent once it is open
     const before = last ? again(last, this.simulates) : {}
     const change = merged(before, { ...pending, ...wanted })
-    const opening = new Request(signal, machine.wait)
-    const answer = await changeView(this.run, this.key, change, machine.wait, opening.signal).catch(refusedFor)
-    opening.over()
+    const inTime = AbortSignal.any([signal, lateAfter(machine.wait)])
+    const answer = await changeView(this.run, this.key, change, machine.wait, inTime).catch(refusedFor)
     if (signal.aborted || answer instanceof Refusal) {
       if (this.abort?.signal === signal) this.pending = merged(pending, this.pending)
       return eventOf(answer)
@@ -175,16 +175,17 @@ export class View {
       return { kind: 'heard' }
     }
     const since = this.known.shown?.revision ?? 0
-    const news = new Request(signal, QUIET)
-    this.hurry = news.end
-    const answer = await getView(this.run, this.key, news.signal, { since, wait: QUIET }).catch(refusedFor)
-    news.over()
+    const late = lateAfter(QUIET)
+    const woken = new AbortController()
+    this.hurry = () => woken.abort()
+    const until = AbortSignal.any([signal, late, woken.signal])
+    const answer = await getView(this.run, this.key, until, { since, wait: QUIET }).catch(refusedFor)
+    const failed = answer instanceof Refusal && (late.aborted || !until.aborted)
     const wait = document.activeElement instanceof HTMLIFrameElement ? OWN : 0
     if (answer instanceof Refusal && answer.status === 404) return { kind: 'absent', wait }
     if (answer instanceof Refusal && answer.status === 410) return { kind: 'barred', why: answer.message }
     if (!(answer instanceof Refusal)) this.hear(answer)
     await this.rest(NEWS, signal)
-    const failed = answer instanceof Refusal && (news.late || !news.signal.aborted)
     return failed ? { kind: 'missed', wait } : { kind: 'heard' }
   }
 
@@ -245,6 +246,9 @@ export class View {
 }
 
 export const refusedFor = (error: unknown): Refusal => (error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.'))
+
+/** Aborts a request that the service may answer after a wait [s], and has not. */
+const lateAfter = (wait: number): AbortSignal => AbortSignal.timeout((wait + LATE) * 1000)
 
 const placeOf = ({ time, camera }: ViewState): Place => ({ time, ...(camera && { camera }) })
 

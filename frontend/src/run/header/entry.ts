@@ -3,39 +3,27 @@ import type { HistoryEntry } from '../../client'
 
 const text = (value: unknown): string => (typeof value === 'string' ? value : '')
 
-/** One entry of the audit trail as a sentence without its subject. */
-export function statementOf({ action, detail }: HistoryEntry): string {
-  switch (action) {
-    case 'run.submitted':
-      return 'Submitted'
-    case 'run.cancelled':
-      return detail.state === 'cancelled' || detail.state === 'cancelling' ? 'Cancelled' : 'Requested cancellation after its end'
-    case 'run.retried':
-      return 'Tried it again, with its stored evaluations'
-    case 'run.restarted':
-      return 'Began it again, without its evaluations'
-    case 'run.continued':
-      return `Continued ${text(detail.continues)} as this run`
-    case 'run.edited':
-      return editOf(detail)
-    case 'run.removed':
-      return `Removed it from the lists: ${text(detail.reason)}`
-    case 'run.restored':
-      return 'Restored it'
-    case 'run.purged':
-      return `Permanently deleted its results, sha256 ${text(detail.results_digest).slice(0, 16)}`
-    case 'signoff.created':
-      return `Signed off as ${[text(detail.name), text(detail.role)].filter(Boolean).join(', ')}`
-    case 'signoff.withdrawn':
-      return detail.reason ? `Withdrew a sign-off: ${text(detail.reason)}` : 'Withdrew a sign-off'
-    case 'signoff.bound':
-      return 'An update stored the same results in another form; a sign-off was bound to it'
-    default:
-      return action
-  }
+type Detail = HistoryEntry['detail']
+
+const TEXTS: Readonly<Record<string, (detail: Detail) => string>> = {
+  'run.submitted': () => 'Submitted',
+  'run.cancelled': ({ state }) => (state === 'cancelled' || state === 'cancelling' ? 'Cancelled' : 'Requested cancellation after its end'),
+  'run.retried': () => 'Tried it again, with its stored evaluations',
+  'run.restarted': () => 'Began it again, without its evaluations',
+  'run.continued': ({ continues }) => `Continued ${text(continues)} as this run`,
+  'run.edited': editOf,
+  'run.removed': ({ reason }) => `Removed it from the lists: ${text(reason)}`,
+  'run.restored': () => 'Restored it',
+  'run.purged': ({ results_digest: digest }) => `Permanently deleted its results, sha256 ${text(digest).slice(0, 16)}`,
+  'signoff.created': ({ name, role }) => `Signed off as ${[text(name), text(role)].filter(Boolean).join(', ')}`,
+  'signoff.withdrawn': ({ reason }) => (reason ? `Withdrew a sign-off: ${text(reason)}` : 'Withdrew a sign-off'),
+  'signoff.bound': () => 'An update stored the same results in another form; a sign-off was bound to it',
 }
 
-function editOf(detail: HistoryEntry['detail']): string {
+/** One entry of the audit trail as a sentence without its subject. */
+export const statementOf = ({ action, detail }: HistoryEntry): string => TEXTS[action]?.(detail) ?? action
+
+function editOf(detail: Detail): string {
   const parts: string[] = []
   if ('name' in detail) parts.push(`named it “${text(detail.name)}”`)
   if (Array.isArray(detail.tags)) parts.push(detail.tags.length > 0 ? `tagged it ${detail.tags.join(', ')}` : 'removed its tags')

@@ -31,10 +31,9 @@ interface NominalWorstProps {
   /** Header of the column of the other flight; null if only the nominal one is shown. */
   column: string | null
   worst: Worst | null
-  id?: string
 }
 
-export function NominalWorst({ data, className, title, note, column, worst, id }: NominalWorstProps) {
+export function NominalWorst({ data, className, title, note, column, worst }: NominalWorstProps) {
   const { run, parameters, nominalTrace, findingTrace } = data
   const decimals = decimalsFor([run.nominal_cost, worst?.cost])
   const near = [nominalTrace, column === null ? undefined : findingTrace].map((trace) => trace?.meta.closest)
@@ -44,7 +43,6 @@ export function NominalWorst({ data, className, title, note, column, worst, id }
       title={title}
       note={note}
       className={className}
-      id={id}
       flush
       right={worst?.method ? <MethodName method={worst.method} short /> : undefined}
       footer={

@@ -35,7 +35,7 @@ export function SensitivityCard({ data, result, validation, className, height }:
   const drawn = [...result.curves, ...(slices?.curves ?? [])]
   const costs = drawn.flatMap((curve) => curve.costs.filter((cost): cost is number => cost !== null))
   const { criterion, choice, note } = useReach(costs, run.threshold, run.unit, 'these axes')
-  const yRange = padded(criterion === null ? costs : [...costs, criterion], false, 0.1)
+  const yRange = padded(criterion === null ? costs : [...costs, criterion], 0.1)
   const keys: Key[] = [
     { key: 'nominal', label: 'Others at nominal', colour: '--c-nom' },
     ...(slices ? [{ key: 'worst', label: `Others at ${called}`, colour: '--c-worst' }] : []),
@@ -85,17 +85,6 @@ export function SensitivityCard({ data, result, validation, className, height }:
   )
 }
 
-/** The slice of one parameter through the finding, and its value in the finding. */
-function throughOf(slices: Slices | null, path: string): Through | null {
-  const curve = slices?.curves.find((each) => each.path === path)
-  return curve && slices ? { curve, at: slices.at[path] ?? null } : null
-}
-
-interface Through {
-  curve: Curve
-  at: number | null
-}
-
 /** The reason why a finding has no slices: validation ended before. */
 function missing(validation: ValidateResult | null, chosen: string, slices: Slices | null): string {
   if (slices || chosen === NOMINAL || !validation?.findings || validation.findings.complete) return ''
@@ -134,17 +123,17 @@ interface SmallProps {
 
 function Small({ data, curve, slices, called, parameter, yRange, criterion, hidden, height }: SmallProps) {
   const { run, finding } = data
-  const { path, symbol, unit, text, nominal, low, high } = parameter
   const [y0, y1] = yRange
   const cost = finding?.cost ?? null
   const spec = useMemo((): PlotSpec => {
-    const through = throughOf(slices, curve.path)
+    const { path, symbol, unit, text, nominal, low, high } = parameter
+    const through = slices?.curves.find((each) => each.path === path)
     const nominals = { x: curve.values, y: curve.costs }
-    const others = through && { x: through.curve.values, y: through.curve.costs }
+    const others = through && { x: through.values, y: through.costs }
     const xs = others ? union([nominals, others]) : curve.values
     const decimals = decimalsFor([...curve.costs, ...(others?.y ?? [])], 5)
     const digits = decimalsFor([low, high, nominal])
-    const point = through && through.at !== null && cost !== null ? { x: through.at, y: cost } : null
+    const at = through && slices?.at[path]
     return {
       label: `${symbolText(run.quantity)} over ${text}`,
       x: xs,
@@ -156,7 +145,7 @@ function Small({ data, curve, slices, called, parameter, yRange, criterion, hidd
       ],
       points: [
         ...(run.nominal_cost === null ? [] : [{ x: nominal, y: run.nominal_cost, colour: '--c-nom', line: 'nominal' }]),
-        ...(point ? [{ ...point, colour: '--c-worst', line: 'worst' }] : []),
+        ...(at === undefined || cost === null ? [] : [{ x: at, y: cost, colour: '--c-worst', line: 'worst' }]),
       ],
       xTitle: (
         <>
@@ -179,25 +168,6 @@ function Small({ data, curve, slices, called, parameter, yRange, criterion, hidd
       xText: (x) => `${symbolText(symbol)} = ${fixed(x, digits)} ${unitText(unit)}`,
       yText: (y) => `${fixed(y, decimals)} ${run.unit}`,
     }
-  }, [
-    curve,
-    path,
-    slices,
-    called,
-    cost,
-    run.quantity,
-    run.unit,
-    run.nominal_cost,
-    symbol,
-    unit,
-    text,
-    nominal,
-    low,
-    high,
-    y0,
-    y1,
-    criterion,
-    height,
-  ])
+  }, [curve, parameter, slices, called, cost, run.quantity, run.unit, run.nominal_cost, y0, y1, criterion, height])
   return <Plot spec={spec} hidden={hidden} />
 }

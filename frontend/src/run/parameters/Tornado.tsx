@@ -1,6 +1,7 @@
 // Tornado chart: change of the value from nominal at the low and the high bound of each parameter.
 
 import type { SlicesResult } from '../../api/stages'
+import { TicksBelow } from '../../charts/axes'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickText } from '../../charts/ticks'
 import { decimalsFor, fixed, signed } from '../../format/numbers'
@@ -103,14 +104,7 @@ function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; un
         role="img"
         aria-label={`Change of ${quantity} at the bounds of each parameter`}
       >
-        {ticks.map((tick) => (
-          <g key={tick}>
-            <path className={figures.g} d={`M${x(tick)} 0V${bottom}`} />
-            <text x={x(tick)} y={bottom + 16} textAnchor="middle">
-              {tick > 0 ? `+${text(tick)}` : text(tick)}
-            </text>
-          </g>
-        ))}
+        <TicksBelow ticks={ticks} at={x} text={(tick) => (tick > 0 ? `+${text(tick)}` : text(tick))} foot={bottom} top={0} />
         {bars.map((bar, i) => {
           const y = i * row + (row - 20) / 2
           return (

@@ -1,6 +1,7 @@
 // The estimate of P(violation): its interval on a logarithmic axis and the modes with their findings and shares; with an alarm no interval and no shares.
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { EstimationResult } from '../../api/stages'
+import { TicksBelow } from '../../charts/axes'
 import type { NamedModes, ViolationMode } from '../../client'
 import { atMost, count, plain, probability as written } from '../../format/numbers'
 import { sentence } from '../../format/spans'
@@ -71,14 +72,7 @@ function Interval({ probability, low, high }: { probability: number; low: number
     <div ref={holder}>
       <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`P(violation) about ${written(probability, 2)}, interval ${written(low, 2, 'at_least')} to ${atMost(high, 2)}`}>
         <path className={figures.a} d={`M${SIDE} ${HEIGHT - 24}H${width - SIDE}`} />
-        {powers.map((power) => (
-          <g key={power}>
-            <path className={figures.g} d={`M${x(10 ** power)} 8V${HEIGHT - 24}`} />
-            <text x={x(10 ** power)} y={HEIGHT - 8} textAnchor="middle">
-              {written(10 ** power, 1)}
-            </text>
-          </g>
-        ))}
+        <TicksBelow ticks={powers} at={(power) => x(10 ** power)} text={(power) => written(10 ** power, 1)} foot={HEIGHT - 24} top={8} />
         <rect x={x(low)} y={18} width={Math.max(2, x(high) - x(low))} height={14} fill="var(--c-worst)" fillOpacity={0.35} />
         <path d={`M${x(probability)} 14V36`} stroke="var(--c-worst)" strokeWidth={2} />
       </svg>

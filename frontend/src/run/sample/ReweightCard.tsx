@@ -2,7 +2,7 @@
 import { useDebouncedValue } from '@mantine/hooks'
 import { useQuery } from '@tanstack/react-query'
 import { IconAlertTriangle } from '@tabler/icons-react'
-import { type CSSProperties, useMemo, useState } from 'react'
+import { type CSSProperties, type ReactNode, useMemo, useState } from 'react'
 import { reweightedQuery } from '../../api/queries'
 import type { Reweighted } from '../../client'
 import { atMost, count, decimalsFor, fixed, NONE, percent, plain, probability } from '../../format/numbers'
@@ -12,10 +12,10 @@ import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { Spans } from '../../ui/Spans'
+import { Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { type Knob, keyOf, knobsOf, type Moved, requestOf } from './moved'
 import fields from '../../ui/fields.module.css'
-import tables from '../../ui/tables.module.css'
 import styles from './sample.module.css'
 
 /** A request at most so often while a slider moves [ms]. */
@@ -98,43 +98,35 @@ export function Estimates({ run, stated, moved }: EstimatesProps) {
   const shares = (stated ?? moved)?.quantiles.map(({ share }) => share) ?? []
   const at = (of: Reweighted | undefined, share: number) => of?.quantiles.find((one) => one.share === share)?.value
   const decimals = decimalsFor(both.flatMap((of) => of?.quantiles.map(({ value }) => value) ?? []), 5)
+  const rows: EstimateRow[] = [
+    { name: 'P(violation)', cells: both.map((of) => probability(of?.probability)), tone: 'b' },
+    { name: `Interval, ${percent(stated?.confidence, 6)}`, cells: both.map(intervalOf) },
+    ...shares.map((share) => ({
+      name: <>{percent(share)} quantile of <Sign text={run.quantity || 'value'} />, {run.unit}</>,
+      cells: both.map((of) => fixed(at(of, share), decimals)),
+    })),
+    { name: 'Effective sample size', cells: both.map((of) => (of ? count(Math.floor(of.effective)) : NONE)) },
+  ]
   return (
-    <table className={tables.table}>
-      <thead>
-        <tr>
-          <th>Estimate</th>
-          <th className="num">Stated</th>
-          <th className="num">Moved</th>
-        </tr>
-      </thead>
-      <tbody>
-        <Row name="P(violation)" cells={both.map((of) => probability(of?.probability))} bold />
-        <Row name={`Interval, ${percent(stated?.confidence, 6)}`} cells={both.map(intervalOf)} />
-        {shares.map((share) => (
-          <Row
-            key={share}
-            name={<>{percent(share)} quantile of <Sign text={run.quantity || 'value'} />, {run.unit}</>}
-            cells={both.map((of) => fixed(at(of, share), decimals))}
-          />
-        ))}
-        <Row name="Effective sample size" cells={both.map((of) => (of ? count(Math.floor(of.effective)) : NONE))} />
-      </tbody>
-    </table>
+    <Table
+      rows={rows}
+      columns={[
+        { head: 'Estimate', cell: ({ name }) => name },
+        ...['Stated', 'Moved'].map((head, k) => ({ head, num: true, tone: toneOf, cell: ({ cells }: EstimateRow) => cells[k] })),
+      ]}
+    />
   )
 }
+
+interface EstimateRow {
+  name: ReactNode
+  cells: readonly string[]
+  tone?: 'b'
+}
+
+const toneOf = ({ tone }: EstimateRow) => tone
 
 const intervalOf = (of: Reweighted | undefined): string => (of?.low == null ? NONE : `${probability(of.low, 3, 'at_least')} to ${atMost(of.high)}`)
-
-function Row({ name, cells, bold }: { name: React.ReactNode; cells: readonly string[]; bold?: boolean }) {
-  return (
-    <tr>
-      <td>{name}</td>
-      {cells.map((text, i) => (
-        <td key={i} className={bold ? 'num b' : 'num'}>{text}</td>
-      ))}
-    </tr>
-  )
-}
 
 function Slider({ knob, value, onChange }: { knob: Knob; value: number; onChange: (value: number) => void }) {
   const { parameter, title, stated, low, high } = knob

@@ -4,8 +4,9 @@
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { Blocks, GridResult, Sample } from '../../client'
+import { AxisBelow, TicksBeside } from '../../charts/axes'
 import { ChartCard } from '../../charts/ChartCard'
-import { linearTicks, tickDecimals, tickText } from '../../charts/ticks'
+import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { lostOf } from '../../format/counts'
 import { count, decimalsFor, fixed, plain, short } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
@@ -84,7 +85,6 @@ export function SampleCard({ data, sample, grid, blocks, className }: SampleCard
   )
 }
 
-
 const [HEIGHT, TOP, LEFT, BOTTOM, RIGHT] = [250, 56, 40, 36, 12]
 
 function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; counts: number[] }) {
@@ -103,6 +103,12 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
   const xs = linearTicks(low, high, Math.max(3, width / 100))
   const ys = linearTicks(0, most, 4)
   const decimals = tickDecimals(xs)
+  const written = (value: number | null) => `${fixed(value, decimalsFor([value]))} ${run.unit}`
+  const marks = [
+    { value: off ? null : threshold, text: `Criterion ${plain(threshold)} ${run.unit}`, colour: 'var(--c-crit)', dashed: true },
+    { value: run.worst_cost, text: `Worst ${written(run.worst_cost)}`, colour: 'var(--c-worst)' },
+    { value: run.nominal_cost, text: `Nominal ${written(run.nominal_cost)}`, colour: 'var(--ink-2)' },
+  ]
   return (
     <div ref={holder}>
       <div className={figures.ytitle}>
@@ -114,14 +120,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
         role="img"
         aria-label={`Histogram of ${symbolText(run.quantity)} over the independent sample`}
       >
-        {ys.map((tick) => (
-          <g key={tick}>
-            <path className={figures.g} d={`M${LEFT} ${y(tick)}H${width - RIGHT}`} />
-            <text x={LEFT - 6} y={y(tick) + 4} textAnchor="end">
-              {count(tick)}
-            </text>
-          </g>
-        ))}
+        <TicksBeside ticks={ys} at={y} text={count} from={LEFT} to={width - RIGHT} />
         {counts.map((n, i) => {
           const [from, to] = [edges[i] ?? 0, edges[i + 1] ?? 0]
           const violates = threshold !== null && to <= threshold
@@ -139,43 +138,15 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
             </rect>
           )
         })}
-        <path className={figures.a} d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
-        {xs.map((tick) => (
-          <text key={tick} x={x(tick)} y={HEIGHT - BOTTOM + 15} textAnchor="middle">
-            {tickText(xs)(tick)}
-          </text>
-        ))}
-        <text x={(LEFT + width - RIGHT) / 2} y={HEIGHT - 3} textAnchor="middle">
-          <SvgSign text={run.quantity || 'value'} />, {run.unit}
-        </text>
-        {!off && (
-          <Marker
-            at={x(threshold)}
-            row={0}
-            text={`Criterion ${plain(threshold)} ${run.unit}`}
-            colour="var(--c-crit)"
-            dashed
-            width={width}
-          />
-        )}
-        {run.worst_cost !== null && (
-          <Marker
-            at={x(run.worst_cost)}
-            row={1}
-            text={`Worst ${fixed(run.worst_cost, decimalsFor([run.worst_cost]))} ${run.unit}`}
-            colour="var(--c-worst)"
-            width={width}
-          />
-        )}
-        {run.nominal_cost !== null && (
-          <Marker
-            at={x(run.nominal_cost)}
-            row={2}
-            text={`Nominal ${fixed(run.nominal_cost, decimalsFor([run.nominal_cost]))} ${run.unit}`}
-            colour="var(--ink-2)"
-            width={width}
-          />
-        )}
+        <AxisBelow
+          ticks={xs}
+          at={x}
+          foot={HEIGHT - BOTTOM}
+          from={LEFT}
+          to={width - RIGHT}
+          title={<><SvgSign text={run.quantity || 'value'} />, {run.unit}</>}
+        />
+        {marks.map(({ value, ...mark }, row) => value !== null && <Marker key={row} {...mark} at={x(value)} row={row} width={width} />)}
       </svg>
       {off && threshold !== null && (
         <p className={figures.fig}>

@@ -17,11 +17,10 @@ import runStyles from '../run.module.css'
 interface ConvergenceProps {
   data: RunData
   className: string | undefined
-  height?: number
-  id?: string
+  height: number
 }
 
-export function Convergence({ data, className, height = 300, id }: ConvergenceProps) {
+export function Convergence({ data, className, height }: ConvergenceProps) {
   const methodLook = useMethodLook()
   const { run } = data
   const [by, setBy] = useState<'evaluations' | 'seconds'>('evaluations')
@@ -105,7 +104,6 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       title="Convergence"
       note="Smallest value found by each method"
       className={className}
-      id={id}
       run={run.id}
       data={table}
     >

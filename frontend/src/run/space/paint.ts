@@ -180,20 +180,21 @@ export function lineNear(space: Space, kept: Uint32Array, lines: Lines, x: numbe
   const [from, to] = [lines.xs[right - 1], lines.xs[right]]
   if (from === undefined || to === undefined || x < from - reach || x > to + reach) return null
   const share = (x - from) / (to - from)
-  let [nearest, least]: [number | null, number] = [null, reach]
-  for (const i of kept) {
-    const off = Math.abs(crossing(space, i, right - 1, lines) * (1 - share) + crossing(space, i, right, lines) * share - y)
-    if (off <= least) [nearest, least] = [i, off]
-  }
-  return nearest
+  return nearestOf(kept, reach, (i) => Math.abs(crossing(space, i, right - 1, lines) * (1 - share) + crossing(space, i, right, lines) * share - y))
 }
 
 /** The evaluation nearest to a position in a cell, at most `reach` [px] away. */
 export function pointNear(space: Space, kept: Uint32Array, cell: Cell, x: number, y: number, reach = 8): number | null {
+  return nearestOf(kept, reach, (i) => {
+    const [px, py] = placed(space, i, cell)
+    return Math.hypot(px - x, py - y)
+  })
+}
+
+function nearestOf(kept: Uint32Array, reach: number, distance: (i: number) => number): number | null {
   let [nearest, least]: [number | null, number] = [null, reach]
   for (const i of kept) {
-    const [px, py] = placed(space, i, cell)
-    const off = Math.hypot(px - x, py - y)
+    const off = distance(i)
     if (off <= least) [nearest, least] = [i, off]
   }
   return nearest

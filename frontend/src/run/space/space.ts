@@ -233,9 +233,9 @@ export const valueAt = (axis: Axis, share: number): number =>
 /** The value's axis: all values, and the criterion unless it is too far away. */
 export function valueAxis(evaluations: Evaluations | undefined, symbol: string, unit: string, threshold: number | null): Axis {
   const costs = (evaluations?.stages ?? []).flatMap((series) => series.cost.filter((cost) => cost !== null))
-  const [low, high] = padded(costs, false, 0.02)
+  const [low, high] = padded(costs, 0.02)
   const near = threshold !== null && threshold > low - (high - low) && threshold < high + (high - low)
-  const range = near ? padded([...costs, threshold], false, 0.02) : [low, high]
+  const range = near ? padded([...costs, threshold], 0.02) : [low, high]
   return { key: VALUE, symbol, unit, text: '', low: range[0] as number, high: range[1] as number }
 }
 
@@ -243,7 +243,7 @@ export function valueAxis(evaluations: Evaluations | undefined, symbol: string, 
 export function criterionAxis(evaluations: Evaluations | undefined, criterion: CriterionOut): Axis {
   const { name, title, quantity, unit, worse } = criterion
   const values = (evaluations?.stages ?? []).flatMap((series) => (series.further[name] ?? []).filter((value) => value !== null))
-  const [low, high] = padded(values, false, 0.02)
+  const [low, high] = padded(values, 0.02)
   return { key: name, symbol: quantity || title, unit, text: title, low, high, worse }
 }
 

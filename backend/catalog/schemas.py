@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from backend.http.errors import ProblemError
 from backend.http.schema import Schema
 from campaigns.catalogue import ParameterEntry
 from campaigns.results.drawn import DrawnFlight
@@ -21,12 +22,8 @@ class LibraryCampaign(Schema):
     """Its nominal flight as stored with this installation; null if the campaign's file was changed since."""
 
 
-class ProblemOut(Schema):
+class ProblemOut(ProblemError):
     """One error in a campaign: the field, the given value, and what is allowed or to be done."""
-
-    field: str
-    given: str
-    message: str
 
 
 class CheckedParameter(Schema):

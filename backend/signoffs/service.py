@@ -19,7 +19,7 @@ from backend.db.tables import Run
 from backend.db.tables import Signoff as Row
 from backend.http.errors import RefusedError, not_found
 from backend.runs.removal import refuse_removed
-from backend.runs.tombstones import refuse_purged
+from backend.runs.service import require
 from backend.signoffs.persons import folded, person, signs_as
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
 from backend.signoffs.standing import UNSIGNED, signatures
@@ -141,12 +141,8 @@ def _launcher(reader: sa.Connection, run_id: int) -> str:
 
 def _verdict(reader: sa.Connection, run_id: int) -> str | None:
     """The verdict of a run, or 404; 410 if it was purged."""
-    refuse_purged(reader, run_id)
-    found = reader.execute(sa.select(Run.verdict).where(Run.id == run_id)).one_or_none()
-    if found is None:
-        raise not_found("run", run_name(run_id))
-    verdict: str | None = found.verdict
-    return verdict
+    require(reader, run_id)
+    return reader.scalar(sa.select(Run.verdict).where(Run.id == run_id))
 
 
 def _dependent(reader: sa.Connection, run_id: int, visitor: Visitor) -> RefusedError | None:

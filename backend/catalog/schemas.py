@@ -10,6 +10,10 @@ from campaigns.catalogue import ParameterEntry
 from campaigns.results.drawn import DrawnFlight
 
 
+class ProblemOut(ProblemError):
+    """One error in a campaign: the field, the given value, and what is allowed or to be done."""
+
+
 class LibraryCampaign(Schema):
     """A shipped campaign; `problems` is empty when this installation can run it."""
 
@@ -20,10 +24,6 @@ class LibraryCampaign(Schema):
     problems: list[ProblemOut]
     nominal: DrawnFlight | None
     """Its nominal flight as stored with this installation; null if the campaign's file was changed since."""
-
-
-class ProblemOut(ProblemError):
-    """One error in a campaign: the field, the given value, and what is allowed or to be done."""
 
 
 class CheckedParameter(Schema):
@@ -101,6 +101,3 @@ class Checked(Schema):
     """For these, from the speed of earlier runs with the same components; None if there are none."""
     estimate: Estimate | None
     """None if the campaign cannot be run."""
-
-
-LibraryCampaign.model_rebuild()

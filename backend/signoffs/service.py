@@ -37,16 +37,10 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
     signed = signatures(reader, [run_id]).get(run_id, UNSIGNED)
     items = [one.signoff() for one in signed.signatures]
     can_sign = verdict is not None and not removed
-    if visitor is None:
-        return Signoffs(digest=digest, can_sign=can_sign, not_carried=signed.not_carried, items=items)
-    return Signoffs(
-        digest=digest,
-        can_sign=can_sign,
-        barred=_barred(reader, run_id, visitor, digest),
-        signs_as=signs_as(reader, visitor),
-        not_carried=signed.not_carried,
-        items=items,
-    )
+    found = Signoffs(digest=digest, can_sign=can_sign, not_carried=signed.not_carried, items=items)
+    if visitor is not None:
+        found.barred, found.signs_as = _barred(reader, run_id, visitor, digest), signs_as(reader, visitor)
+    return found
 
 
 def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Visitor) -> Signoff:

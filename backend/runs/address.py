@@ -61,7 +61,7 @@ def address_parts(
         labels = parsed(label) if label else None
     except ValueError as error:
         raise _refused([Problem("label", "", f"{error}")]) from None
-    given: dict[str, object] = {
+    given: Mapping[str, object] = {
         "labels": labels,
         "baseline": baseline,
         "reuse": reuse or None,

@@ -86,7 +86,7 @@ UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-d
 def create(settings: Settings) -> FastAPI:
     """The application on the settings' database, which must be migrated (`backend.db.engine.migrate`)."""
     engine = connect(settings.database_url)
-    room = space.Room(tuple(space.places(settings.database_url, settings.data)), settings.min_free)
+    room = space.Room(space.places(settings.database_url, settings.data), settings.min_free)
     hub, live, door, capacities = Hub(engine, room), Live(), Door(settings.database_url, settings.cookie), Capacities()
     measured = Requests()
     rates, frames = Rates(settings.max_requests_per_minute), Frames()

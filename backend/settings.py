@@ -201,12 +201,7 @@ class Settings(BaseModel):
                 f"the path of {PREFIX}PUBLIC_URL may have letters, digits and - . _ ~ between single slashes, "
                 f"given {self.root!r}"
             )
-        _ = self.trusted, self.provider
-        return self
-
-    @model_validator(mode="after")
-    def _hooked(self) -> Settings:
-        _ = self.hooks, self.database_url
+        _ = self.trusted, self.provider, self.hooks, self.database_url
         return self
 
     @model_validator(mode="after")

@@ -52,13 +52,12 @@ class Guard:
         voucher = await self._voucher(scope, connection, rule)
         visitor = await self.door.visitor(connection) if voucher is None else voucher.visitor
         refused = _refusal(scope, visitor, rule, voucher is None) or self._too_many(visitor)
-        if refused is None and visitor is not None:
+        if refused is None:
+            assert visitor is not None, "a request without a visitor is refused"
             still = partial(self.door.still, connection) if voucher is None else voucher.still
             scope.setdefault("state", {}).update(visitor=visitor, still=still)
             with self._open.entered(visitor):
                 await self.app(scope, receive, send)
-        elif refused is None:
-            raise AssertionError("a request without a visitor is refused")
         elif scope["type"] == "websocket":
             await receive()  # the handshake; closing before accepting it responds with 403
             await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
+from backend.http.errors import ProblemError
 from backend.http.schema import Schema
 from campaigns.catalogue import ParameterEntry
 from campaigns.results.drawn import DrawnFlight
+
+
+class ProblemOut(ProblemError):
+    """One error in a campaign: the field, the given value, and what is allowed or to be done."""
 
 
 class LibraryCampaign(Schema):
@@ -19,14 +24,6 @@ class LibraryCampaign(Schema):
     problems: list[ProblemOut]
     nominal: DrawnFlight | None
     """Its nominal flight as stored with this installation; null if the campaign's file was changed since."""
-
-
-class ProblemOut(Schema):
-    """One error in a campaign: the field, the given value, and what is allowed or to be done."""
-
-    field: str
-    given: str
-    message: str
 
 
 class CheckedParameter(Schema):
@@ -104,6 +101,3 @@ class Checked(Schema):
     """For these, from the speed of earlier runs with the same components; None if there are none."""
     estimate: Estimate | None
     """None if the campaign cannot be run."""
-
-
-LibraryCampaign.model_rebuild()

@@ -10,10 +10,12 @@ from collections.abc import Collection
 
 import sqlalchemy as sa
 
+from backend.db import labels
 from backend.db.tables import Run, RunLabel
 from campaigns.runs import RunState, run_name
 
 GROUP, SUCCESSOR = "@group", "@superseded"
+_FIELDS = {GROUP: "group", SUCCESSOR: "superseded_by"}
 LIVE = (RunState.QUEUED, RunState.RUNNING)
 """A run that is being cancelled already is superseded by none."""
 
@@ -44,14 +46,8 @@ def active(reader: sa.Connection, group: str, run_id: int) -> list[tuple[int, st
 
 def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, dict[str, str]]:
     """`group` and `superseded_by` of these runs, as far as they have them."""
-    found: dict[int, dict[str, str]] = {}
-    if run_ids:
-        rows = sa.select(RunLabel.run_id, RunLabel.key, RunLabel.value)
-        for run_id, key, value in reader.execute(
-            rows.where(RunLabel.run_id.in_(run_ids), RunLabel.key.in_((GROUP, SUCCESSOR)))
-        ):
-            found.setdefault(run_id, {})["group" if key == GROUP else "superseded_by"] = value
-    return found
+    found = labels.stored(reader, run_ids, RunLabel.key.in_(_FIELDS))
+    return {run_id: {_FIELDS[key]: value for key, value in own.items()} for run_id, own in found.items()}
 
 
 def superseded(reader: sa.Connection, run_id: int) -> list[int]:

@@ -20,9 +20,14 @@ def store(writer: sa.Connection, run_id: int, labels: Mapping[str, str]) -> None
 
 def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, dict[str, str]]:
     """The labels of these runs by key, in alphabetical order; runs without any are omitted."""
+    return stored(reader, run_ids, GIVEN)
+
+
+def stored(reader: sa.Connection, run_ids: Collection[int], which: sa.ColumnElement[bool]) -> dict[int, dict[str, str]]:
+    """Those rows of these runs, as values by key."""
     found: dict[int, dict[str, str]] = {}
     if run_ids:
-        rows = sa.select(RunLabel.run_id, RunLabel.key, RunLabel.value).where(RunLabel.run_id.in_(run_ids), GIVEN)
+        rows = sa.select(RunLabel.run_id, RunLabel.key, RunLabel.value).where(RunLabel.run_id.in_(run_ids), which)
         for run_id, key, value in reader.execute(rows.order_by(RunLabel.key)):
             found.setdefault(run_id, {})[key] = value
     return found

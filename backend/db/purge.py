@@ -21,22 +21,17 @@ from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import (
-    EvaluationAhead,
     EvaluationChunk,
-    Finding,
     Run,
     RunBaseline,
     RunLabel,
     RunRefusal,
     RunRequirement,
-    RunSources,
     RunText,
-    SampleBlock,
-    SampleShare,
     Signoff,
-    Stage,
     Trace,
 )
+from backend.db.waiting import RESULTS
 from campaigns.runs import ACTIVE, ENDED, RunState, run_name
 
 _EMPTY: dict[str, object] = {
@@ -134,20 +129,7 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
         if row is None:
             return False
         digest = results_digest(writer, run_id)
-        for table in (
-            EvaluationAhead,
-            EvaluationChunk,
-            SampleBlock,
-            SampleShare,
-            Stage,
-            Finding,
-            Trace,
-            RunText,
-            RunSources,
-            RunLabel,
-            RunRefusal,
-            RunBaseline,
-        ):
+        for table in (*RESULTS, RunText, RunLabel, RunRefusal, RunBaseline):
             writer.execute(sa.delete(table).where(table.run_id == run_id))
         left = {**_EMPTY, "purged": at, "purged_by": user[:64], "purged_digest": digest}
         if row.removed is None:

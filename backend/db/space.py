@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,21 +14,10 @@ MIN_FREE = 500_000_000
 """The limit unless the variable states another [bytes]."""
 
 
-def places(url: str, data: Path | None) -> list[Path]:
+def places(url: str, data: Path | None) -> tuple[Path, ...]:
     """The folders in which the service and its workers write: that of an SQLite file, and the data folder."""
     file = sa.make_url(url).database if url.startswith("sqlite") else None
-    return [*([] if file is None else [Path(file).absolute().parent]), *([] if data is None else [data.absolute()])]
-
-
-def free(folders: Iterable[Path]) -> int | None:
-    """The least free space of these folders [bytes]; None if none of them is there."""
-    found = []
-    for folder in folders:
-        try:
-            found.append(shutil.disk_usage(folder).free)
-        except OSError:  # reported by what needs the folder
-            continue
-    return min(found, default=None)
+    return (*([] if file is None else [Path(file).absolute().parent]), *([] if data is None else [data.absolute()]))
 
 
 @dataclass(frozen=True)
@@ -39,23 +28,24 @@ class Room:
     limit: int
 
     def free(self) -> int | None:
-        """As of `free`."""
-        return free(self.folders)
+        """The least free space of the folders [bytes]; None if none of them is there."""
+        found = []
+        for folder in self.folders:
+            try:
+                found.append(shutil.disk_usage(folder).free)
+            except OSError:  # reported by what needs the folder
+                continue
+        return min(found, default=None)
 
     def short(self) -> str:
-        """As of `short`."""
-        return short(self.folders, self.limit)
-
-
-def short(folders: Iterable[Path], limit: int) -> str:
-    """Why no new run may begin, a sentence; empty if there is enough space."""
-    left = free(folders)
-    if left is None or left >= limit:
-        return ""
-    return (
-        f"the disk of the database has {left / 1e6:,.0f} MB left, and new runs need {limit / 1e6:,.0f} MB "
-        f"({VARIABLE}): an administrator must free space"
-    )
+        """Why no new run may begin, a sentence; empty if there is enough space."""
+        left = self.free()
+        if left is None or left >= self.limit:
+            return ""
+        return (
+            f"the disk of the database has {left / 1e6:,.0f} MB left, and new runs need {self.limit / 1e6:,.0f} MB "
+            f"({VARIABLE}): an administrator must free space"
+        )
 
 
 def limit_of(environment: Mapping[str, str]) -> int:

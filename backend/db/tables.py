@@ -195,12 +195,23 @@ class Stage(Base):
     result: orm.Mapped[JsonObject | None]
 
 
-class EvaluationChunk(Base):
+class _OfStage:
+    """A table of rows of a stage, which are deleted with it."""
+
+    run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+
+    @orm.declared_attr.directive
+    @classmethod
+    def __table_args__(cls) -> tuple[sa.ForeignKeyConstraint]:
+        stage = ["stages.run_id", "stages.position"]
+        return (sa.ForeignKeyConstraint(["run_id", "position"], stage, ondelete="CASCADE"),)
+
+
+class EvaluationChunk(_OfStage, Base):
     """Consecutive evaluations of one stage as columns: points (m, n), costs (m, k), status (m,), seconds (m,)."""
 
     __tablename__ = "evaluation_chunks"
-    run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
-    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     first: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     count: orm.Mapped[int]
     points: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
@@ -213,17 +224,12 @@ class EvaluationChunk(Base):
     """float64, working time of the stage when each was completed [s]."""
     reasons: orm.Mapped[dict[str, str]] = orm.mapped_column(default=dict)
     """{index in the stage: why} for every evaluation that is not ok."""
-    __table_args__ = (
-        sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
-    )
 
 
-class EvaluationAhead(Base):
+class EvaluationAhead(_OfStage, Base):
     """An evaluation that was completed before an earlier one of its stage; it moves to a chunk when that one is."""
 
     __tablename__ = "evaluations_ahead"
-    run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
-    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     place: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     """Index in the stage."""
     point: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
@@ -235,37 +241,24 @@ class EvaluationAhead(Base):
     """Working time of the stage when it was completed [s]."""
     reason: orm.Mapped[str] = orm.mapped_column(sa.Text)
     """Why it is not ok; empty otherwise."""
-    __table_args__ = (
-        sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
-    )
 
 
-class SampleBlock(Base):
+class SampleBlock(_OfStage, Base):
     """A block of a sample of which the lowest evaluations are stored, while its stage is carried out."""
 
     __tablename__ = "sample_blocks"
-    run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
-    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     first: orm.Mapped[int] = orm.mapped_column(COUNT, primary_key=True)
     """Index of its first draw."""
     data: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """See `campaigns.stored.blocks`."""
-    __table_args__ = (
-        sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
-    )
 
 
-class SampleShare(Base):
+class SampleShare(_OfStage, Base):
     """A block that a worker is flying; others fly other ones."""
 
     __tablename__ = "sample_shares"
-    run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
-    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     first: orm.Mapped[int] = orm.mapped_column(COUNT, primary_key=True)
     worker: orm.Mapped[str] = orm.mapped_column(sa.String(80))
-    __table_args__ = (
-        sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
-    )
 
 
 class Finding(Base):

@@ -28,14 +28,15 @@ from campaigns.runs import RunState, run_name
 from campaigns.stages.plan import most
 
 CONTINUED = "It was continued as {run}."
-_RESULTS = (EvaluationAhead, EvaluationChunk, SampleBlock, SampleShare, Stage, Finding, Trace, RunSources)
+RESULTS = (EvaluationAhead, EvaluationChunk, SampleBlock, SampleShare, Stage, Finding, Trace, RunSources)
+"""Tables of what is stored of a run while it is carried out."""
 
 
 def restart(writer: sa.Connection, run_id: int) -> bool:
     """Put a waiting run back to where it was when it was submitted; false if it does not wait for its code."""
     if not waits(writer, run_id):
         return False
-    for table in _RESULTS:
+    for table in RESULTS:
         writer.execute(sa.delete(table).where(table.run_id == run_id))
     refusals.clear(writer, run_id)
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)

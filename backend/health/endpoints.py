@@ -9,7 +9,6 @@ from fastapi import APIRouter, Request
 from backend.health.readiness import reasons
 from backend.http.errors import RefusedError, problems
 from backend.http.schema import Schema
-from campaigns import Problem
 
 router = APIRouter(tags=["service"])
 
@@ -41,7 +40,6 @@ async def ready(request: Request) -> Health:
         lambda engine: reasons(engine, settings.data, request.app.state.room)
     )
     if found:
-        errors = [Problem(reason.what, "", reason.sentence) for reason in found]
-        detail = "; ".join(reason.sentence for reason in found)
-        raise RefusedError(503, "not-ready", detail, errors, headers={"Retry-After": "5"})
+        detail = "; ".join(reason.message for reason in found)
+        raise RefusedError(503, "not-ready", detail, found, headers={"Retry-After": "5"})
     return Health(status="ok")

@@ -27,14 +27,21 @@ class Capacity:
     """Limits concurrent and waiting jobs of one kind; used on one event loop."""
 
     def __init__(
-        self, doing: str, at_once: int, waiting: int, patience: float | None, retry: int, sentence: str = ""
+        self,
+        doing: str,
+        at_once: int,
+        waiting: int,
+        patience: float | None,
+        retry: int,
+        sentence: str = "",
+        kind: str = "busy",
     ) -> None:
-        """doing: such as "reports are being printed"; sentence: the whole refusal instead.
+        """doing: such as "reports are being printed"; sentence: the whole refusal instead; kind: of the problem.
 
         patience, retry: longest wait, None for any, and Retry-After [s].
         """
         self.at_once, self.waiting, self.patience, self.retry = at_once, waiting, patience, retry
-        self.sentence = sentence or f"{at_once} {doing}, and the queue is full: try again in {retry} s"
+        self.kind, self.sentence = kind, sentence or f"{at_once} {doing}, and the queue is full: try again in {retry} s"
         self.inside = 0
         """The number of running and waiting jobs."""
         self._turns = asyncio.Semaphore(at_once)
@@ -79,7 +86,7 @@ class Capacity:
             raise self._busy()
 
     def _busy(self) -> RefusedError:
-        return RefusedError(503, "busy", self.sentence, headers={"Retry-After": str(self.retry)})
+        return RefusedError(503, self.kind, self.sentence, headers={"Retry-After": str(self.retry)})
 
 
 class BoundedStream(StreamingResponse):

@@ -14,7 +14,7 @@ from backend.db.still import STILL, standing_still
 from backend.db.tables import Run, Worker
 from backend.db.workers import SEEN
 from backend.metrics.requests import Requests
-from backend.metrics.text import Metric, Sample, of_one
+from backend.metrics.text import Metric, Sample, gauge
 from campaigns.runs import ACTIVE, RunState
 
 
@@ -46,12 +46,12 @@ class Metrics:
         return "".join(metric.text() for metric in self._metrics(stored, waiting))
 
     def _metrics(self, stored: Stored | None, waiting: dict[str, int]) -> Iterator[Metric]:
-        yield of_one("clearance_database_up", "gauge", "1 if the database can be used.", float(stored is not None))
+        yield gauge("clearance_database_up", "1 if the database can be used.", float(stored is not None))
         if stored is not None:
             yield from self._of_the_database(stored)
         depth = [Sample("clearance_jobs", count, {"queue": name}) for name, count in waiting.items()]
         yield Metric("clearance_jobs", "gauge", "Running and waiting jobs of the service.", depth)
-        yield of_one("clearance_free_bytes", "gauge", "Least free space where data is written.", self.room.free())
+        yield gauge("clearance_free_bytes", "Least free space where data is written.", self.room.free())
         yield Metric(
             "clearance_request_seconds", "histogram", "Requests by route and status class.", self.requests.samples()
         )
@@ -59,15 +59,13 @@ class Metrics:
     def _of_the_database(self, stored: Stored) -> Iterator[Metric]:
         states = [Sample("clearance_runs", stored.states.get(state, 0), {"state": state}) for state in RunState]
         yield Metric("clearance_runs", "gauge", "Runs by state.", states)
-        yield of_one(
+        yield gauge(
             "clearance_runs_standing_still",
-            "gauge",
             f"Runs that a worker has, without a new stored evaluation for {STILL:g} s.",
             stored.still,
         )
-        yield of_one(
+        yield gauge(
             "clearance_evaluations",
-            "gauge",
             "Stored evaluations of all runs, purged ones excepted.",
             stored.evaluations,
         )
@@ -76,9 +74,8 @@ class Metrics:
             Sample("clearance_workers", stored.lost, {"state": "lost"}),
         ]
         yield Metric("clearance_workers", "gauge", "Workers by their heartbeat; lost: silent within a day.", workers)
-        yield of_one(
+        yield gauge(
             "clearance_run_losses",
-            "gauge",
             "Workers that active runs have lost since their last result.",
             stored.losses,
         )

@@ -27,7 +27,7 @@ class Metric:
     """A metric with its samples."""
 
     name: str
-    kind: Literal["gauge", "counter", "histogram"]
+    kind: Literal["gauge", "histogram"]
     help: str
     samples: Iterable[Sample]
 
@@ -36,9 +36,9 @@ class Metric:
         return head + "".join(f"{sample.line()}\n" for sample in self.samples)
 
 
-def of_one(name: str, kind: Literal["gauge", "counter"], text: str, value: float | None) -> Metric:
+def gauge(name: str, text: str, value: float | None) -> Metric:
     """A metric with one sample; without any if the value is not known."""
-    return Metric(name, kind, text, [] if value is None else [Sample(name, value)])
+    return Metric(name, "gauge", text, [] if value is None else [Sample(name, value)])
 
 
 def _escaped(value: str) -> str:

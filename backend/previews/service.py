@@ -5,15 +5,13 @@ Requests whose client has disconnected while waiting are dropped, so that of man
 
 from __future__ import annotations
 
-import asyncio
 import time
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
-
-from anyio import CapacityLimiter, to_thread
 
 from backend.catalog.service import required
 from backend.db.engine import read
+from backend.http.capacity import Capacity, Gone
 from backend.http.deps import Engine
 from backend.http.errors import RefusedError
 from backend.previews.schemas import Preview, PreviewClosest, PreviewIntruder, PreviewRealisation
@@ -27,7 +25,7 @@ ROWS = 240
 """Approximate number of points of a preview."""
 
 WAITING = 8
-"""Maximum number of waiting previews."""
+"""Maximum number of running and waiting previews."""
 
 LIMIT = 90.0
 """Time limit of a preview [s]: every edit is a new campaign, which may have to be compiled."""
@@ -40,32 +38,24 @@ class Previews:
 
     def __init__(self, live: Live | None = None) -> None:
         self.live = live or Live(limit=LIMIT, first_limit=LIMIT)
-        self._turn = asyncio.Lock()
-        self._thread = CapacityLimiter(1)  # separate from the threads that all requests share
-        self._waiting = 0
+        self._queue = Capacity("", 1, WAITING - 1, None, 3, _BUSY, "preview-busy")
 
     @property
     def waiting(self) -> int:
         """The number of running and waiting previews."""
-        return self._waiting
+        return self._queue.inside
 
-    async def simulate(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[FlightReply, float]:
+    async def simulate(self, campaign: Campaign, gone: Gone) -> tuple[FlightReply, float]:
         """The answer of the simulation process, and how long it took [s]. Raises `RefusedError`.
 
         gone: whether the client has disconnected; checked again when its turn comes.
         """
-        if self._waiting >= WAITING:
-            raise RefusedError(503, "preview-busy", _BUSY, headers={"Retry-After": "3"})
-        self._waiting += 1
-        try:
-            async with self._turn:
-                if await gone():
-                    raise RefusedError(503, "preview-overtaken", "the client no longer waits for this preview")
-                began = time.monotonic()
-                answer = await to_thread.run_sync(self._flown, campaign, limiter=self._thread)
-                return answer, time.monotonic() - began
-        finally:
-            self._waiting -= 1
+        async with self._queue.turn():
+            if await gone():
+                raise RefusedError(503, "preview-overtaken", "the client no longer waits for this preview")
+            began = time.monotonic()
+            answer = await self._queue.thread(lambda: self._flown(campaign))
+            return answer, time.monotonic() - began
 
     def stop(self) -> None:
         self.live.close()

@@ -37,11 +37,8 @@ _log = logging.getLogger(__name__)
 @router.get("/login/provider")
 async def begin(request: Request, next: str = "") -> Response:  # noqa: A002
     """Send the browser to the provider."""
-    provider = _provider(request)
     try:
-        if provider is None:
-            raise SignInError("No sign-in provider is set up here.", 404)
-        address, cookie = await provider.begin(forms.own_path(next))
+        address, cookie = await _provider(request).begin(forms.own_path(next))
     except SignInError as error:
         _log.warning("a sign-in could not begin: %s", error.reason or error.sentence)
         return _failed(error, forms.own_path(next))
@@ -61,11 +58,9 @@ async def begin(request: Request, next: str = "") -> Response:  # noqa: A002
 @router.get(RETURN)
 async def finish(request: Request, engine: Engine) -> Response:
     """Accept the provider's answer: open a session, or give the reason for refusing."""
-    provider, browser = _provider(request), browser_of(request)
+    browser = browser_of(request)
     try:
-        if provider is None:
-            raise SignInError("No sign-in provider is set up here.", 404)
-        answer = dict(request.query_params)
+        provider, answer = _provider(request), dict(request.query_params)
         identity, back = await provider.finish(answer, request.cookies.get(_cookie(request), ""))
         role = provider.configured.role_of(identity.groups)
         secret = await run_in_threadpool(service.open_session, engine, identity, role, browser)
@@ -110,6 +105,8 @@ def of(configured: Configured | None) -> Provider | None:
     return Provider(configured)
 
 
-def _provider(request: Request) -> Provider | None:
+def _provider(request: Request) -> Provider:
     found: Provider | None = request.app.state.provider
+    if found is None:
+        raise SignInError("No sign-in provider is set up here.", 404)
     return found

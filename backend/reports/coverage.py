@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
-from backend.reports import words
 from backend.reports.record import Record
 from campaigns.claims import numbers
 
@@ -15,7 +14,7 @@ LEAST = 5
 def pairs(record: Record) -> list[tuple[Markup, Markup, int]]:
     """The least covered pairs of parameters, and how many of their bins have an evaluation; none if all have one."""
     least = [pair for pair in record.coverage.pairs[:LEAST] if pair.touched < record.coverage.bins]
-    return [(_symbol(record, pair.first), _symbol(record, pair.second), pair.touched) for pair in least]
+    return [(record.symbol_html(pair.first), record.symbol_html(pair.second), pair.touched) for pair in least]
 
 
 def centre(record: Record) -> list[tuple[Markup, str, str]]:
@@ -23,10 +22,6 @@ def centre(record: Record) -> list[tuple[Markup, str, str]]:
     at = {} if record.coverage.ball is None else record.coverage.ball.centre
     entries = [(path, value, record.entry(path)) for path, value in at.items()]
     return [
-        (_symbol(record, path), numbers.plain(value), numbers.unit_in_print(entry.unit) if entry else "")
+        (record.symbol_html(path), numbers.plain(value), numbers.unit_in_print(entry.unit) if entry else "")
         for path, value, entry in entries
     ]
-
-
-def _symbol(record: Record, path: str) -> Markup:
-    return words.symbol_html(record.symbol(path), path)

@@ -63,11 +63,9 @@ def separation(cases: Sequence[Case], of: Quantity) -> Markup:
     span = (min(near), max(near)) if len(near) > 2 else (0.0, 1.0)
     highest = max((y for curve in curves for t, y in curve if span[0] <= t <= span[1]), default=1.0)
     axes = Axes(WIDE, SEPARATION_HEIGHT, span, (min(0.0, lowest), 1.04 * highest))
-    if of.threshold is not None:
-        axes.tint(of.threshold)
+    axes.tint(of.threshold)
     axes.frame("Time since start, s", 8)
-    if of.threshold is not None:
-        axes.criterion(of.threshold, f"Criterion, {numbers.plain(of.threshold)} {of.unit}")
+    axes.criterion(of.threshold, f"Criterion, {numbers.plain(of.threshold)} {of.unit}")
     for case, curve in zip(cases, curves, strict=True):
         axes.line(curve, case.colour, 1.7, case.dash)
     approaches = [(case, case.closest) for case in cases]
@@ -98,15 +96,13 @@ def convergence(series: Sequence[tuple[str, str, list[Point]]], of: Quantity) ->
     values = [y for _, _, points in drawn for _, y in points]
     most = max((x for _, _, points in drawn for x, _ in points), default=10.0)
     low, high = plot.padded(values)
-    far = of.threshold is None or is_far(values, of.threshold)
-    if not far and of.threshold is not None:
-        low, high = plot.padded([*values, of.threshold])
+    near = None if of.threshold is None or is_far(values, of.threshold) else of.threshold
+    if near is not None:
+        low, high = plot.padded([*values, near])
     axes = Axes(WIDE / 2 + 20, 200, (1.0, max(most * 1.1, 10.0)), (low, high), left=52, x_log=True)
-    if not far and of.threshold is not None:
-        axes.tint(of.threshold)
+    axes.tint(near)
     axes.frame("Evaluations of each method (log scale)")
-    if not far and of.threshold is not None:
-        axes.criterion(of.threshold, f"Criterion, {numbers.plain(of.threshold)} {of.unit}", right=False)
+    axes.criterion(near, f"Criterion, {numbers.plain(near)} {of.unit}", right=False)
     for colour, _, points in drawn:
         axes.line(points, colour, 1.5, step=True)
     for colour, _, points in drawn:
@@ -137,12 +133,10 @@ def sensitivity(curve: Curve, other: Curve | None, about: About, y_range: Point,
     """One parameter over its bounds, the others nominal and, if evaluated, the others at the worst case."""
     low, high = about.low, about.high
     axes = Axes(208, 112, (low, high), y_range, left=44, right=16, top=6, bottom=30)
-    if of.threshold is not None:
-        axes.tint(of.threshold)
+    axes.tint(of.threshold)
     title = Markup("{}{}").format(words.svg_symbol(about.symbol), f", {about.unit}" if about.unit else "")
     axes.frame(title, 2.2, 4, x_marks=(low, about.nominal, high) if low < about.nominal < high else (low, high))
-    if of.threshold is not None:
-        axes.criterion(of.threshold, "")
+    axes.criterion(of.threshold, "")
     for shown, colour in ((curve, plot.NOMINAL), (other, plot.WORST)):
         if shown is not None:
             pairs = zip(shown.values, shown.costs, strict=False)

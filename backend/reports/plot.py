@@ -144,16 +144,16 @@ class Axes:
         form = '<circle cx="{:.1f}" cy="{:.1f}" r="{}" fill="{}" stroke="#fff" stroke-width="1.3"/>'
         self.add(form, self.x(x), self.y(y), radius, colour)
 
-    def tint(self, value: float) -> None:
-        """Shade the violating side of the criterion; call it first."""
-        if not self.y_range[0] <= value <= self.y_range[1]:
+    def tint(self, value: float | None) -> None:
+        """Shade the violating side of the criterion, if there is one; call it first."""
+        if value is None or not self.y_range[0] <= value <= self.y_range[1]:
             return
         at, foot = self.y(value), self.height - self.bottom
         tint = '<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="{}" fill-opacity="0.055"/>'
         self.add(tint, self.left, at, self.width - self.left - self.right, foot - at, WORST)
 
-    def criterion(self, value: float, words: str, right: bool = True) -> None:
-        if not self.y_range[0] <= value <= self.y_range[1]:
+    def criterion(self, value: float | None, words: str, right: bool = True) -> None:
+        if value is None or not self.y_range[0] <= value <= self.y_range[1]:
             return
         at = self.y(value)
         self.rule(self.left, at, self.width - self.right, at, INK, 1.1, "5 4")

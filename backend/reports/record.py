@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import sqlalchemy as sa
+from markupsafe import Markup
 
 from backend.catalog.looks import Looks
 from backend.catalog.service import bounds, published
@@ -14,6 +15,7 @@ from backend.db import snapshots
 from backend.reports import declared_view
 from backend.reports.figures import Case, Quantity
 from backend.reports.plot import NOMINAL, WORST
+from backend.reports.words import symbol_html
 from backend.results import evaluations, likely
 from backend.results import service as results
 from backend.results.coverage import read as coverage
@@ -94,6 +96,9 @@ class Record:
     def symbol(self, path: str) -> str:
         """The name of a parameter: its symbol, with its part if others in the campaign have the same one."""
         return labels([*self.campaign.uncertain, path], {p: entry.symbol for p, (entry, _) in self.known.items()})[path]
+
+    def symbol_html(self, path: str) -> Markup:
+        return symbol_html(self.symbol(path), path)
 
     def words(self, path: str) -> str:
         entry = self.entry(path)

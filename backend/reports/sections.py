@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-from markupsafe import Markup
-
 from backend.reports import figures, validated, words
 from backend.reports.record import Record
 from backend.signoffs.schemas import Signoff, Standing
@@ -35,7 +33,7 @@ def uncertain(record: Record) -> list[Row]:
         value = worst.get(path)
         rows.append({
             "path": path,
-            "symbol": _symbol(record, path),
+            "symbol": record.symbol_html(path),
             "named": record.symbol(path) != path,
             "text": record.words(path) if entry else "not described",
             "unit": numbers.unit_in_print(entry.unit if entry else parameter.unit or ""),
@@ -186,10 +184,6 @@ def _titles(record: Record) -> dict[str, str]:
     return {m.name: m.title for m in record.catalogue.methods} if record.catalogue else {}
 
 
-def _symbol(record: Record, path: str) -> Markup:
-    return words.symbol_html(record.symbol(path), path)
-
-
 def findings(record: Record) -> list[Row]:
     values = [value for f in record.findings for value in (f.granted, f.cost)]
     decimals = numbers.decimals_apart(values, 4, 7)
@@ -202,7 +196,7 @@ def findings(record: Record) -> list[Row]:
             "margin": numbers.difference(f.margin + (f.granted - f.cost), decimals),
             "violates": f.margin <= 0,
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
-            "bounds": [(_symbol(record, path), side) for path, side in f.at_bounds.items()],
+            "bounds": [(record.symbol_html(path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
             "seed": validated.seed(f.validation),
             "boundary": () if f.boundary is None else f.boundary.statement,

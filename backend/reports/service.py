@@ -206,7 +206,7 @@ def _origin(record: Record) -> list[tuple[str, str]]:
 
 def _code(identity: Identity | None) -> str:
     if identity is None:
-        return "not stored when the run began"
+        return UNRECORDED
     if identity.digest is None:
         return f"not identified: {', '.join(identity.unidentified)} not stored or not read exactly"
     return f"sha256 {identity.digest}"

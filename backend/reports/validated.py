@@ -96,7 +96,7 @@ def encounter(record: Record) -> list[tuple[Markup, Markup]]:
         text = f"{low} to {high} {of.unit} over {numbers.count(spread.evaluations)} evaluations"
         rows.append((Markup("Range of {}").format(quantity), Markup.escape(text)))
     changes = [
-        Markup("{} {}").format(words.symbol_html(record.symbol(path), path), f"{numbers.plain(by, 3)} {of.unit}")
+        Markup("{} {}").format(record.symbol_html(path), f"{numbers.plain(by, 3)} {of.unit}")
         for path, by in shown.influence.items()
     ]
     rows.append((Markup("Largest change of {} on a slice").format(quantity), Markup("; ").join(changes)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -82,7 +82,8 @@ def _goal(nodes: Nodes, name: str, row: RequirementRow, claims: Mapping[str, str
             challenge = {"challenges": f"G-{name}"}
             nodes[f"CSn-{name}-{run.id}"] = _leaf(run, claims, address) | challenge
         rest = [_context(nodes, name, run, claims, address) for run in counting if run not in against]
-        return _with(goal, f"G-{name}", inContextOf=rest)
+        goal |= {"inContextOf": rest} if rest else {}
+        return f"G-{name}"
     if not counting:
         goal |= {"undeveloped": True}
         return f"G-{name}"
@@ -118,10 +119,11 @@ def _subgoal(
     nodes[f"G-{key}"] = goal
     if run.verdict == "cleared" and not run.not_sampled and run.signed and not run.suspect and not against:
         nodes[f"Sn-{key}"] = _leaf(run, claims, address)
-        return _with(goal, f"G-{key}", supportedBy=[f"Sn-{key}"])
-    goal |= {"undeveloped": True}
-    contexts = [_context(nodes, name, one, claims, address) for one in (run, *against)]
-    return _with(goal, f"G-{key}", inContextOf=contexts)
+        goal |= {"supportedBy": [f"Sn-{key}"]}
+    else:
+        contexts = [_context(nodes, name, one, claims, address) for one in (run, *against)]
+        goal |= {"undeveloped": True, "inContextOf": contexts}
+    return f"G-{key}"
 
 
 def _context(nodes: Nodes, name: str, run: RequirementRun, claims: Mapping[str, str], address: str) -> str:
@@ -145,13 +147,6 @@ def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> Eleme
     if run.code is not None:
         leaf["code"] = f"sha256 {run.code}"
     return leaf | {"url": f"{address}/runs/{run.id}"}
-
-
-def _with(goal: Element, name: str, **lists: Iterable[str]) -> str:
-    for key, values in lists.items():
-        if values:
-            goal[key] = list(values)
-    return name
 
 
 def _names(requirements: Sequence[str]) -> dict[str, str]:

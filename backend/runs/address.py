@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, TypedDict
+from typing import Annotated
 
 from fastapi import Depends, Query
 from pydantic import ValidationError
@@ -16,20 +17,11 @@ from campaigns import CampaignError, Problem
 from campaigns.labels import MOST, parsed
 
 
-class Parts(TypedDict, total=False):
-    labels: dict[str, str]
-    baseline: str
-    reuse: bool
-    sample_seed: int
-    group: str
-    priority: int
-
-
 @dataclass(frozen=True)
 class AddressParts:
     """The parts of a submission that its address gives; empty if it gives none."""
 
-    parts: Parts
+    parts: Mapping[str, object]
 
     def with_body(self, body: RunSubmit) -> RunSubmit:
         """The submission with both; raises `CampaignError` for a part that is given twice."""
@@ -66,19 +58,18 @@ def address_parts(
 ) -> AddressParts:
     """The parts of a submission that its address gives; 422 with a sentence for what is not allowed."""
     try:
-        parts: Parts = {"labels": parsed(label)} if label else {}
+        labels = parsed(label) if label else None
     except ValueError as error:
         raise _refused([Problem("label", "", f"{error}")]) from None
-    if baseline is not None:
-        parts["baseline"] = baseline
-    if reuse:
-        parts["reuse"] = True
-    if sample_seed is not None:
-        parts["sample_seed"] = sample_seed
-    if group is not None:
-        parts["group"] = group
-    if priority is not None:
-        parts["priority"] = priority
+    given: Mapping[str, object] = {
+        "labels": labels,
+        "baseline": baseline,
+        "reuse": reuse or None,
+        "sample_seed": sample_seed,
+        "group": group,
+        "priority": priority,
+    }
+    parts = {name: value for name, value in given.items() if value is not None}
     try:
         RunSubmit.model_validate({"campaign": {}, **parts})
     except ValidationError as error:

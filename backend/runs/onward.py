@@ -17,8 +17,8 @@ from backend.http import bodies
 from backend.http.errors import RefusedError
 from backend.runs import identity, service
 from backend.runs.quota import Quota, refuse_beyond
+from backend.runs.removal import refuse_removed
 from backend.runs.schemas import RunSummary
-from backend.runs.tombstones import refuse_purged
 from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.runs import run_name
 
@@ -27,12 +27,8 @@ def retry(engine: sa.Engine, run_id: int, visitor: Visitor, quota: Quota) -> Run
     """Queue a failed run again with what is stored of it; 409 unless it has failed, or if it is removed."""
     with engine.begin() as writer:
         _own(writer, run_id, visitor)
-        refuse_purged(writer, run_id)
-        stored, error, removed = writer.execute(
-            sa.select(Run.evaluations, Run.error, Run.removed).where(Run.id == run_id).with_for_update()
-        ).one()
-        if removed is not None:
-            raise RefusedError(409, "removed", f"{run_name(run_id)} is removed: restore it first")
+        refuse_removed(writer, run_id)
+        stored, error = writer.execute(sa.select(Run.evaluations, Run.error).where(Run.id == run_id)).one()
         refuse_beyond(writer, quota, visitor)
         if not queue.resume(writer, run_id):
             raise RefusedError(409, "not-failed", f"{run_name(run_id)} has not failed; only a failed run is retried")

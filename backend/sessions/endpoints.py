@@ -23,14 +23,7 @@ SessionId = Annotated[str, Path(pattern="^[0-9a-f]{16}$", description="The sessi
 @router.get("/session")
 async def get_session(visitor: CurrentVisitor) -> SessionInfo:
     """The user who is signed in."""
-    return SessionInfo(
-        user=visitor.user,
-        via=visitor.via,
-        account=visitor.account,
-        role=visitor.role,
-        scope=visitor.scope,
-        has_password=visitor.has_password,
-    )
+    return SessionInfo.model_validate(visitor, from_attributes=True)
 
 
 @router.delete("/session", status_code=status.HTTP_204_NO_CONTENT)

@@ -19,7 +19,7 @@ from backend.db.tables import Run
 from backend.db.tables import Signoff as Row
 from backend.http.errors import RefusedError, not_found
 from backend.runs.removal import refuse_removed
-from backend.runs.tombstones import refuse_purged
+from backend.runs.service import require
 from backend.signoffs.persons import folded, person, signs_as
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
 from backend.signoffs.standing import UNSIGNED, signatures
@@ -37,16 +37,10 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
     signed = signatures(reader, [run_id]).get(run_id, UNSIGNED)
     items = [one.signoff() for one in signed.signatures]
     can_sign = verdict is not None and not removed
-    if visitor is None:
-        return Signoffs(digest=digest, can_sign=can_sign, not_carried=signed.not_carried, items=items)
-    return Signoffs(
-        digest=digest,
-        can_sign=can_sign,
-        barred=_barred(reader, run_id, visitor, digest),
-        signs_as=signs_as(reader, visitor),
-        not_carried=signed.not_carried,
-        items=items,
-    )
+    found = Signoffs(digest=digest, can_sign=can_sign, not_carried=signed.not_carried, items=items)
+    if visitor is not None:
+        found.barred, found.signs_as = _barred(reader, run_id, visitor, digest), signs_as(reader, visitor)
+    return found
 
 
 def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Visitor) -> Signoff:
@@ -141,12 +135,8 @@ def _launcher(reader: sa.Connection, run_id: int) -> str:
 
 def _verdict(reader: sa.Connection, run_id: int) -> str | None:
     """The verdict of a run, or 404; 410 if it was purged."""
-    refuse_purged(reader, run_id)
-    found = reader.execute(sa.select(Run.verdict).where(Run.id == run_id)).one_or_none()
-    if found is None:
-        raise not_found("run", run_name(run_id))
-    verdict: str | None = found.verdict
-    return verdict
+    require(reader, run_id)
+    return reader.scalar(sa.select(Run.verdict).where(Run.id == run_id))
 
 
 def _dependent(reader: sa.Connection, run_id: int, visitor: Visitor) -> RefusedError | None:

@@ -66,18 +66,20 @@ def change(engine: sa.Engine, name: str, wanted: UserChange, visitor: Visitor, m
             detail = "you cannot change your own role or access: ask another administrator"
             raise RefusedError(409, "access-conflict", detail)
         require_match(match, user.etag, f"the user {name}")
-        if user.provided and wanted.role is not None and wanted.role != user.role:
+        role = None if wanted.role == user.role else wanted.role
+        disabled = None if wanted.disabled == (user.disabled is not None) else wanted.disabled
+        if user.provided and role is not None:
             detail = f"the role of {name} follows the groups of the sign-in provider: change them there"
             raise RefusedError(409, "access-conflict", detail)
         with _conflicts():
-            if wanted.role is not None and wanted.role != user.role:
-                users.set_role(writer, name, wanted.role)
-            if wanted.disabled is not None and wanted.disabled != (user.disabled is not None):
-                users.set_disabled(writer, name, wanted.disabled)
-        if wanted.role is not None and wanted.role != user.role:
-            audit.note(writer, visitor, "user.role_changed", name, {"before": user.role, "after": wanted.role})
-        if wanted.disabled is not None and wanted.disabled != (user.disabled is not None):
-            audit.note(writer, visitor, "user.disabled" if wanted.disabled else "user.enabled", name, {})
+            if role is not None:
+                users.set_role(writer, name, role)
+            if disabled is not None:
+                users.set_disabled(writer, name, disabled)
+        if role is not None:
+            audit.note(writer, visitor, "user.role_changed", name, {"before": user.role, "after": role})
+        if disabled is not None:
+            audit.note(writer, visitor, "user.disabled" if disabled else "user.enabled", name, {})
         return one(writer, name)
 
 

@@ -42,15 +42,10 @@ def workers(reader: sa.Connection, room: Room) -> Workers:
 def _out(row: Any, at: float, stages: dict[int, str]) -> WorkerOut:
     silent = row.beat <= at - SEEN
     known = None if silent else Doing.of(row.doing, row.run_id)
+    same = ("name", "host", "pid", "started", "beat", "draining", "short")
     return WorkerOut(
-        name=row.name,
-        host=row.host,
-        pid=row.pid,
-        started=row.started,
-        beat=row.beat,
+        **{name: getattr(row, name) for name in same},
         state="silent" if silent else "idle" if row.run_id is None else "busy",
-        draining=row.draining,
-        short=row.short,
         run=None if row.run_id is None else run_name(row.run_id),
         stage=None if silent or row.run_id is None else stages.get(row.run_id),
         doing=None if known is None else waiting.doing_of(known),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 import viser
@@ -182,7 +182,7 @@ class Drawn:
     def _label_place(self, closest: Closest) -> tuple[Any, Anchor]:
         """The position of the label, on the side where it covers neither the obstacle nor another label."""
         across = closest.obstacle - closest.position
-        away: Literal["left", "right"] = "right" if across[0] >= 0 else "left"
+        away = "right" if across[0] >= 0 else "left"
         if self.style.label == "beyond":
             return beyond(closest, self._setting.threshold, self._setting.planar)
         # Away from the vehicle, and separate if two flights are closest at the same position.
@@ -192,13 +192,7 @@ class Drawn:
             + side * np.array([0.0, 0.35, 0.5])
             - 0.7 * self._world.frame.unit * across / max(float(np.linalg.norm(across)), 1e-9)
         )
-        sides: dict[str, Anchor] = {
-            "bottom-left": "bottom-left",
-            "bottom-right": "bottom-right",
-            "top-left": "top-left",
-            "top-right": "top-right",
-        }
-        return place, sides[f"{self.style.label}-{away}"]
+        return place, cast(Anchor, f"{self.style.label}-{away}")
 
 
 def dots_of(flight: Flight, horizon: float) -> Floats:

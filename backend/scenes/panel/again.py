@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol, cast
+from typing import cast
 
 import sqlalchemy as sa
 
@@ -31,66 +31,62 @@ PATIENCE = 60.0
 ONE = "1 result differs from the stored one."
 
 
-class Tally(Protocol):
-    """Counts what was drawn, for a sentence."""
+@dataclass
+class Tally:
+    """Counts what was drawn of the first `size` evaluations of the sample of a stage, for a sentence."""
+
+    stage: str
+    size: int
+    setting: Setting
+    other: str = ""
+    """What is other code than that of the run, a sentence."""
 
     def count(self, answer: FlightReply, stored: float | None, drawn: bool) -> None:
         """One answer, the stored cost, and whether there is a line of it."""
+        self.other = self.other or self.setting.other_code(Identity.model_validate(answer["identity"]))
 
     def words(self) -> str:
         """The text that describes what is drawn."""
+        raise NotImplementedError
 
 
-class Again(Protocol):
-    """Evaluates again: so many at a time before they are drawn, until `patience` [s] is over."""
+@dataclass(frozen=True)
+class Again:
+    """Evaluates again: `together` at a time before they are drawn, until `patience` [s] is over."""
 
-    @property
-    def together(self) -> int: ...
-    @property
-    def patience(self) -> float: ...
+    live: Live
+    setting: Setting
+    tally: type[Tally]
+    together: int = TOGETHER
+    patience: float = math.inf
+    needs: str = ""
+    """The version of the simulator that the run needs; empty if it was not recorded."""
 
     def answer(self, values: Mapping[str, float], seed: int | None) -> FlightReply:
         """The response of the process; raises `LiveError`."""
-
-    def tally(self, stage: str, size: int) -> Tally:
-        """An empty count of the first `size` evaluations of the sample of a stage."""
+        document, digest = self.setting.document, self.setting.digest
+        if self.setting.clears:
+            return self.live.simulate(document, digest, values, ROWS, seed)
+        request = {"campaign": document, "simulator": self.needs, "parameters": dict(values)}
+        found: CaseReply = self.live.ask(digest, request | {"rows": ROWS})
+        return found
 
 
 def of_run(reader: sa.Connection, live: Live, setting: Setting) -> Again:
     """The evaluator for a setting's run; live: the process that simulates its scenario or evaluates its simulator."""
     if setting.clears:
-        return _OfScenario(live, setting)
-    run_id = number(setting.run)
-    needs = reader.scalar(sa.select(Run.needs).where(Run.id == run_id)) or ""
-    return _OfSimulator(live, setting, needs)
-
-
-@dataclass(frozen=True)
-class _OfScenario:
-    live: Live
-    setting: Setting
-    together: int = TOGETHER
-    patience: float = math.inf
-
-    def answer(self, values: Mapping[str, float], seed: int | None) -> FlightReply:
-        return self.live.simulate(self.setting.document, self.setting.digest, values, ROWS, seed)
-
-    def tally(self, stage: str, size: int) -> Tally:
-        return _Flights(stage, size, self.setting)
+        return Again(live, setting, _Flights)
+    needs = reader.scalar(sa.select(Run.needs).where(Run.id == number(setting.run))) or ""
+    return Again(live, setting, _Cases, 1, PATIENCE, needs)
 
 
 @dataclass
-class _Flights:
-    stage: str
-    size: int
-    setting: Setting
+class _Flights(Tally):
     failed: int = 0
-    other: str = ""
-    """What is other code than that of the run, a sentence."""
 
     def count(self, answer: FlightReply, stored: float | None, drawn: bool) -> None:
+        super().count(answer, stored, drawn)
         self.failed += answer["status"] != "ok"
-        self.other = self.other or self.setting.other_code(Identity.model_validate(answer["identity"]))
 
     def words(self) -> str:
         lost = f" {self.failed} failed and end at the failure." if self.failed else ""
@@ -98,45 +94,22 @@ class _Flights:
         return text.rstrip()
 
 
-@dataclass(frozen=True)
-class _OfSimulator:
-    live: Live
-    setting: Setting
-    needs: str
-    """The version of the simulator that the run needs; empty if it was not recorded."""
-    together: int = 1
-    patience: float = PATIENCE
-
-    def answer(self, values: Mapping[str, float], seed: int | None) -> CaseReply:
-        request = {"campaign": self.setting.document, "simulator": self.needs, "parameters": dict(values)}
-        found: CaseReply = self.live.ask(self.setting.digest, request | {"rows": ROWS})
-        return found
-
-    def tally(self, stage: str, size: int) -> Tally:
-        return _Cases(stage, size, self.setting)
-
-
 @dataclass
-class _Cases:
-    stage: str
-    size: int
-    setting: Setting
+class _Cases(Tally):
     evaluated: int = 0
     drawn: int = 0
     same: int = 0
     why: str = ""
     """The first reason why one of them could not be drawn."""
-    other: str = ""
-    """What is other code than that of the run, a sentence."""
 
     def count(self, answer: FlightReply, stored: float | None, drawn: bool) -> None:
+        super().count(answer, stored, drawn)
         called = cast(CaseReply, answer)
         self.evaluated += 1
         self.drawn += drawn
         self.same += called["cost"] == stored
         if not drawn:
             self.why = self.why or called["reason"] or called["untraced"] or "its trace has no positions"
-        self.other = self.other or self.setting.other_code(Identity.model_validate(answer["identity"]))
 
     def words(self) -> str:
         return " ".join(self._sentences())

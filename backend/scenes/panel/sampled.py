@@ -84,7 +84,7 @@ class Sampled(Part):
             self._note.content = tables.note("No random sample is stored: it comes from certify or from Monte Carlo.")
             return
         self._forget()
-        tally, until = again.tally(stage, len(drawn)), time.monotonic() + again.patience
+        tally, until = again.tally(stage, len(drawn), self._setting), time.monotonic() + again.patience
         for begin in range(0, len(drawn), again.together):
             simulated = []
             for one in drawn[begin : begin + again.together]:

@@ -85,7 +85,7 @@ class _Stage:
         self._view = View(*pose("overview", self._world.whole, None))
         self._labels = Labels(self._tags, lambda: self._view)
         self.move(0.0)
-        self._camera()
+        begin_at(server, (self._view.eye, self._view.target), self._world.frame.span)
 
     @property
     def statement(self) -> str:
@@ -124,6 +124,3 @@ class _Stage:
         if not self._setting.clears:
             return ""
         return f": {number(separation, self._setting.decimals)} {self._setting.unit} now"
-
-    def _camera(self) -> None:
-        begin_at(self._server, (self._view.eye, self._view.target), self._world.frame.span)

@@ -101,7 +101,7 @@ class Supervisor:
         data: Path | None = None,
     ) -> None:
         self.url, self.name, self.runner = url, name, runner
-        self._folders, self._min_free = space.places(url, data), space.limit_of(os.environ)
+        self._room = space.Room(space.places(url, data), space.limit_of(os.environ))
         self.engine = connect(url, create=False)
         self.queue = Queue(self.engine, lease)
         self._floor = standstill
@@ -145,7 +145,7 @@ class Supervisor:
         if child is None or self._wakeup.signal is not None or self.drained:
             return
         if self._short:  # without the changing number, so that it is one line a minute
-            log.warning("no further run is begun: less than %s bytes are free (%s)", self._min_free, space.VARIABLE)
+            log.warning("no further run is begun: less than %s bytes are free (%s)", self._room.limit, space.VARIABLE)
             self._wakeup.wait(POLL)
             return
         claim = self.queue.claim(self.name, self.simulators, self.installation)
@@ -354,7 +354,7 @@ class Supervisor:
 
     @property
     def _short(self) -> bool:
-        return bool(space.short(self._folders, self._min_free))
+        return bool(self._room.short())
 
     def _notify(self, what: Callable[[sa.Connection, str], None]) -> None:
         write(self.engine, lambda connection: what(connection, self.name), 0.0)

@@ -13,11 +13,10 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
 
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import Campaign
-from campaigns.capsules.sources import Sources
+from campaigns.capsules.sources import Part, Sources
 from campaigns.catalogue import Catalogue
 from campaigns.documented import UNLESS_NONE
 from campaigns.results import Finding, TraceHead
@@ -28,12 +27,6 @@ from campaigns.versions import Versions
 FORMAT = "clearance-capsule/1"
 
 Floats = NDArray[np.float64]
-
-
-class Part(BaseModel):
-    """A part of the document; unknown keys are refused, so that nothing unread can be taken for evidence."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class Origin(Part):

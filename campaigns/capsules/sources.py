@@ -25,11 +25,13 @@ Module = Annotated[str, Field(pattern=f"^{_MODULE}$", max_length=200)]
 Word = Annotated[str, Field(pattern=f"^{_WORD}$")]
 
 
-class _Part(BaseModel):
+class Part(BaseModel):
+    """A part of a document; unknown keys are refused, so that nothing unread can be taken for evidence."""
+
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class SourceFile(_Part):
+class SourceFile(Part):
     """One module; its text is apart."""
 
     module: Module
@@ -52,7 +54,7 @@ class SourceFile(_Part):
         return f"{path}/__init__.py" if self.package else f"{path}.py"
 
 
-class EntryPoint(_Part):
+class EntryPoint(Part):
     """By which a package adds a component or a method."""
 
     distribution: Word
@@ -62,7 +64,7 @@ class EntryPoint(_Part):
     value: Annotated[str, Field(pattern=rf"^{_MODULE}(:[A-Za-z_][A-Za-z0-9_.]*)?$", max_length=300)]
 
 
-class Sources(_Part):
+class Sources(Part):
     """The files of a run, without their texts."""
 
     files: Annotated[tuple[SourceFile, ...], Field(max_length=MOST_FILES)]

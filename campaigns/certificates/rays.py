@@ -16,12 +16,12 @@ Floats = NDArray[np.float64]
 FARTHEST, POINTS, HALVINGS = 100.0, 400, 45
 
 
-def directions(n: int, count: int, seed: int = 0) -> Floats:
-    """Unit vectors (count, n): evenly spaced in the plane, else random ones that follow from the seed."""
+def directions(n: int, count: int) -> Floats:
+    """Unit vectors (count, n): evenly spaced in the plane, else random ones, always the same."""
     if n == 2:
         angle = np.arange(count) * (2.0 * np.pi / count)
         return np.column_stack([np.cos(angle), np.sin(angle)])
-    drawn = np.random.default_rng(seed).standard_normal((count, n))
+    drawn = np.random.default_rng(0).standard_normal((count, n))
     return np.asarray(drawn / np.linalg.norm(drawn, axis=1, keepdims=True))
 
 

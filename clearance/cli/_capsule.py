@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError
-from clearance.cli._capsule_code import is_inside
+from clearance.cli._capsule_code import is_inside, opened_capsule
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -37,15 +37,9 @@ def is_capsule(run: str) -> bool:
 
 def of_capsule(path: Path, allow_code: bool) -> Opened:
     """Read a capsule; its command is installed for this process only if that is permitted. Raises `WrongInputError`."""
-    from campaigns.capsules.packing import CapsuleError, read
     from worker.running.runs.replay import Recorded
 
-    try:
-        capsule, _ = read(path)
-    except CapsuleError as error:
-        raise WrongInputError(
-            f"{path} is not a capsule that can be replayed: {error}", RefusalCode.NO_CAPSULE
-        ) from None
+    capsule, _ = opened_capsule(path)
     if capsule.program is not None:
         _install(path, capsule.program, allow_code)
     recorded = Recorded(

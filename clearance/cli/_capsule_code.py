@@ -60,17 +60,21 @@ def refuse_unused(path: str, capsule: Capsule) -> None:
         )
 
 
-def replayed_with_its_code(path: Path, arguments: Sequence[str]) -> int | None:
-    """The exit code of the replay in that process; None if the capsule has no source, or if this is that process."""
+def opened_capsule(path: Path) -> tuple[Capsule, Mapping[str, bytes]]:
+    """A capsule, and the texts of the source in it by module. Raises `WrongInputError`."""
     from campaigns.capsules.packing import CapsuleError, read, read_sources
 
     try:
-        capsule, _ = read(path)
-        texts = read_sources(path)
+        return read(path)[0], read_sources(path)
     except CapsuleError as error:
         raise WrongInputError(
             f"{path} is not a capsule that can be replayed: {error}", RefusalCode.NO_CAPSULE
         ) from None
+
+
+def replayed_with_its_code(path: Path, arguments: Sequence[str]) -> int | None:
+    """The exit code of the replay in that process; None if the capsule has no source, or if this is that process."""
+    capsule, texts = opened_capsule(path)
     if capsule.sources is None or is_inside(capsule):
         return None
     _refuse_others(path, capsule, texts)

@@ -70,7 +70,7 @@ def print_report(
         for line in [*_how_found(store), *_likely(likely or likelihoods(campaign, store, verdict.unit))]:
             console.print(Text(line), soft_wrap=not console.is_terminal)
     console.print(_checks(verdict))
-    for line in [*failures(store), *_again(store), *_estimated(store), *_attraction(store)]:
+    for line in [*failures(store), *_again(store), *_stated(store)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)
     if note:
         console.print(Text(note), soft_wrap=not console.is_terminal)
@@ -122,18 +122,13 @@ def _ended(result: StageResult | None) -> str:
     return result.text if isinstance(result, ValidateResult) else ""
 
 
-def _estimated(store: MemoryStore) -> list[str]:
-    """The sentences of an estimate of P(violation): it, and which findings its modes are."""
-    found = [stage.result.estimation for stage in store.stages if stage.result is not None]
+def _stated(store: MemoryStore) -> list[str]:
+    """The sentences of an estimate of P(violation), of which findings its modes are, and of a region of attraction."""
+    results = [stage.result for stage in store.stages if stage.result is not None]
     validated = _validated(store)
-    named = [validated.modes] if validated is not None else []
-    return [words(sentence(one.statement)) for one in (*found, *named) if one is not None]
-
-
-def _attraction(store: MemoryStore) -> list[str]:
-    """The sentence of a region of attraction."""
-    found = [stage.result.attraction for stage in store.stages if stage.result is not None]
-    return [words(sentence(one.statement)) for one in found if one is not None]
+    modes = None if validated is None else validated.modes
+    parts = (*(result.estimation for result in results), modes, *(result.attraction for result in results))
+    return [words(sentence(part.statement)) for part in parts if part is not None]
 
 
 def _validated(store: MemoryStore) -> ValidateResult | None:

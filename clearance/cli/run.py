@@ -10,7 +10,7 @@ import json
 import shlex
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -28,12 +28,10 @@ from clearance.local import interrupt
 if TYPE_CHECKING:
     from campaigns import Campaign
     from campaigns.results import Verdict
+    from clearance.cli._continue import Execute
     from clearance.local.likelihood import Likelihoods
     from worker.engine.stages.parts.store import Store
     from worker.running.runs.store import MemoryStore
-
-
-Execute: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Verdict]"
 
 
 def run(

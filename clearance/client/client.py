@@ -1,19 +1,21 @@
 """`Client` and `AsyncClient`: a Clearance service from Python. Both have the methods of `_Methods`.
 
-A method is a script or a request; its descriptor runs it, blocking or awaited, so that nothing is written twice.
+A method is a script or a request; its descriptor has it run, blocking or awaited, so that nothing is written twice.
 """
 
 from __future__ import annotations
 
 import functools
 import os
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from collections.abc import AsyncGenerator, Awaitable, Callable, Iterator
 from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar, overload
 
-from clearance.client import answers, calls, scripts
-from clearance.client.drivers import Awaiting, Blocking
-from clearance.client.effects import Script, Session
-from clearance.client.scripts import asking
+import httpx
+
+from clearance.client import calls, scripts
+from clearance.client.drivers import Awaiting, Blocking, each, finished, settings
+from clearance.client.scripts import Script, asking
+from clearance.client.session import Session
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -36,13 +38,13 @@ class _Method(Generic[P, T]):
     def __get__(self, client: AsyncClient, kind: object = None) -> Callable[P, Awaitable[T]]: ...
 
     def __get__(self, client: Any, kind: object = None) -> Any:
-        return self if client is None else _run_by(client, client.driver.run, self.script)
+        return self if client is None else _run_by(client, client._finished, self.script)
 
 
 class _Iterated(Generic[P, T]):
-    """A script as a method of a client that hands out values of this type one by one."""
+    """A script as a method of a client that hands out values one by one."""
 
-    def __init__(self, script: Callable[Concatenate[Session, P], Script[Any]], emits: type[T]) -> None:
+    def __init__(self, script: Callable[Concatenate[Session, P], AsyncGenerator[T]]) -> None:
         self.script = script
         self.__doc__ = script.__doc__
 
@@ -50,13 +52,13 @@ class _Iterated(Generic[P, T]):
     def __get__(self, client: Client, kind: object = None) -> Callable[P, Iterator[T]]: ...
 
     @overload
-    def __get__(self, client: AsyncClient, kind: object = None) -> Callable[P, AsyncIterator[T]]: ...
+    def __get__(self, client: AsyncClient, kind: object = None) -> Callable[P, AsyncGenerator[T]]: ...
 
     def __get__(self, client: Any, kind: object = None) -> Any:
-        return self if client is None else _run_by(client, client.driver.iterate, self.script)
+        return self if client is None else _run_by(client, client._each, self.script)
 
 
-def _run_by(client: _Methods, run: Callable[[Script[Any]], Any], script: Callable[..., Script[Any]]) -> Any:
+def _run_by(client: _Methods, run: Callable[[Any], Any], script: Callable[..., Any]) -> Any:
     @functools.wraps(script)
     def method(*positional: Any, **named: Any) -> Any:
         return run(script(client.session, *positional, **named))
@@ -68,6 +70,9 @@ class _Methods:
     """What both clients have."""
 
     session: Session
+    _finished: Callable[[Any], Any]
+    """How a script is run, and one that hands out values."""
+    _each: Callable[[Any], Any]
 
     @property
     def address(self) -> str:
@@ -81,9 +86,9 @@ class _Methods:
     submit = _Method(asking(calls.submit))
     search = _Method(scripts.search)
     wait = _Method(scripts.wait)
-    follow = _Iterated(scripts.follow, answers.Run)
+    follow = _Iterated(scripts.follow)
     run = _Method(asking(calls.run))
-    runs = _Iterated(scripts.runs, answers.Run)
+    runs = _Iterated(scripts.runs)
     run_page = _Method(asking(calls.run_page))
     cancel = _Method(asking(calls.cancel))
     retry = _Method(asking(calls.retry))
@@ -103,7 +108,7 @@ class _Methods:
     sweep = _Method(asking(calls.sweep))
     read_sweep = _Method(asking(calls.read_sweep))
     wait_sweep = _Method(scripts.wait_sweep)
-    follow_sweep = _Iterated(scripts.wait_sweep, answers.Sweep)
+    follow_sweep = _Iterated(scripts.follow_sweep)
     cancel_sweep = _Method(asking(calls.cancel_sweep))
     export_sweep = _Method(scripts.export_sweep)
     check = _Method(asking(calls.check))
@@ -128,16 +133,18 @@ class Client(_Methods):
     request, and `UnreachableError` if it does not respond in time.
     """
 
+    _finished, _each = staticmethod(finished), staticmethod(each)
+
     def __init__(
         self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
     ) -> None:
         address, secret = _settings(url, token)
-        self.session = Session(address, patience)
-        self.driver = Blocking(address, secret, **how)
+        self._http = httpx.Client(**settings(address, secret, how))
+        self.session = Session(address, patience, Blocking(self._http))
 
     def close(self) -> None:
         """Close the connections of the client."""
-        self.driver.close()
+        self._http.close()
 
     def __enter__(self) -> Self:
         return self
@@ -152,16 +159,18 @@ class AsyncClient(_Methods):
     Further arguments are those of `httpx.AsyncClient`.
     """
 
+    _finished = _each = staticmethod(lambda script: script)
+
     def __init__(
         self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
     ) -> None:
         address, secret = _settings(url, token)
-        self.session = Session(address, patience)
-        self.driver = Awaiting(address, secret, **how)
+        self._http = httpx.AsyncClient(**settings(address, secret, how))
+        self.session = Session(address, patience, Awaiting(self._http))
 
     async def close(self) -> None:
         """Close the connections of the client."""
-        await self.driver.close()
+        await self._http.aclose()
 
     async def __aenter__(self) -> Self:
         return self

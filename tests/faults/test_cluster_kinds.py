@@ -21,13 +21,14 @@ from worker.engine.systems.simulators.cluster.work import Files, Work
 from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.fmu import DescribedFmu
+from worker.engine.systems.simulators.declared.folder import digest_of_place
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, opened
 from worker.engine.systems.simulators.functions import Isolated
 from worker.engine.systems.simulators.pooled import Pooled
 from worker.engine.systems.simulators.slots.outcome import Limits
 from worker.engine.systems.simulators.slots.program import Program
-from worker.running.catalogue.files import digest_of, entry_of, read_file
+from worker.running.catalogue.files import entry_of, read_file
 
 LOCAL = "local:1"
 IGNORED = r"""while read -r line; do
@@ -81,7 +82,7 @@ def function(folder: Path) -> Isolated:
     (found,) = read_file(folder / "bowl.py")
     opening = Opening({"simulator.x": 0.5, "simulator.y": 0.5}, "value")
     settings = found.declaration.settings
-    return Isolated(found.place, entry_of(found.declaration), opening, settings, digest_of(found.place))
+    return Isolated(found.place, entry_of(found.declaration), opening, settings, digest_of_place(found.place))
 
 
 def fmu(folder: Path) -> FmuSimulator:

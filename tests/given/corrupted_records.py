@@ -33,8 +33,9 @@ from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.engine.attraction import region
 from worker.engine.stages.parts import offered
-from worker.evidence.audit.judge import SPANS, Item, audit
+from worker.evidence.audit.judge import Item, audit
 from worker.evidence.audit.record import of_folder
+from worker.evidence.audit.sentences import SPANS
 from worker.evidence.scopes import rates
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs import identity

@@ -15,7 +15,7 @@ from campaigns.identity.identity import identity_of
 from campaigns.results.base import EXCLUDED
 from campaigns.versions import Versions
 from tests.given.corrupted_records import CERTIFY, ENCOUNTER, FINDING, GRID, SAMPLE_, STATISTICS, Folder, edit
-from worker.evidence.audit.judge import SPANS
+from worker.evidence.audit.sentences import SPANS
 
 ESTIMATE = 3
 ESTIMATE_ = f"evidence/results/{ESTIMATE}"

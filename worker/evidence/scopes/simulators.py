@@ -112,9 +112,6 @@ def words_of(halved: bool) -> Words:
     )
 
 
-UNCHECKED = "Whether an encounter takes place was not checked."
-
-
 def _caveat(system: Any) -> str:
     if not isinstance(system, Simulated):
         return ""

@@ -176,7 +176,7 @@ def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bo
     return True, say(measured.statement, later)
 
 
-def condition(problem: Problem, evidence: Evidence, checks: list[Check]) -> str:
+def condition(evidence: Evidence, checks: list[Check]) -> str:
     """What a statement on P(violation) needs if only later comparisons showed that the simulator does not repeat."""
     differs = any(c.code == CheckCode.CALLS and not c.ok for c in checks)
     if not differs or evidence.sample is None or evidence.sample.noise != "none":

@@ -19,7 +19,7 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
     """All checks in the order of the rules."""
     found = [
         _nominal(problem, evidence),
-        _ended(problem, evidence),
+        _ended(evidence),
         _no_violation(problem, evidence),
         _minimum(problem, evidence),
         agreement(problem, evidence),
@@ -41,7 +41,7 @@ def _nominal(problem: Problem, evidence: Evidence) -> Check:
     return check(CheckCode.NOMINAL, nominal.margin > 0, "the nominal case has ", cost, ", a margin of ", margin)
 
 
-def _ended(problem: Problem, evidence: Evidence) -> Check:
+def _ended(evidence: Evidence) -> Check:
     empty = [method(s.method, s.title) for s in evidence.searches if s.best is None]
     if empty:
         return check(CheckCode.SEARCH, False, joined(" and ", empty), " evaluated no case successfully")

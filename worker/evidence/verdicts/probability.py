@@ -23,20 +23,8 @@ def statistics(evidence: Evidence) -> Statistics | None:
     sample = evidence.sample
     if sample is None or sample.upper_bound is None:
         return None
-    return Statistics(
-        samples=sample.samples,
-        violations=sample.violations,
-        failed=sample.failed,
-        excluded=sample.excluded,
-        excluded_fraction=sample.excluded_fraction,
-        confidence=sample.confidence,
-        upper_bound=sample.upper_bound,
-        bound_samples=sample.bound_samples,
-        noise=sample.noise,
-        quantile=sample.quantile,
-        source="search" if evidence.certificate is None else "certify",
-        statement=sample.statement,
-    )
+    source = "search" if evidence.certificate is None else "certify"
+    return Statistics.model_validate(vars(sample) | {"source": source})
 
 
 def probability(problem: Problem, evidence: Evidence) -> list[Check]:

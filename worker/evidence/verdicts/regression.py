@@ -60,7 +60,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
         accepted="violation" not in policy.fail_on and _all_known(violating),
         quantity=problem.quantity,
         unit=problem.unit,
-        statement=_statement(problem, baseline.run, cases, failing),
+        statement=_statement(baseline.run, cases, failing),
     )
 
 
@@ -247,7 +247,7 @@ def _unexamined(known: CaseBasin | None) -> str:
     return f"{left} to look for a barrier between it and {known.not_compared} stored violations"
 
 
-def _statement(problem: Problem, run: str, cases: list[FindingChange], failing: list[FindingChange]) -> Spans:
+def _statement(run: str, cases: list[FindingChange], failing: list[FindingChange]) -> Spans:
     """How many findings have each standing, and which of them fail."""
     counts = [
         say(count(number), f" {standing}")
@@ -257,10 +257,10 @@ def _statement(problem: Problem, run: str, cases: list[FindingChange], failing: 
     whole = say(f"Changes of the findings since {run}: ", joined(", ", counts), ".")
     if not failing:
         return say(whole, " The policy of the campaign accepts every change.")
-    return say(whole, *_clauses(problem, failing))
+    return say(whole, *_clauses(failing))
 
 
-def _clauses(problem: Problem, failing: list[FindingChange]) -> Iterator[Part]:
+def _clauses(failing: list[FindingChange]) -> Iterator[Part]:
     yield " The policy of the campaign fails: "
     yield joined("; ", [case.statement for case in failing[:NAMED]])
     yield f"; and {len(failing) - NAMED} more." if len(failing) > NAMED else "."

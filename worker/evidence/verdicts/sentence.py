@@ -44,7 +44,7 @@ def sentence(
     how = say(count(evidence.evaluations, "evaluations"), f" evaluations{each}, searched by ", _searched(evidence))
     lost = _without_value(problem, evidence)
     if evidence.violation is not None:
-        chance = say(_chance(statistics), calls.condition(problem, evidence, checks) if statistics else "")
+        chance = say(_chance(statistics), calls.condition(evidence, checks) if statistics else "")
         shown = _shown(problem, found, evidence.violation)
         apart = say(calls.repeated(problem, evidence.violation), _apart(evidence.violation.validation, problem.unit))
         rest = say(lost, apart, _counts(evidence), chance)

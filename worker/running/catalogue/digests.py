@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from campaigns.catalogue import Catalogue
 from campaigns.identity.identity import is_read
+from worker.engine.systems.simulators.declared.folder import digest_of_place
 from worker.engine.systems.simulators.declared.simulator import Program, Simulator
-from worker.running.catalogue.files import PythonFunction, digest_of
+from worker.running.catalogue.files import PythonFunction
 from worker.running.catalogue.installed import simulators
 
 
@@ -25,7 +26,7 @@ def _digest(simulator: Simulator | Program | PythonFunction) -> str:
         if isinstance(simulator, Program):
             return simulator.described.digest
         if isinstance(simulator, PythonFunction) and simulator.place:
-            digest = digest_of(simulator.place)
+            digest = digest_of_place(simulator.place)
             return digest if is_read(digest) else ""
     except OSError:  # a file that cannot be read is reported by the run that opens it
         return ""

@@ -76,11 +76,7 @@ def _reach(component: Component) -> ReachEntry | None:
 def _rate(component: Component) -> RateEntry | None:
     if not isinstance(component, Obstacle) or not component.moving or component.rate is None:
         return None
-    return RateEntry.model_validate({k: _plain(v) for k, v in asdict(component.rate).items()})
-
-
-def _plain(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value
+    return RateEntry.model_validate(asdict(component.rate))
 
 
 def _look(component: Component) -> ObstacleLook | VehicleLook | None:

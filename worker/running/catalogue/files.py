@@ -115,18 +115,13 @@ def read_file(file: Path) -> list[PythonFunction]:
     try:
         if b"clearance" not in file.read_bytes():
             return []
-        digest = digest_of({"file": str(file)})
+        digest = digest_of_place({"file": str(file)})
     except OSError as error:
         raise BadFile(f"{file}: {error.strerror}") from None
     found = _described(str(file.resolve()), digest)
     if isinstance(found, str):
         raise BadFile(f"{file}: {found}")
     return list(found)
-
-
-def digest_of(place: dict[str, str]) -> str:
-    """SHA-256 over the file of a function and the other Python files of its folder, or over its package."""
-    return digest_of_place(place)
 
 
 @lru_cache(maxsize=256)

@@ -22,14 +22,14 @@ from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.described import BadDescriptor
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.fmu import DescribedFmu
-from worker.engine.systems.simulators.declared.folder import reached_from
+from worker.engine.systems.simulators.declared.folder import digest_of_place, reached_from
 from worker.engine.systems.simulators.declared.function import declared_in, loaded
 from worker.engine.systems.simulators.declared.reached import Reached
 from worker.engine.systems.simulators.declared.simulator import Opening, Program
 from worker.engine.systems.simulators.declared.simulator import Simulator as Declared
 from worker.engine.systems.simulators.fmus import simulator as fmus
 from worker.engine.systems.simulators.functions import InProcess, Isolated
-from worker.running.catalogue.files import BadFile, PythonFunction, digest_of, read_file
+from worker.running.catalogue.files import BadFile, PythonFunction, read_file
 from worker.running.catalogue.inline import InlineProgram
 from worker.running.catalogue.installed import catalogue, installed, simulators
 
@@ -97,7 +97,7 @@ def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
         simulator = found[0]
     settings = simulator.declaration.settings
     traced = {"columns": simulator.declaration.trace, "scene": simulator.declaration.drawn}
-    digest = digest_of(simulator.place) if simulator.place else ""
+    digest = digest_of_place(simulator.place) if simulator.place else ""
     imports = reached_from(simulator.place) if simulator.place else Reached()
     unread = imports.unknown
     if settings.isolated:

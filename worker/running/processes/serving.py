@@ -79,13 +79,13 @@ class Server:
             return []
         return [text for line in lines if (text := _warning(line))]
 
-    def tail(self, lines: int = 8) -> str:
+    def tail(self) -> str:
         """The last lines of its log."""
         try:
             text = self.log.read_text(errors="replace")[-4000:]
         except OSError:
             return ""
-        return "\n".join("    " + line for line in text.splitlines()[-lines:])
+        return "\n".join("    " + line for line in text.splitlines()[-8:])
 
 
 def _warning(line: str) -> str:

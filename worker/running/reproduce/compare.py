@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from worker.engine.problem.problem import Problem
 from worker.running.reproduce import aircraft, robots
 from worker.running.reproduce.ours import Flights, Found, NotAvailable
-from worker.running.reproduce.published import D_MIN, PLACE, Case, Result, Search
+from worker.running.reproduce.published import D_MIN, Case, Result, Search
 
 Value = float | str | None
 
@@ -205,6 +205,3 @@ def _unit(problem: Problem | None, result: Result) -> str:
         return "m"
     uncertain = None if problem is None else problem.campaign.uncertain.get(result.case.path(result.quantity))
     return "" if uncertain is None else uncertain.unit or ""
-
-
-__all__ = ["PLACE", "RESULTS", "Reproduction", "Row", "chosen", "reproduce", "tables"]

@@ -8,7 +8,6 @@ paragraph that begins "Step adequacy: up to 12 of 200 random points exceed the t
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -89,10 +88,9 @@ def _allowed(problem: Problem, costs: Floats) -> Floats:
     return np.minimum(tolerance * np.abs(costs), TOLERANCE_OF_MARGIN * np.abs(costs - problem.threshold))
 
 
-def of_library(names: Sequence[str] = ()) -> list[Adequacy]:
-    """Every campaign of the library, or those named."""
-    files = library()
-    return [adequacy(name, closed_loop(load_file(files[name]))) for name in (names or files)]
+def of_library() -> list[Adequacy]:
+    """Every campaign of the library."""
+    return [adequacy(name, closed_loop(load_file(file))) for name, file in library().items()]
 
 
 def sentence(found: Adequacy) -> str:

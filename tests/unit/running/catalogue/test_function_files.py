@@ -13,9 +13,9 @@ import pytest
 from campaigns.asked.load import load_document
 from tests.simulators import isolated
 from worker.engine.systems.base import CampaignUnusable
-from worker.engine.systems.simulators.declared.folder import FOLDERS
+from worker.engine.systems.simulators.declared.folder import FOLDERS, digest_of_place
 from worker.running.catalogue import files
-from worker.running.catalogue.files import BadFile, PythonFunction, digest_of, listed_files, unusable_files
+from worker.running.catalogue.files import BadFile, PythonFunction, listed_files, unusable_files
 from worker.running.catalogue.installed import _simulators_of, catalogue
 from worker.running.opening import opened
 
@@ -85,15 +85,15 @@ def test_a_name_is_declared_once(folder: Path) -> None:
 def test_the_digest_is_that_of_the_python_files(folder: Path) -> None:
     (folder / "good.py").write_text(GOOD)
     place = {"file": str(folder / "good.py"), "name": "drop"}
-    found = [digest_of(place)]
+    found = [digest_of_place(place)]
     (folder / "notes.txt").write_text("text")
-    assert digest_of(place) == found[0]
+    assert digest_of_place(place) == found[0]
     for name in ("helper.py", "package/__init__.py", "package/inner.py"):
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text("X = 1")
-        found.append(digest_of(place))
+        found.append(digest_of_place(place))
     (folder / "helper.py").write_text("X = 2")
-    found.append(digest_of(place))
+    found.append(digest_of_place(place))
     assert len(set(found)) == len(found) == 5
 
 
@@ -106,7 +106,9 @@ def test_an_entry_point_names_a_function_or_a_module_of_them() -> None:
     module.simulator = isolated.alone  # type: ignore[attr-defined]
     assert [s.entry.name for s in _simulators_of(module, "")] == ["alone"]
     assert _simulators_of(isolated, "RESULTS") == []
-    assert digest_of({"module": "tests.simulators.isolated", "name": "alone"}) == digest_of({"module": "tests"})
+    assert digest_of_place({"module": "tests.simulators.isolated", "name": "alone"}) == digest_of_place(
+        {"module": "tests"}
+    )
 
 
 def test_a_declaration_that_changed_is_refused(folder: Path) -> None:

@@ -1,0 +1,102 @@
+"""The checks that the rules of the verdict require, each with whether it holds by what the record stores."""
+
+from __future__ import annotations
+
+import math
+
+from campaigns.checked import extents, rates
+from campaigns.checked.check import parameters
+from worker.evidence.audit import limits
+from worker.evidence.audit.agreement import agreement
+from worker.evidence.audit.recompute import Run, Tree
+
+
+def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
+    """Every check that the rules require, by name."""
+    results, findings = run.claims["results"], run.claims["findings"]
+    spot, system = results[-1]["spot_checks"], "validation" if run.campaign.simulator is None else "repetition"
+    ended = all(stage.get("state", "done") == "done" for stage in run.claims["stages"])
+    compared = spot["violating"] == 0 and (spot["compared"] > 0 or spot["checked"] == 0)
+    compared = compared and not left_out(run).get("spot_checks")
+    checks = {
+        "nominal": run.nominal > run.threshold,
+        "search": ended and not any(math.isnan(run.best[k]) for k in run.searches),
+        "no violation": run.lowest > run.threshold and not run.confirmed,
+        "minimum": bool(findings) and findings[0]["cost"] <= run.lowest and results[-1]["findings"]["complete"],
+        "agreement": agreement(run),
+        system: agreed and compared,
+        "evaluations": run.made["failed"] == 0,
+        "influence": run.calls.influence(run.varies, run.highest - run.lowest),
+    }
+    checks |= _encounter(run) if run.campaign.simulator is None else {}
+    checks |= run.calls.checks(run.claimed["noise"] if run.claimed else "stated", run.flaky)
+    intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # as stated by the author
+    return {name: holds or name in intended for name, holds in checks.items()} | _probability(run)
+
+
+def as_stated(run: Run) -> dict[str, bool]:
+    """The checks as the record has them, those that no rule here requires included."""
+    return {check["name"]: check["ok"] for check in run.claims["checks"]}
+
+
+def left_out(run: Run) -> dict[str, int]:
+    """What validation did not confirm because its allowance was used up; runs of earlier versions had none."""
+    spent = run.claims["results"][-1].get("spent")
+    return {} if spent is None else spent["left_out"]
+
+
+def _encounter(run: Run) -> dict[str, bool]:
+    """The checks of a scenario's encounter, and the one that distances to centres do not hide a vehicle inside."""
+    campaign, components, encounter = run.campaign, run.claims["components"], run.claims["results"][-1]["encounter"]
+    moved, unseen = (math.nan if c is None else c for c in (encounter["moved"], encounter["unseen"]["cost"]))
+    shown = {
+        "motion": moved > limits.MOVED * abs(run.nominal),
+        "avoidance": run.nominal - unseen > limits.ROUNDING * max(abs(run.nominal), abs(unseen)),
+    }
+    criterion = components.component("criterion", campaign.criterion.component)
+    if criterion.of == "obstacles":
+        closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
+        shown["closest approach"] = all(c["at"] == "inside" for c in closest) and _over(run, encounter.get("beyond"))
+    if criterion.measured_to == "centre" and not campaign.criterion.from_centre:
+        inside = extents.within(campaign, components, parameters(campaign, components))
+        shown |= {"distances": False} if inside else {}
+    turning, step = rates.turning(campaign, components, parameters(campaign, components)), campaign.given_scenario.step
+    shown |= {"sampling": False} if not all(each.rate * step <= limits.TURN for each in turning) else {}
+    return shown
+
+
+def _over(run: Run, beyond: Tree | None) -> bool:
+    """Whether no flight comes closer beyond the horizon than any evaluation, and all that approaches there is known;
+    earlier versions did not look there."""
+    if beyond is None:
+        return True
+    low = run.lowest - limits.ROUNDING * max(abs(run.lowest), abs(run.threshold))
+    above = beyond["lowest"] is None or beyond["lowest"]["value"] >= low
+    return not beyond["closer"] and above and beyond.get("unknown") is None
+
+
+def _probability(run: Run) -> dict[str, bool]:
+    """The checks of the noise, of excluded evaluations, and of the bound on P(violation)."""
+    campaign, sample, checks = run.campaign, run.claimed, dict[str, bool]()
+    noise, bound = (sample["noise"], sample["upper_bound"]) if sample else ("stated", 1.0)
+    excluded = run.made["excluded"] / max(run.made["evaluations"], 1)
+    if run.random:
+        realisations = campaign.given_scenario.realisations
+        checks["noise"] = noise == "drawn" and not (realisations.combine == "mean" and len(realisations.seeds) > 1)
+    if excluded:
+        checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= limits.EXCLUDED
+    checks["sample"] = _sampled(run)
+    if run.outside():
+        checks["outside the bounds"] = run.outside() <= limits.CEILING
+    if campaign.target_probability is not None:
+        checks["target"] = bound <= min(campaign.target_probability, limits.CEILING) and noise != "stated"
+    elif sample is not None:
+        checks["probability"] = bound <= limits.CEILING
+    return checks
+
+
+def _sampled(run: Run) -> bool:
+    """Whether the certify stage drew enough, with a seed that nobody chose."""
+    certify = [k for k, planned in enumerate(run.plan) if planned.kind == "certify"]
+    drawn = [k for k in certify if run.claims["results"][k].get("drawn_at_launch") is True]
+    return any(run.samples[k]["samples"] >= limits.SAMPLE for k in drawn)

@@ -1,0 +1,77 @@
+"""What a record states that follows from its evaluations and findings alone: counts, the lowest, how stages ended."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from campaigns.results.base import OK, STATUS
+from campaigns.stages.plan import most
+from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.record import MISSING
+
+
+def of_evaluations(run: Run) -> Tree:
+    """The claims that follow from the evaluations and findings alone."""
+    searched = [k for k in run.searches if not math.isnan(run.best[k])]
+    method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
+    worst = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
+    beside = run.made["evaluations"] - len(run.status)
+    total = {"stored": len(run.status), "lowest": run.lowest} | ({"counted": beside} if beside else {})
+    total |= {name: run.made[name] for name in ("succeeded", "failed", "excluded", "violating")}
+    stages = zip(run.plan, run.best, run.ended, strict=True)
+    stops = [_stop(run, k) for k in range(len(run.plan))]
+    expected: Tree = {
+        "sound": bool((((run.status == OK) == np.isfinite(run.raw)) & (run.status < len(STATUS))).all()),
+        "placed": bool((np.abs(run.points - 0.5) <= 0.5 + 1e-9).all() and (run.stage < len(run.plan)).all()),
+        "stages": [
+            {"kind": s.kind, "method": s.method, "best": best} | ended | stop
+            for (s, best, ended), stop in zip(stages, stops, strict=True)
+        ],
+        "evaluations": total,
+        "nominal": {"cost": run.nominal, "margin": run.nominal - run.threshold},
+        "worst": worst if len(run.costs) else None,
+        "findings": run.findings,
+        "verdict": "violated" if run.confirmed else MISSING,
+    }
+    if "quantity" in run.claims:  # the table of runs has the whole verdict
+        expected |= {"provenance": {"seed": run.campaign.seed}, "quantity": run.quantity, "unit": run.unit}
+    elif "seed" in run.claims:
+        expected["seed"] = run.campaign.seed
+    if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]):
+        expected["evaluations"]["flaky"] = run.flaky
+    if "run" in run.claims:  # the columns of the database's table of runs
+        expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.stated}
+        expected["run"] |= {"evaluations": run.made["evaluations"], "failed_evaluations": run.made["failed"]}
+        for k, blocks in run.counted.items():  # of these a row has the stored ones, and how many there are beside them
+            stored = int((run.stage == k).sum())
+            expected["stages"][k] |= {"evaluations": stored, "counted": run.ended[k]["evaluations"] - stored}
+            expected["stages"][k] |= {"violations": sum(blocks["violations"])}
+        expected["run"] |= {"worst_method": method, "upper_bound": run.bound}
+        if run.sealed:
+            expected["run"] |= {"planned": most(run.campaign), "state": "done", "error": None}
+    return expected
+
+
+def _stop(run: Run, k: int) -> Tree:
+    """How a stage of a folder ended, and its minima, which repeat its result; in a database, what its row repeats."""
+    results = run.claims.get("results") or []
+    if not run.sealed:
+        return {}
+    if k >= len(results) or "run" in run.claims:
+        best = lowest_of(run, k)
+        return {"planned": run.plan[k].planned, "best_index": best and best["index"]}
+    result = results[k] or {}
+    return {"stop": (result.get("stop") or {}).get("text"), "minima": result.get("minima") or []}
+
+
+def lowest_of(run: Run, k: int) -> Any:
+    """The lowest evaluation of a search, the first of equal ones."""
+    if math.isnan(run.best[k]):
+        return None
+    points, raw, status = run.rows(k)
+    index = int(np.argmin(np.where(status == OK, raw, np.inf)))
+    best = {"cost": run.best[k], "margin": run.best[k] - run.threshold}
+    return best | {"index": index, "parameters": run.values(points[index])} if run.sealed else best

@@ -205,14 +205,6 @@ class Isolated(_OfFunction, Spread):
     def _limits(self) -> Limits:
         return Limits(self.of.timeout, memory=self.of.memory, recycle=1 if self._alone else self.of.recycle)
 
-    @property
-    def _columns(self) -> Mapping[str, Column]:
-        return self.columns
-
-    @property
-    def _scene(self) -> Scene | None:
-        return self.scene
-
     def _program(self, work: Path) -> Program:
         named = {calling.FUNCTION: calling.packed(self.place, self.every, self.of.vectorized)}
         command = [sys.executable, str(files.CHILD), f"{calling.__file__}:evaluate"]

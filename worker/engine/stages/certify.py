@@ -27,16 +27,17 @@ from campaigns.results.sample import Blocks, GridPoint, GridResult
 from campaigns.results.sample import Sample as Statement
 from campaigns.stages.certify import CertifyResult
 from campaigns.stored.blocks import Counted, Scale
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.stages.parts import claims, noise
-from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, all_columns, drive
+from worker.engine.stages.parts.base import all_columns, drive
+from worker.engine.stages.parts.context import Asking, Context, Seeded, Through
 from worker.engine.stages.parts.counting import Counting, Drawing, kept
 from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.sample import DRAWN, Noise, Sample
 from worker.engine.stages.parts.seeds import some
-from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import System, slotted
 

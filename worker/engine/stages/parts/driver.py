@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.results.base import EXCLUDED, OK, Stop
+from campaigns.stored.records import Ahead, Columns, join
 from worker.engine.search.base import Batch, Several
 from worker.engine.stages.parts.context import (
     Cancelled,
@@ -24,7 +25,6 @@ from worker.engine.stages.parts.context import (
     Tally,
     Through,
 )
-from worker.engine.stages.parts.store import Ahead, Columns, join
 from worker.engine.systems.base import Floats, Seeds, System
 
 FLUSH_SECONDS = 0.2

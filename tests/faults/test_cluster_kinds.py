@@ -80,8 +80,7 @@ def function(folder: Path) -> Isolated:
     (folder / "bowl.py").write_text(FUNCTION, encoding="utf-8")
     (found,) = read_file(folder / "bowl.py")
     opening = Opening({"simulator.x": 0.5, "simulator.y": 0.5}, "value")
-    settings = found.declaration.settings
-    return Isolated(found.place, entry_of(found.declaration), opening, settings, digest_of(found.place))
+    return Isolated(found.place, entry_of(found.declaration), opening, found.declaration, digest_of(found.place))
 
 
 def fmu(folder: Path) -> FmuSimulator:

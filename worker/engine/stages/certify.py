@@ -148,14 +148,10 @@ def _allowed(campaign: Campaign, problem: Problem) -> int | None:
 
 def unattainable(problem: Problem) -> list[Wrong]:
     """Of normal distributions so much is beyond the bounds that no sample of this size meets the target."""
-    allowed, given, beyond = (
-        _allowed(problem.campaign, problem),
-        problem.campaign.stages.certify,
-        problem.distributions.outside,
-    )
+    allowed, given = _allowed(problem.campaign, problem), problem.campaign.stages.certify
     if allowed is None or allowed >= 0 or given is None:
         return []
-    most = written(beyond, form=Format.PROBABILITY, digits=3)
+    most = written(problem.distributions.outside, form=Format.PROBABILITY, digits=3)
     why = f"{most} of the draws lie outside the bounds, which is part of the bound on P(violation)"
     advice = "no sample of this size can meet the target; widen the bounds, or draw more samples"
     return [Wrong("stages.certify.samples", f"{given.samples:,}", f"{why}: {advice}")]

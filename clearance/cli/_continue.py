@@ -27,12 +27,13 @@ from campaigns.refusals import RefusalCode
 from campaigns.results import Verdict
 from campaigns.runs import ENDED, run_name
 from campaigns.stages.plan import plan
+from campaigns.stored.records import Columns, StagePlan
 from campaigns.versions import Versions
 from clearance.cli import WrongInputError
 from clearance.cli._where import existing_url_of, stored_run
 from clearance.local.interrupt import explained
 from clearance.local.results import read_folder, refuse_other_campaign, versions_of
-from worker.engine.stages.parts.store import Columns, StagePlan, Store
+from worker.engine.stages.parts.store import Store
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
 from worker.running.runs.runner import Cancelled, ReplayMismatch

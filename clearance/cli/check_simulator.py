@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from campaigns import Campaign
     from campaigns.catalogue import SimulatorEntry
     from campaigns.results.measured import Measured
-    from worker.engine.stages.parts.store import Columns
+    from campaigns.stored.records import Columns
 
 MOST_UNCERTAIN = 64
 """Uncertain parameters of a campaign."""
@@ -140,7 +140,8 @@ def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns, str]
     from campaigns import CampaignError
     from worker.engine.problem.evaluate import InProcess
     from worker.engine.stages.parts import noise
-    from worker.engine.stages.parts.base import Context, drive
+    from worker.engine.stages.parts.base import drive
+    from worker.engine.stages.parts.context import Context
     from worker.engine.systems.base import CampaignUnusable
     from worker.running.opening import opened as simulators
     from worker.running.runs.store import MemoryStore

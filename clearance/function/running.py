@@ -18,7 +18,7 @@ from clearance.function.request import Request
 from clearance.function.result import Interrupted, Origin, Result, evaluations, of
 from clearance.local.interrupt import deferred
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.base import ReplayMismatch, Tally
+from worker.engine.stages.parts.context import ReplayMismatch, Tally
 from worker.engine.systems.base import CampaignUnusable
 from worker.running.catalogue.files import PythonFunction
 from worker.running.catalogue.installed import catalogue

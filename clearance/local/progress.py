@@ -17,7 +17,7 @@ from campaigns import Campaign
 from campaigns.claims.numbers import count, number
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
-from worker.engine.stages.parts.base import Tally
+from worker.engine.stages.parts.context import Tally
 from worker.running.catalogue.installed import methods
 
 PAUSE = 0.3

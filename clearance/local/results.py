@@ -24,12 +24,11 @@ from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import stage_result
 from campaigns.stages.plan import plan
 from campaigns.stored.digest import Rows, evidence_digest
+from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace
 from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions, short
-from worker.engine.problem.criteria import criteria
-from worker.engine.problem.criteria import values as criterion_values
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord, Trace
+from worker.engine.systems.base import in_own_sign
 from worker.running.catalogue.installed import catalogue
 from worker.running.opening import opened
 from worker.running.runs.continuation import CannotContinue
@@ -176,7 +175,7 @@ def _read_bits(path: Path, stages: int) -> dict[int, Columns]:
 def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = Writer(file)
-        beside = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in criteria(problem)[1:]]
+        beside = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in problem.results[1:]]
         paths = [r.path for r in problem.ranges]
         writer.writerow(["stage", "kind", "method", "index", "status", "cost", *beside, *paths, "reason"])
         for position, record in enumerate(store.stages):
@@ -185,7 +184,7 @@ def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None
                 continue
             plan = record.plan
             values = problem.values(columns.points)
-            results = criterion_values(problem, columns.costs)
+            results = in_own_sign(problem.results, columns.costs)
             for i, (status, value) in enumerate(zip(columns.status.tolist(), results.tolist(), strict=True)):
                 costs = [repr(v) if status == OK else "" for v in value]
                 row = [position, plan.kind, plan.method or "", i, STATUS[status], *costs]

@@ -11,10 +11,11 @@ import numpy as np
 
 from campaigns import library, load_file
 from campaigns.results.base import OK
+from campaigns.stored.records import StagePlan
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Floats, Method, Minimum, Parallel, Search, Space
-from worker.engine.stages.parts.base import Context, Driven, drive
-from worker.engine.stages.parts.store import StagePlan
+from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.context import Context, Driven
 from worker.running.opening.opened import closed_loop
 from worker.running.runs.store import MemoryStore
 

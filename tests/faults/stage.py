@@ -15,11 +15,12 @@ from backend.db.engine import connect
 from backend.db.queue import Claim
 from backend.db.store import RunStore
 from campaigns.asked.load import load_document
+from campaigns.stored.records import StagePlan
 from tests.simulators import package
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.base import Context, drive, once
-from worker.engine.stages.parts.store import StagePlan
+from worker.engine.stages.parts.base import drive, once
+from worker.engine.stages.parts.context import Context
 from worker.engine.systems.base import Floats
 from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.descriptor import read

@@ -22,6 +22,7 @@ from campaigns.asked.load import load_document
 from campaigns.results.base import FAILED, OK, TIMEOUT
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.certify import CertifyResult
+from campaigns.stored.records import StagePlan
 from tests.faults import stage
 from tests.faults.nodes import Cluster, cluster
 from tests.faults.processes import command_of, kill, started, until
@@ -29,8 +30,7 @@ from tests.simulators import gated, misbehaving, package
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.stages import certify
-from worker.engine.stages.parts.base import Context
-from worker.engine.stages.parts.store import StagePlan
+from worker.engine.stages.parts.context import Context
 from worker.engine.systems.base import Floats
 from worker.engine.systems.simulators.cluster import pool as pool_module
 from worker.engine.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator

@@ -81,8 +81,8 @@ def function(folder: Path) -> Isolated:
     (folder / "bowl.py").write_text(FUNCTION, encoding="utf-8")
     (found,) = read_file(folder / "bowl.py")
     opening = Opening({"simulator.x": 0.5, "simulator.y": 0.5}, "value")
-    settings = found.declaration.settings
-    return Isolated(found.place, entry_of(found.declaration), opening, settings, digest_of_place(found.place))
+    digest = digest_of_place(found.place)
+    return Isolated(found.place, entry_of(found.declaration), opening, found.declaration, digest)
 
 
 def fmu(folder: Path) -> FmuSimulator:

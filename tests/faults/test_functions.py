@@ -55,7 +55,7 @@ def misbehaving() -> Iterator[Isolated]:
     declaration = isolated.misbehaving.declaration
     place = {"module": isolated.__name__, "name": "misbehaving"}
     opening = Opening({"simulator.do": 0.0}, "value")
-    opened = Isolated(place, entry_of(declaration), opening, declaration.settings, "digest")
+    opened = Isolated(place, entry_of(declaration), opening, declaration, "digest")
     yield opened
     opened.close()
 
@@ -73,7 +73,7 @@ def test_a_function_that_cannot_be_loaded_fails_with_its_reason(tmp_path: Path) 
     (tmp_path / "gone.py").write_text("raise OSError('no licence')")
     declaration = isolated.misbehaving.declaration
     place = {"file": str(tmp_path / "gone.py"), "name": "f"}
-    opened = Isolated(place, entry_of(declaration), Opening({"simulator.do": 0.0}, "value"), declaration.settings, "d")
+    opened = Isolated(place, entry_of(declaration), Opening({"simulator.do": 0.0}, "value"), declaration, "d")
     batch, reasons = opened.evaluate(np.zeros((2, 1)))
     opened.close()
     assert batch.status.tolist() == [FAILED, FAILED]

@@ -24,9 +24,9 @@ def opened(function: Function[..., Any]) -> InProcess | Isolated:
     entry = entry_of(declaration)
     opening = Opening({f"simulator.{p.name}": p.default or 0.0 for p in entry.parameters}, "value")
     if not declaration.settings.isolated:
-        return InProcess(function.call, entry, opening, declaration.settings, "digest", declaration.trace)
+        return InProcess(function.call, entry, opening, declaration, "digest")
     place = {"module": tracing.__name__, "name": declaration.name}
-    return Isolated(place, entry, opening, declaration.settings, "digest", columns=declaration.trace)
+    return Isolated(place, entry, opening, declaration, "digest")
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from campaigns.results import Verdict
+from campaigns.stored.records import Ahead, Columns, join
 from tests.given.sampled_stages import DRAWN
-from worker.engine.stages.parts.store import Ahead, Columns, join
 from worker.running.runs.store import MemoryStore
 
 

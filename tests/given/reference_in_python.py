@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from worker.engine.kernels.bind import plain
-from worker.engine.reference import Reference
 from worker.engine.reference.flight import (
     ABSOLUTE,
     COARSE,
@@ -31,6 +30,7 @@ from worker.engine.reference.flight import (
 )
 from worker.engine.reference.instants import Stretches
 from worker.engine.reference.reading import READINGS
+from worker.engine.reference.reference import Reference
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import LIBRARY, Loop
 from worker.engine.systems.closed_loop.flights import Flights

@@ -13,11 +13,11 @@ import numpy as np
 from campaigns import Campaign
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.sample_seed import SampleSeed
+from campaigns.stored.records import StagePlan
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign, case1
 from worker.engine.search.base import Batch, Floats
-from worker.engine.stages.parts.base import Context
-from worker.engine.stages.parts.store import StagePlan
+from worker.engine.stages.parts.context import Context
 from worker.running.catalogue.installed import methods
 from worker.running.runs.store import MemoryStore
 

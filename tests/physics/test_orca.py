@@ -15,7 +15,7 @@ from tests.physics.scenes import cost, uncompiled
 from worker.engine.components.avoiders import orca
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.views import Body
-from worker.engine.reference import Reference
+from worker.engine.reference.reference import Reference
 
 CORNER = {
     "vehicle.m": 34.0, "vehicle.B_e": 0.48, "vehicle.delta_u": 0.9, "vehicle.delta_w": 0.1, "vehicle.I_e": 3.8,

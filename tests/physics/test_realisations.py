@@ -28,7 +28,7 @@ from tests.audited import audited
 from tests.contract.hands import together
 from tests.physics.scenes import uncompiled
 from worker.engine.kernels.component import Environment, Fault
-from worker.engine.reference import Reference
+from worker.engine.reference.reference import Reference
 from worker.engine.systems.closed_loop.trace import simulate, trace
 from worker.running.catalogue.installed import catalogue, components
 from worker.running.runs.runner import execute

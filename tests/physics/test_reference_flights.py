@@ -22,7 +22,8 @@ from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign
 from tests.given.reference_in_python import PlainReference
 from tests.physics.scenes import changed
-from worker.engine.reference import Reference, compiled, flight, stepper
+from worker.engine.reference import compiled, flight, stepper
+from worker.engine.reference.reference import Reference
 from worker.engine.systems.closed_loop.confirm import Flight
 
 SMOOTH, SLIDING = 1e-8, 1e-3

@@ -16,7 +16,7 @@ from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.scenes import cost, uncompiled
 from worker.engine.kernels.component import Obstacle, declared
 from worker.engine.kernels.layout import Parts
-from worker.engine.reference import Reference
+from worker.engine.reference.reference import Reference
 from worker.engine.systems.closed_loop.assemble import Loop
 from worker.engine.systems.closed_loop.trace import trace
 from worker.running.catalogue.installed import catalogue, components

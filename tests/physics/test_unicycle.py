@@ -21,7 +21,7 @@ from tests.bench import bench
 from worker.engine.components.avoiders import potential_field
 from worker.engine.components.obstacles import circle
 from worker.engine.kernels.bind import plain
-from worker.engine.reference import Reference
+from worker.engine.reference.reference import Reference
 
 CASE = load_file(library()["unicycle_static"])
 PROBLEM = Problem(CASE)

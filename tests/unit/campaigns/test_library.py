@@ -203,7 +203,7 @@ def in_process(fly: Callable[[Any], Any]) -> InProcess:
     """A vectorized function of x as a system."""
     declared = clearance.simulator(parameters={"x": (0.0, 1.0)}, name="fly", isolated=False, vectorized=True)(fly)
     entry = entry_of(declared.declaration)
-    return InProcess(fly, entry, Opening({"simulator.x": 0.5}, "value"), declared.declaration.settings)
+    return InProcess(fly, entry, Opening({"simulator.x": 0.5}, "value"), declared.declaration)
 
 
 class TestFailures:

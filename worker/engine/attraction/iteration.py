@@ -110,7 +110,7 @@ def function(loop: Loop, s: Polynomial, v: Polynomial) -> Polynomial | None:
     decrease = combined((-1.0, flow), (-1.0, fixed(loop.size)), (-1.0, product(inside, s)))
     program.is_squares(decrease, loop.bases.decrease)
     weights, points = _boundary(v, loop.n)
-    costs = {u: float(np.mean(weights * _at(p, points))) for u, p in fresh.items()}
+    costs = {u: float(np.mean(weights * values(p, points))) for u, p in fresh.items()}
     found = program.solved(costs, LEAST)
     return None if found is None else at(fresh, found[1])
 
@@ -125,7 +125,7 @@ def _boundary(v: Polynomial, n: int) -> tuple[Any, Any]:
     return weights / weights.mean(), points
 
 
-def _at(p: Polynomial, points: Any) -> Any:
+def values(p: Polynomial, points: Any) -> Any:
     return sum(float(c) * np.prod(points ** np.array(m), axis=1) for m, c in p.items())
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from campaigns.certificates.polynomials import Polynomial
 from campaigns.certificates.rays import ANGLES, EVERY, Floats, all_around, directions, drawn
+from worker.engine.attraction.iteration import values
 from worker.engine.attraction.region import Region
 from worker.engine.attraction.simulated import Simulation
 
@@ -39,7 +40,6 @@ def difference(flow: list[Polynomial], points: Floats, rates: Floats) -> float:
     """The largest difference of dx/dt from the rates, relative to the largest rate of the same state."""
     model = np.zeros_like(rates)
     for k, p in enumerate(flow):
-        for m, c in p.items():
-            model[:, k] += float(c) * np.prod(points ** np.array(m), axis=1)
+        model[:, k] = values(p, points)
     largest = np.maximum(np.abs(rates).max(axis=0), 1e-300)
     return float((np.abs(model - rates).max(axis=0) / largest).max())

@@ -45,15 +45,8 @@ def plain(function: Function, instead: Mapping[Any, Any] | None = None) -> Any:
 
     `instead` maps kernels to the functions to call in their place, and modules to modules.
     """
-    return _plain(function, {identity(kernel): other for kernel, other in (instead or {}).items()})
-
-
-def rebuilt(function: Function, done: dict[int, Any], make: Callable[[Function], Any]) -> Any:
-    """The function and every kernel that it reaches, each converted by `make` from its plain Python form.
-
-    `done` maps the `identity` of a kernel to its converted form; entries given at the start replace those kernels.
-    """
-    return _plain(function, done, make)
+    done = {identity(kernel): other for kernel, other in (instead or {}).items()}
+    return rebuilt(function, done, lambda copy: copy)
 
 
 def identity(function: Any) -> int:
@@ -68,7 +61,11 @@ def digest(function: Function, flags: Mapping[str, Any] = FLAGS) -> str:
     return sink.hexdigest()[:16]
 
 
-def _plain(function: Any, done: dict[int, Any], make: Callable[[Function], Any] = lambda copy: copy) -> Any:
+def rebuilt(function: Function, done: dict[int, Any], make: Callable[[Function], Any]) -> Any:
+    """The function and every kernel that it reaches, each converted by `make` from its plain Python form.
+
+    `done` maps the `identity` of a kernel to its converted form; entries given at the start replace those kernels.
+    """
     source = python(function)
     if id(source) in done:
         return done[id(source)]
@@ -96,7 +93,7 @@ def _plain_global(
 ) -> Any:
     """The plain form of a global; for a module of this project, a copy with the attributes that the code may use."""
     if is_compiled(value) or isinstance(value, types.FunctionType):
-        return _plain(value, done, make)
+        return rebuilt(value, done, make)
     if not isinstance(value, types.ModuleType):
         return value
     if id(value) in done:

@@ -18,16 +18,6 @@ if not os.environ.get("NUMBA_CACHE_DIR"):
 
 
 @contextmanager
-def _watched(function: Any) -> Iterator[Watched]:
-    watched, succeeded = Watched(function, cache_folder()), False
-    try:
-        yield watched
-        succeeded = True
-    finally:
-        watched.end(succeeded)
-
-
-@contextmanager
 def _alone(function: Any, wait: Callable[[], None]) -> Iterator[None]:
     """Hold the lock of a function: of several processes that need it, one compiles it, the others wait and load it.
 
@@ -52,5 +42,5 @@ def _alone(function: Any, wait: Callable[[], None]) -> Iterator[None]:
 @contextmanager
 def compiling(function: Any) -> Iterator[Callable[[], None]]:
     """Around the first call of a function: what is called if it is not cached, so that it is compiled here."""
-    with _watched(function) as watched, _alone(function, watched.wait):
+    with Watched(function, cache_folder()) as watched, _alone(function, watched.wait):
         yield watched.compile

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Self
 
 Begun = Callable[[float | None], None]
 Ended = Callable[[], None]
@@ -32,7 +33,8 @@ def reported(begun: Begun, ended: Ended) -> Iterator[None]:
 
 
 class Watched:
-    """The first call of one function: it is loaded from the disk cache, compiled here, or compiled by another process.
+    """A context around the first call of one function: it is loaded from the disk cache, compiled here, or by another
+    process.
 
     Durations are stored per machine, because a cache folder may be shared by several.
     """
@@ -43,6 +45,16 @@ class Watched:
         self._folder = cache / "seconds" / _UNSAFE.sub("_", socket.gethostname())
         self._compiling: float | None = None
         self._listeners: list[tuple[Begun, Ended]] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, error: object, *further: object) -> None:
+        """The function can be called, or could not be compiled."""
+        if self._compiling is not None and error is None:
+            self._store(time.monotonic() - self._compiling)
+        for _, ended in self._listeners:
+            ended()
 
     def wait(self) -> None:
         """Another process compiles it."""
@@ -56,14 +68,6 @@ class Watched:
         """Note that the loop is compiled here from now on."""
         self._compiling = time.monotonic()
         self.wait()
-
-    def end(self, succeeded: bool) -> None:
-        """Note that the loop can be called, or could not be compiled."""
-        if self._compiling is not None and succeeded:
-            self._store(time.monotonic() - self._compiling)
-        for _, ended in self._listeners:
-            ended()
-        self._compiling, self._listeners = None, []
 
     def expected(self) -> float | None:
         """How long the last compilation took [s], else the median of others from the same template; None if unknown."""

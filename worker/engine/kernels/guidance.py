@@ -18,19 +18,14 @@ def weight(late: float, samples: float) -> float:
 
 
 @kernel
-def blended2(late: float, new: Any, old: Any) -> tuple[float, float]:
-    """The demand in the plane `late` samples ago; old holds the four demands before `new`, latest first."""
+def blended(late: float, new: Any, old: Any) -> Any:
+    """The demand `late` samples ago; old holds the four demands before `new`, latest first."""
     a, b, c, d, e = weight(late, 0.0), weight(late, 1.0), weight(late, 2.0), weight(late, 3.0), weight(late, 4.0)
-    return (
-        a * new[0] + b * old[0] + c * old[2] + d * old[4] + e * old[6],
-        a * new[1] + b * old[1] + c * old[3] + d * old[5] + e * old[7],
-    )
-
-
-@kernel
-def blended3(late: float, new: Any, old: Any) -> tuple[float, float, float]:
-    """The demand in space `late` samples ago; old holds the four demands before `new`, latest first."""
-    a, b, c, d, e = weight(late, 0.0), weight(late, 1.0), weight(late, 2.0), weight(late, 3.0), weight(late, 4.0)
+    if len(new) == 2:
+        return (
+            a * new[0] + b * old[0] + c * old[2] + d * old[4] + e * old[6],
+            a * new[1] + b * old[1] + c * old[3] + d * old[5] + e * old[7],
+        )
     return (
         a * new[0] + b * old[0] + c * old[3] + d * old[6] + e * old[9],
         a * new[1] + b * old[1] + c * old[4] + d * old[7] + e * old[10],

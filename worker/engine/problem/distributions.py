@@ -87,7 +87,7 @@ class Distributions:
         """The inverse of `quantile`: the uniform samples (m, n) of points in which no correlated value was redrawn."""
         uniform = np.empty_like(points)
         for k, r in enumerate(self.ranges):
-            uniform[:, k] = _probability(r, points[:, k])
+            uniform[:, k] = _mapped(r, points[:, k], quantile=False)
         if self.mixed:
             from scipy import linalg, special
 
@@ -100,7 +100,7 @@ class Distributions:
         """The points without correlations: each parameter by its own marginal distribution."""
         points = np.empty_like(uniform)
         for k, r in enumerate(self.ranges):
-            points[:, k] = _quantile(r, uniform[:, k])
+            points[:, k] = _mapped(r, uniform[:, k], quantile=True)
         return points
 
 
@@ -145,39 +145,23 @@ def _drawn(r: Range, inside: Floats) -> Floats:
     return np.asarray(below + inside * (1.0 - below - above))
 
 
-def _quantile(r: Range, u: Floats) -> Floats:
-    """Quantiles of one parameter, as fractions of its range."""
-    distribution = r.distribution
+def _mapped(r: Range, values: Floats, quantile: bool) -> Floats:
+    """Quantiles of one parameter, as fractions of its range; or the inverse: its distribution function there."""
+    distribution, which = r.distribution, "ppf" if quantile else "cdf"
     if isinstance(distribution, Uniform):
-        return u
+        return values
     from scipy import special, stats
 
     if isinstance(distribution, Normal | TruncatedNormal):
         mean, deviation = _scaled(r, distribution.mean, distribution.deviation)
         if deviation > FLAT:  # practically uniform; the tail probabilities would cancel
-            return u
-        shaped = stats.truncnorm.ppf(u, -mean / deviation, (1 - mean) / deviation, loc=mean, scale=deviation)
+            return values
+        ends = -mean / deviation, (1 - mean) / deviation
+        found = getattr(stats.truncnorm, which)(values, *ends, loc=mean, scale=deviation)
     elif isinstance(distribution, Triangular):
-        shaped = stats.triang.ppf(u, float(np.clip((distribution.mode - r.low) / (r.high - r.low), 0.0, 1.0)))
+        mode = float(np.clip((distribution.mode - r.low) / (r.high - r.low), 0.0, 1.0))
+        found = getattr(stats.triang, which)(values, mode)
     else:
-        shaped = special.betaincinv(distribution.alpha, distribution.beta, u)
-    return np.clip(np.asarray(shaped, dtype=np.float64), 0.0, 1.0)
-
-
-def _probability(r: Range, x: Floats) -> Floats:
-    """The distribution function of one parameter, at fractions of its range: the inverse of `_quantile`."""
-    distribution = r.distribution
-    if isinstance(distribution, Uniform):
-        return x
-    from scipy import special, stats
-
-    if isinstance(distribution, Normal | TruncatedNormal):
-        mean, deviation = _scaled(r, distribution.mean, distribution.deviation)
-        if deviation > FLAT:
-            return x
-        found = stats.truncnorm.cdf(x, -mean / deviation, (1 - mean) / deviation, loc=mean, scale=deviation)
-    elif isinstance(distribution, Triangular):
-        found = stats.triang.cdf(x, float(np.clip((distribution.mode - r.low) / (r.high - r.low), 0.0, 1.0)))
-    else:
-        found = special.betainc(distribution.alpha, distribution.beta, x)
-    return np.asarray(found, dtype=np.float64)
+        found = (special.betaincinv if quantile else special.betainc)(distribution.alpha, distribution.beta, values)
+    mapped = np.asarray(found, dtype=np.float64)
+    return np.clip(mapped, 0.0, 1.0) if quantile else mapped

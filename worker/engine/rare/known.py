@@ -28,11 +28,6 @@ class Known:
         empty = np.empty((0, dimension))
         return Known(empty, empty, np.empty(0, dtype=np.int64), [])
 
-    @property
-    def found(self) -> int:
-        """How many the search found."""
-        return sum(origin is None for origin in self.origins)
-
     def explains(self, points: Floats) -> Bools:
         """Whether points (m, n) are beyond the tangent plane of a known design point."""
         squares = np.sum(self.designs**2, axis=1)

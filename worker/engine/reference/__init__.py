@@ -4,9 +4,3 @@ DOP853 (Dormand and Prince, order 8(5,3); Hairer, Norsett and Wanner, Solving OD
 It differs from the lockstep loop in step, order, refinement, compiler flags and elementary functions. It evaluates only
 the deciding criterion.
 """
-
-from __future__ import annotations
-
-from worker.engine.reference.reference import Reference
-
-__all__ = ["Reference"]

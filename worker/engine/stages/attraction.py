@@ -27,7 +27,7 @@ from campaigns.results.attraction import (
 )
 from campaigns.stages.attraction import AttractionResult
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.base import Cancelled, Context
+from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.systems.base import CampaignUnusable, Floats, PolynomialLoop
 

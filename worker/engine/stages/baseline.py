@@ -14,10 +14,11 @@ from campaigns.claims.stages import earlier_run, ends
 from campaigns.results.base import OK, STATUS
 from campaigns.results.stage import Reevaluated
 from campaigns.stages.baseline import BaselineResult
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.base import Asking, Context, Seeded, drive
+from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.context import Asking, Context, Seeded
 from worker.engine.stages.parts.outcome import Outcome, Stage
-from worker.engine.stages.parts.store import Columns
 from worker.engine.systems.base import Floats
 
 ROUNDING = 1e-9

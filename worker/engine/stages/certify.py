@@ -27,16 +27,17 @@ from campaigns.results.sample import Blocks, GridPoint, GridResult
 from campaigns.results.sample import Sample as Statement
 from campaigns.stages.certify import CertifyResult
 from campaigns.stored.blocks import Counted, Scale
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.stages.parts import claims, noise
-from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, all_columns, drive
+from worker.engine.stages.parts.base import all_columns, drive
+from worker.engine.stages.parts.context import Asking, Context, Seeded, Through
 from worker.engine.stages.parts.counting import Counting, Drawing, kept
 from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.sample import DRAWN, Noise, Sample
 from worker.engine.stages.parts.seeds import some
-from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import System, slotted
 
@@ -147,14 +148,10 @@ def _allowed(campaign: Campaign, problem: Problem) -> int | None:
 
 def unattainable(problem: Problem) -> list[Wrong]:
     """Of normal distributions so much is beyond the bounds that no sample of this size meets the target."""
-    allowed, given, beyond = (
-        _allowed(problem.campaign, problem),
-        problem.campaign.stages.certify,
-        problem.distributions.outside,
-    )
+    allowed, given = _allowed(problem.campaign, problem), problem.campaign.stages.certify
     if allowed is None or allowed >= 0 or given is None:
         return []
-    most = written(beyond, form=Format.PROBABILITY, digits=3)
+    most = written(problem.distributions.outside, form=Format.PROBABILITY, digits=3)
     why = f"{most} of the draws lie outside the bounds, which is part of the bound on P(violation)"
     advice = "no sample of this size can meet the target; widen the bounds, or draw more samples"
     return [Wrong("stages.certify.samples", f"{given.samples:,}", f"{why}: {advice}")]

@@ -24,6 +24,7 @@ from campaigns.results.estimate import (
     ViolationMode,
 )
 from campaigns.stages.estimate import EstimateResult
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.rare import starts
 from worker.engine.rare.alarms import FEWEST, Alarm
@@ -31,9 +32,9 @@ from worker.engine.rare.estimate import Estimate, Mode, Refused, estimated
 from worker.engine.rare.mixture import Mixture
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.stages.parts import noise
-from worker.engine.stages.parts.base import Context, all_columns, drive
+from worker.engine.stages.parts.base import all_columns, drive
+from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.outcome import Outcome, Stage
-from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 
 STREAM = 2**25

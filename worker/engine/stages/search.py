@@ -17,10 +17,10 @@ from campaigns.asked.stages import Search as SearchRequest
 from campaigns.results import SearchResult
 from campaigns.results.search import Best
 from campaigns.results.search import Minimum as MinimumFound
-from worker.engine.problem.criteria import criteria
 from worker.engine.search.base import Batch, Floats, Method, Minimum, Space
 from worker.engine.stages.parts import front, gap, sample
-from worker.engine.stages.parts.base import Context, Driven, drive
+from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.context import Context, Driven
 from worker.engine.stages.parts.ended import spoken
 from worker.engine.stages.parts.members import Members
 from worker.engine.stages.parts.outcome import Outcome, Stage
@@ -114,7 +114,7 @@ def _result(context: Context, method: Method, options: Any, driven: Driven, mini
         ],
         sample=sample.of_search(context, method, options, columns) if method.kind == "random" and columns else None,
         gap=gap.estimate(problem, method, options, columns) if columns else None,
-        criteria=criteria(problem),
+        criteria=front.criteria(problem),
         front=front_points,
         front_size=front_size,
     )

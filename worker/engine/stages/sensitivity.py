@@ -13,7 +13,8 @@ from campaigns.claims.stages import ends
 from campaigns.stages.sensitivity import SensitivityResult
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages.parts import indices
-from worker.engine.stages.parts.base import Context, drive
+from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.slices import curves
 from worker.engine.stages.parts.streams import stream

@@ -20,15 +20,16 @@ from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.slices import Curve
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin, Downhill, Gathered
+from campaigns.stored.records import Trace
 from worker.engine.stages.parts import findings, incumbents, modes, noise, offered, seeds
-from worker.engine.stages.parts.base import Context, Driven, all_columns, drive
+from worker.engine.stages.parts.base import all_columns, drive
 from worker.engine.stages.parts.comparison import compare
 from worker.engine.stages.parts.confirm import Case, cases
+from worker.engine.stages.parts.context import Context, Driven
 from worker.engine.stages.parts.encounter import encounter
 from worker.engine.stages.parts.falls import Fall, not_compared
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.outcome import Outcome, Stage
-from worker.engine.stages.parts.store import Trace
 from worker.engine.stages.parts.traced import traced
 from worker.engine.systems.base import Floats
 

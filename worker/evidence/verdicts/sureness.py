@@ -19,8 +19,8 @@ from campaigns.results import StageResult
 from campaigns.results.base import OK
 from campaigns.results.sureness import Sureness
 from campaigns.stages.plan import plan
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.store import Columns
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from campaigns.asked.problem import Problem as Wrong
 from campaigns.asked.spec import Simulator
 from campaigns.checked.check import parameters, simulation_problems
 from worker.engine.problem.problem import Problem
-from worker.engine.reference import Reference
+from worker.engine.reference.reference import Reference
 from worker.engine.systems.base import CampaignUnusable, Slotted, System, slotted
 from worker.engine.systems.closed_loop.assemble import LANES
 from worker.engine.systems.closed_loop.flights import Flights
@@ -95,13 +95,11 @@ def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
             text = "its file has other parameters or results than when this process started: start the run again"
             raise CampaignUnusable([Wrong("simulator.name", name, text)])
         simulator = found[0]
-    settings = simulator.declaration.settings
-    traced = {"columns": simulator.declaration.trace, "scene": simulator.declaration.drawn}
     digest = digest_of_place(simulator.place) if simulator.place else ""
     imports = reached_from(simulator.place) if simulator.place else Reached()
-    unread = imports.unknown
-    if settings.isolated:
-        return Isolated(simulator.place, simulator.entry, opening, settings, digest, unread=unread, **traced)
+    basics = simulator.entry, opening, simulator.declaration, digest, imports.unknown
+    if simulator.declaration.settings.isolated:
+        return Isolated(simulator.place, *basics)
     call = simulator.call
     if call is None:
         try:
@@ -111,8 +109,7 @@ def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
             raise CampaignUnusable([Wrong("simulator.name", name, text)]) from None
         if other := _loaded_from_elsewhere(imports.files):
             raise CampaignUnusable([Wrong("simulator.name", name, other)])
-    reads = simulator.declaration.reads
-    return InProcess(call, simulator.entry, opening, settings, digest, unread=unread, reads=reads, **traced)
+    return InProcess(call, *basics)
 
 
 def _loaded_from_elsewhere(files: Mapping[str, Path]) -> str:

@@ -107,7 +107,7 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
 def assist(engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Fly a share of a run that another worker holds, until nothing is left of it or a run waits; outcomes as of
     `perform`, `cancelled` among them."""
-    from worker.engine.stages.parts.base import Cancelled
+    from worker.engine.stages.parts.context import Cancelled
     from worker.running.runs import runner
 
     waiting = Waiting(Queue(engine), claim, [s.version for s in components.simulators])
@@ -144,9 +144,9 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
     that, and this process is not used again), `failed` (this attempt; neither is it), `database` (which cannot be used:
     no fault of the run).
     """
-    from worker.engine.stages.parts.base import ReplayMismatch
+    from worker.engine.kernels import durations
+    from worker.engine.stages.parts.context import ReplayMismatch
     from worker.engine.systems.base import CampaignUnusable
-    from worker.engine.systems.closed_loop import compilation
     from worker.running.catalogue.own import blamed
     from worker.running.processes import memory
     from worker.running.runs import begun
@@ -155,7 +155,7 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
         store = RunStore(engine, claim, pulse.own.beat)
         campaign = begun.readable(claim.document, f"run {claim.run_id}", store)
         store.describe(campaign, components)
-        with compilation.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
+        with durations.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
             verdict = execute(campaign, store)
         if verdict is None:
             return {"outcome": "failed", "text": "the runner ended without a verdict"}

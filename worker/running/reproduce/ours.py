@@ -15,11 +15,11 @@ from campaigns import Campaign, library, load_file
 from campaigns.asked.stages import Search as Asked
 from campaigns.results import SearchResult
 from campaigns.results.base import OK
+from campaigns.stored.records import Columns, StagePlan, Trace
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.stages import search as stage
-from worker.engine.stages.parts.base import Context
-from worker.engine.stages.parts.store import Columns, StagePlan, Trace
+from worker.engine.stages.parts.context import Context
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.engine.systems.closed_loop.trace import trace

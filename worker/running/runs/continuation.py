@@ -23,8 +23,8 @@ from campaigns.refusals import Refusal, RefusalCode
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
+from campaigns.stored.records import Columns, StagePlan, StageRecord
 from campaigns.versions import Versions, differing, other_code
-from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
 from worker.running.runs import identity

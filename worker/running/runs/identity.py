@@ -23,7 +23,7 @@ from campaigns.stages.plan import plan
 from campaigns.versions import Code, CodeParts, Versions
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
-from worker.engine.reference import Reference
+from worker.engine.reference.reference import Reference
 from worker.engine.stages.found import stages
 from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.engine.systems.simulators.called import Called

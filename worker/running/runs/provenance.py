@@ -14,10 +14,11 @@ from llvmlite import binding
 
 from campaigns.asked.spec import Campaign
 from campaigns.identity.identity import identity_of, simulator_of
+from campaigns.stored.records import StageRecord
 from campaigns.version import WORDING
 from campaigns.versions import Processor, Versions
 from worker.engine.kernels.numba_internals import processor_features
-from worker.engine.stages.parts.store import StageRecord, Store
+from worker.engine.stages.parts.store import Store
 from worker.engine.systems.base import System, slotted
 from worker.running.runs import identity
 from worker.running.runs.added import added

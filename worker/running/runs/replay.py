@@ -21,9 +21,9 @@ from campaigns.results.draws import of_draws
 from campaigns.results.measured import Measured
 from campaigns.results.stage import StageResult
 from campaigns.stages.found import declared
+from campaigns.stored.records import Columns, StagePlan
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.store import Columns, StagePlan
 from worker.engine.systems.base import Floats, in_own_sign, slotted
 
 ELSEWHERE = 1e-9

@@ -15,12 +15,14 @@ from campaigns import Campaign
 from campaigns.results import Verdict
 from campaigns.runs import StageState
 from campaigns.stages.plan import plan
+from campaigns.stored.records import StagePlan, StageRecord
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.found import stages
-from worker.engine.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
+from worker.engine.stages.parts.base import all_columns
+from worker.engine.stages.parts.context import Cancelled, Context, ReplayMismatch, Tally
 from worker.engine.stages.parts.noise import exclusions, flaky
-from worker.engine.stages.parts.store import StagePlan, StageRecord, Store
+from worker.engine.stages.parts.store import Store
 from worker.engine.systems.base import CampaignUnusable
 from worker.evidence.verdicts.conclude import conclude
 from worker.evidence.verdicts.evidence import Evaluated, Evidence

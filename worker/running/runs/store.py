@@ -12,8 +12,8 @@ from campaigns.results import Finding, StageResult, Verdict
 from campaigns.runs import StageState
 from campaigns.sample_seed import SampleSeed
 from campaigns.stored.blocks import Block
+from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord, Trace, join
 from campaigns.versions import Code, Versions
-from worker.engine.stages.parts.store import Ahead, Columns, StagePlan, StageRecord, Trace, join
 
 
 @dataclass

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from campaigns.stored.records import Columns, StagePlan, StageRecord
 from clearance.local.failures import MOST, OUTPUT, UNKNOWN, failures, lines
-from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
 from worker.running.runs.store import MemoryStore
 
 

@@ -12,7 +12,7 @@ from campaigns.asked.load import library, load_file
 from campaigns.claims.numbers import count
 from clearance.local import progress
 from clearance.local.progress import Progress
-from worker.engine.stages.parts.base import Tally
+from worker.engine.stages.parts.context import Tally
 
 CAMPAIGN = load_file(library()["unicycle_static"])
 BEST = Tally(evaluations=1200, best=0.25)

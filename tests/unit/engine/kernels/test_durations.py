@@ -85,10 +85,8 @@ def test_what_earlier_compilations_took(folder: Path) -> None:
 
 def test_waiting_for_another_process_is_reported_and_not_measured(folder: Path) -> None:
     heard = Heard()
-    with reported(heard.begun.append, heard.end):
-        found = watched(folder, "rover")
+    with reported(heard.begun.append, heard.end), watched(folder, "rover") as found:
         found.wait()
-        found.end(succeeded=True)
     assert (heard.begun, heard.ended) == ([None], 1)
     assert watched(folder, "rover").expected() is None
 

@@ -10,7 +10,7 @@ from scipy import stats
 
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign, case1, searching
-from worker.engine.stages.parts.base import Context
+from worker.engine.stages.parts.context import Context
 from worker.running.runs.store import MemoryStore
 
 

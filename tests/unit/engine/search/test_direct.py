@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from campaigns.codes import StopCode
+from campaigns.stored.records import Columns, StagePlan
 from clearance.testing.searching import Searched, batch, run, space
 from tests.given.case_campaigns import campaign, case1
 from tests.given.ended_searches import ending
@@ -19,8 +20,8 @@ from tests.given.functions_with_minima import PUBLISHED, on_unit_cube
 from worker.engine.search.base import Batch, Floats, Method
 from worker.engine.search.methods import direct, direct_l
 from worker.engine.search.methods.direct import method
-from worker.engine.stages.parts.base import Context, Driven, drive
-from worker.engine.stages.parts.store import Columns, StagePlan
+from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.context import Context, Driven
 from worker.running.runs.store import MemoryStore
 
 

@@ -15,7 +15,7 @@ from clearance.testing.problems import Problem
 from tests.given.corrupted_records import attracting, in_a_second
 from tests.given.sampled_stages import context
 from worker.engine.stages import attraction
-from worker.engine.stages.parts.base import Cancelled, Context
+from worker.engine.stages.parts.context import Cancelled, Context
 
 
 @pytest.fixture(autouse=True)

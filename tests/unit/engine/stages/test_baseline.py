@@ -23,6 +23,7 @@ from campaigns.results.base import EXCLUDED
 from campaigns.stages.baseline import BaselineResult
 from campaigns.stages.nominal import NominalResult
 from campaigns.stages.plan import most
+from campaigns.stored.records import StagePlan
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from clearance.testing.problems import Problem
 from clearance.testing.searching import Function, batch
@@ -33,9 +34,9 @@ from tests.migrated import migrated
 from worker.engine.search.base import Floats
 from worker.engine.stages import baseline
 from worker.engine.stages.parts import findings, offered
-from worker.engine.stages.parts.base import Context, drive
+from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.left import Left
-from worker.engine.stages.parts.store import StagePlan
 from worker.engine.stages.validate import _since
 from worker.evidence.audit import judge
 from worker.running.catalogue.installed import catalogue

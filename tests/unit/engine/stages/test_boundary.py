@@ -15,7 +15,8 @@ from tests.given.sampled_stages import THRESHOLD, context, evaluate
 from tests.given.stated_facts import facts
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages.parts import boundary
-from worker.engine.stages.parts.base import Asking, drive
+from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.context import Asking
 from worker.engine.stages.parts.slices import slices
 
 Result = TypeVar("Told")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from campaigns.results.measured import Measured
+from campaigns.stored.records import Columns
 from worker.engine.stages.parts.noise import call_seconds, start_seconds
-from worker.engine.stages.parts.store import Columns
 
 POINTS = 5
 START = 3.0

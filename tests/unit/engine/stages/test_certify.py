@@ -12,6 +12,7 @@ from campaigns.results.sample import QuantileBound
 from campaigns.results.sample import Sample as Statement
 from campaigns.stages.certify import CertifyResult
 from campaigns.stages.plan import plan
+from campaigns.stored.records import Columns
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign
 from tests.given.sampled_stages import PROBABILITY, THRESHOLD, asked, context, costs, evaluate, quantile
@@ -20,7 +21,6 @@ from worker.engine.search.base import Floats
 from worker.engine.stages import certify
 from worker.engine.stages.parts.claims import bound
 from worker.engine.stages.parts.sample import Sample
-from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 from worker.running.catalogue.installed import catalogue
 

@@ -22,7 +22,7 @@ from tests.given.sampled_stages import THRESHOLD, asked, context, costs, evaluat
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import certify
 from worker.engine.stages.parts import claims, counting
-from worker.engine.stages.parts.base import Cancelled, Context
+from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.stages.parts.counting import STREAM
 from worker.engine.stages.parts.sample import Sample
 from worker.engine.stages.parts.shape import Binned, Ordered

@@ -11,11 +11,12 @@ import pytest
 
 from campaigns.claims.stages.ends import BUDGET
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from campaigns.stored.records import Columns, StagePlan
 from tests.given.case_campaigns import campaign, case1
 from worker.engine.search.base import Batch, Floats, Search
 from worker.engine.stages.parts import driver
-from worker.engine.stages.parts.base import Context, Driven, drive
-from worker.engine.stages.parts.store import Columns, StagePlan
+from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.context import Context, Driven
 from worker.running.runs.runner import Cancelled, ReplayMismatch
 from worker.running.runs.store import MemoryStore
 

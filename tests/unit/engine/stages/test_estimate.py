@@ -15,12 +15,13 @@ from campaigns.claims.stages import estimate as sentences
 from campaigns.results.stage import StageResult
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.estimate import EstimateResult
+from campaigns.stored.records import StagePlan
 from clearance.testing.problems import Problem
 from tests.given.sampled_stages import PROBABILITY, THRESHOLD, asked, context, costs, evaluate
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import estimate
-from worker.engine.stages.parts.base import Cancelled, Context, drive, once
-from worker.engine.stages.parts.store import StagePlan
+from worker.engine.stages.parts.base import drive, once
+from worker.engine.stages.parts.context import Cancelled, Context
 
 BUDGET = 3000
 VIOLATING = np.array([[0.5, 0.5], [0.02, 0.1], [0.01, 0.05]])

@@ -9,16 +9,17 @@ from campaigns import Campaign
 from campaigns.results import Finding
 from campaigns.results.finding import FoundBy
 from campaigns.stages.nominal import NominalResult
+from campaigns.stored.records import StagePlan
 from clearance.testing.searching import Function, batch
 from tests.given.case_campaigns import case1, searching
 from worker.engine.search.parts.basins import Basin
 from worker.engine.stages import search
 from worker.engine.stages.parts import findings
-from worker.engine.stages.parts.base import Context, Driven, drive
+from worker.engine.stages.parts.base import drive
 from worker.engine.stages.parts.comparison import compare
+from worker.engine.stages.parts.context import Context, Driven
 from worker.engine.stages.parts.findings import Found
 from worker.engine.stages.parts.left import Left
-from worker.engine.stages.parts.store import StagePlan
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 from worker.running.catalogue.installed import methods

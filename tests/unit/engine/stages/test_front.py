@@ -15,13 +15,12 @@ from hypothesis.extra.numpy import arrays
 from campaigns.asked.load import load_document
 from campaigns.results import SearchResult
 from campaigns.results.base import FAILED, OK
+from campaigns.stored.records import Columns
 from clearance.local.results import write_results
 from clearance.testing.problems import Problem
 from tests.audited import audited
 from tests.given.case_campaigns import CASE1, campaign
-from worker.engine.problem.criteria import criteria
 from worker.engine.stages.parts import front
-from worker.engine.stages.parts.store import Columns
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -54,7 +53,7 @@ def columns(costs: list[list[float]], status: list[int]) -> Columns:
 
 def test_one_criterion_has_no_front() -> None:
     assert front.of_stage(several(), columns([[1.0]], [OK])) == (None, None)
-    assert [c.name for c in criteria(several())] == ["separation"]
+    assert [c.name for c in front.criteria(several())] == ["separation"]
 
 
 def test_values_have_their_own_sign_and_failures_are_omitted() -> None:
@@ -72,7 +71,7 @@ def test_values_have_their_own_sign_and_failures_are_omitted() -> None:
     ]
     assert str(points[0].values["goal_miss"]) == "0.0", "no negative zero"
     assert points[1].parameters == problem.named(made.points[0])
-    assert [(c.unit, c.worse) for c in criteria(problem)] == [("m", "low"), ("m", "high")]
+    assert [(c.unit, c.worse) for c in front.criteria(problem)] == [("m", "low"), ("m", "high")]
 
 
 def test_without_a_completed_evaluation_the_front_is_empty() -> None:
@@ -85,7 +84,7 @@ def test_the_same_component_twice_has_two_names() -> None:
     document = campaign().document()
     radii = [{"component": "time_to_goal", "parameters": {"radius": r}} for r in (0.5, 1.0, 2.0)]
     document["objectives"] = radii
-    names = [c.name for c in criteria(Problem(load_document(document)))]
+    names = [c.name for c in front.criteria(Problem(load_document(document)))]
     assert names == ["separation", "time_to_goal", "time_to_goal#2", "time_to_goal#3"]
 
 

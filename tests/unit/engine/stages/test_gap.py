@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from campaigns.stored.records import Columns
 from clearance.testing.searching import Function, batch, run
 from tests.given.case_campaigns import case1
 from tests.given.sampled_stages import asked, context, evaluate
@@ -13,7 +14,6 @@ from worker.engine.search.base import Floats, Method
 from worker.engine.search.methods import direct, direct_l, sqp
 from worker.engine.stages import search
 from worker.engine.stages.parts import gap
-from worker.engine.stages.parts.store import Columns
 
 
 def stored(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from campaigns.results.base import OK
+from campaigns.stored.records import Columns
 from worker.engine.search.base import Batch, Floats, Search
 from worker.engine.stages.parts.members import Members
-from worker.engine.stages.parts.store import Columns
 from worker.running.catalogue.installed import methods
 
 POINTS = np.array([[0.1], [0.2], [0.3], [0.4]])

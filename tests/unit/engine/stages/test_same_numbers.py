@@ -8,12 +8,12 @@ import pytest
 
 from campaigns import Campaign
 from campaigns.stages.certify import CertifyResult
+from campaigns.stored.records import join
 from tests.audited import audited
 from tests.given.case_campaigns import campaign
 from tests.given.failing_stores import Interrupted, Unreliable, outcome
 from tests.given.sampled_stages import DRAWN
 from worker.engine.stages.parts import driver
-from worker.engine.stages.parts.store import join
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 

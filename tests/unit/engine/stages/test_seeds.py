@@ -19,7 +19,7 @@ from tests.audited import audited
 from tests.given.case_campaigns import searching
 from tests.given.sampled_stages import DRAWN as AS_DRAWN
 from worker.engine.stages.parts import offered, seeds
-from worker.engine.stages.parts.base import Context
+from worker.engine.stages.parts.context import Context
 from worker.engine.systems.closed_loop.realisations import Realisations
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore

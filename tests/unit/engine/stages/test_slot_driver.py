@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from campaigns.results.base import OK
+from campaigns.stored.records import Ahead, Columns, StagePlan
 from tests.simulators.threaded import Threaded, grid, threaded
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Floats, Minimum, Parallel, Several, Space
-from worker.engine.stages.parts.base import Context, Driven, drive
-from worker.engine.stages.parts.store import Ahead, Columns, StagePlan
+from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.context import Context, Driven
 from worker.running.catalogue.installed import methods
 from worker.running.runs.runner import Cancelled, ReplayMismatch
 from worker.running.runs.store import MemoryStore

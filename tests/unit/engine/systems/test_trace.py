@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from campaigns.stored.records import Trace
 from tests.given.case_campaigns import case1
-from worker.engine.stages.parts.store import Trace
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.trace import trace
 

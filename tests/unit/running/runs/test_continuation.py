@@ -20,6 +20,7 @@ from backend.db.tables import Run
 from campaigns import Campaign
 from campaigns.refusals import RefusalCode
 from campaigns.stages.plan import most, plan
+from campaigns.stored.records import StagePlan
 from clearance.cli import INTERRUPTED, WRONG_INPUT, invoke
 from clearance.local.likelihood import likelihoods
 from clearance.local.results import read_folder
@@ -28,7 +29,6 @@ from tests.given.case_campaigns import searching
 from tests.given.refused_commands import refused
 from tests.migrated import migrated
 from worker.engine.problem.evaluate import InProcess
-from worker.engine.stages.parts.store import StagePlan
 from worker.engine.systems.base import Floats
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, carried, continued

@@ -16,49 +16,30 @@ gap = rho_0 and at v_RO = 0.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
+from typing import Any
 
-from worker.engine.kernels.component import Avoider, Parameter
+from worker.engine.components.avoiders import ge_cui
+from worker.engine.components.avoiders.potential_field_3d import first, steer
+from worker.engine.kernels.component import Avoider
 from worker.engine.kernels.maths import kernel
-from worker.engine.physics.fields import attraction, relative
+from worker.engine.kernels.parameters import in_space
+from worker.engine.physics.fields import relative
 from worker.engine.physics.space import dot3
 from worker.engine.physics.vectors import SpatialGoal as Goal
-from worker.engine.physics.vectors import Vector, difference, moved, norm, scaled
+from worker.engine.physics.vectors import Vector, difference, moved
 
-
-class GeCui(NamedTuple):
-    k_att: Annotated[float, Parameter("N/m", "Attraction per distance to the goal", 0.0, 1e6)] = 1.0
-    eta: Annotated[float, Parameter("N m2", "Strength of the repulsion", 0.0, 1e9, symbol="η")] = 1.3e4
-    rho_0: Annotated[float, Parameter("m", "Range of the repulsion, after braking", 1e-2, 1e5, symbol="ρ_0")] = 50.0
-    A_max: Annotated[float, Parameter("m/s2", "Greatest deceleration", 1e-3, 1e3)] = 10.0
-    floor: Annotated[float, Parameter("m", "Distance below which the repulsion is constant", 1e-6, 1e3)] = 2.0
-    s: Annotated[float, Parameter("m", "Distance from the goal beyond which the attraction is constant", 1e-3, 1e9)] = (
-        1e9
-    )
-
-
-@kernel
-def first(t: float, q: Vector, v: Vector, goal: Goal, memory: tuple[()], p: GeCui) -> Vector:
-    way = difference(goal, q)
-    return scaled(attraction(norm(way), p.k_att, p.s), way)
+GeCui = in_space(ge_cui.GeCui, k_att=1.0, eta=1.3e4, rho_0=50.0, A_max=10.0, floor=2.0)
 
 
 @kernel
 def weigh(
-    force: Vector, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Goal, m: tuple[()], p: GeCui
+    force: Vector, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Goal, m: tuple[()], p: Any
 ) -> Vector:
     away, outward = difference(v, (body.vx, body.vy, body.vz)), (body.nx, body.ny, body.nz)
     closing = -dot3(away, outward)  # n is the reversed normal
     along, across = relative(body.gap, closing, p.eta, p.rho_0, p.A_max, p.floor)
     inward = across * closing - along
     return moved(moved(force, across, away), inward, outward)
-
-
-@kernel
-def steer(
-    t: float, q: Vector, v: Vector, goal: Goal, force: Vector, memory: tuple[()], p: GeCui
-) -> tuple[Vector, tuple[()]]:
-    return force, ()
 
 
 component = Avoider(

@@ -25,13 +25,11 @@ class PotentialField(NamedTuple):
     k_att: Annotated[float, Parameter("N/m", "Attraction per distance to the goal", 0.0, 1e6)] = 1.0
     k_rep: Annotated[float, Parameter("N m3", "Strength of the repulsion", 0.0, 1e12)] = 2e7
     d_0: Annotated[float, Parameter("m", "Distance from the surface at which repulsion begins", 1e-2, 1e5)] = 35.0
-    s: Annotated[float, Parameter("m", "Distance from the goal beyond which the attraction is constant", 1e-3, 1e9)] = (
-        1e9
-    )
+    s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
 
 
 @kernel
-def first(t: float, q: Vector, v: Vector, goal: Goal, memory: tuple[()], p: PotentialField) -> Vector:
+def first(t: float, q: Vector, v: Vector, goal: Goal, memory: tuple[()], p: Any) -> Vector:
     way = difference(goal, q)
     return scaled(attraction(norm(way), p.k_att, p.s), way)
 
@@ -46,7 +44,7 @@ def weigh(
 
 @kernel
 def steer(
-    t: float, q: Vector, v: Vector, goal: Goal, force: Vector, memory: tuple[()], p: PotentialField
+    t: float, q: Vector, v: Vector, goal: Goal, force: Vector, memory: tuple[()], p: Any
 ) -> tuple[Vector, tuple[()]]:
     return force, ()
 

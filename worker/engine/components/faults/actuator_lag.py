@@ -12,7 +12,7 @@ Control (1998): servo as a first-order lag.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Derived, Fault, Parameter
 from worker.engine.kernels.maths import kernel
@@ -41,7 +41,7 @@ def act(t: float, u: float, a: tuple[float], p: Constants) -> tuple[float, tuple
 
 
 @kernel
-def rest(u: float, p: Constants) -> tuple[float]:
+def rest(u: float, p: Any) -> tuple[float]:
     return (u,)
 
 

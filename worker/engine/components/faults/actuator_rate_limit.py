@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
+from worker.engine.components.faults.actuator_lag import rest
 from worker.engine.kernels.component import Derived, Fault, Parameter
 from worker.engine.kernels.maths import clip, kernel
 
@@ -38,11 +39,6 @@ def act(t: float, u: float, a: tuple[float], p: Constants) -> tuple[float, tuple
     ahead = u - a[0]
     limited = a[0] + clip(ahead, -p.reach, p.reach)
     return (limited if abs(ahead) > p.reach else u), (clip(p.K * ahead, -p.rate, p.rate),)
-
-
-@kernel
-def rest(u: float, p: Constants) -> tuple[float]:
-    return (u,)
 
 
 component = Fault(

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
+from worker.engine.components.faults.actuator_lag import rest
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import kernel, onset
 from worker.engine.physics import instants
@@ -30,11 +31,6 @@ def act(t: float, u: float, a: tuple[float], p: ActuatorStuck) -> tuple[float, t
     stuck = onset(t, p.at, p.over)
     ahead = u - a[0]
     return u - stuck * ahead, ((1.0 - stuck) * p.K * ahead,)
-
-
-@kernel
-def rest(u: float, p: ActuatorStuck) -> tuple[float]:
-    return (u,)
 
 
 component = Fault(

@@ -32,7 +32,7 @@ Constants = extended("Constants", OrbitingCircle, Turning)
 
 
 @kernel
-def derive(p: OrbitingCircle, trim: object) -> tuple[float, ...]:
+def derive(p: Any, trim: object) -> tuple[float, ...]:
     return *p[0:], p.speed / p.way
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple
 
+from worker.engine.components.obstacles.orbiting_circle import Turning, derive
 from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach, extended
 from worker.engine.kernels.maths import kernel, sincos
 from worker.engine.kernels.views import Body3
@@ -27,16 +28,7 @@ class OrbitingSphere(NamedTuple):
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 25.0
 
 
-class Turning(NamedTuple):
-    rate: float
-
-
 Constants = extended("Constants", OrbitingSphere, Turning)
-
-
-@kernel
-def derive(p: OrbitingSphere, trim: object) -> tuple[float, ...]:
-    return *p[0:], p.speed / p.way
 
 
 @kernel

@@ -44,7 +44,7 @@ def demand(s: Scenario) -> None:
         waits = [f.call(prefix, s.component[prefix].kernel) for prefix in s.faults["guidance"]]
         kept, module = d + s.parts.avoider.memory, s.names.module("worker.engine.kernels.guidance")
         f.add(f"late = {' + '.join(waits)}")
-        f.add(f"return {module}.blended{d}(late, g[0:{d}], g[{kept}:{kept + KEPT * d}])")
+        f.add(f"return {module}.blended(late, g[0:{d}], g[{kept}:{kept + KEPT * d}])")
 
 
 def translated(s: Scenario, f: Function, x: str) -> str:

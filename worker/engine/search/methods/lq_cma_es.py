@@ -21,7 +21,8 @@ points. For expensive evaluations: it takes milliseconds of its own for each one
 from __future__ import annotations
 
 import warnings
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -241,18 +242,12 @@ def _ranked(points: Floats, values: Floats, evaluated: Flags, tested: Tested) ->
     return np.where(np.where(evaluated, np.isinf(values), tested.doubtful(points)), np.inf, modelled)
 
 
-class _quiet:  # noqa: N801  reads as a statement
+@contextmanager
+def _quiet() -> Iterator[None]:
     """The library's warnings are not for the user, and its results must not depend on the number of threads."""
-
-    def __enter__(self) -> None:
-        self.warnings, self.thread = warnings.catch_warnings(), one_thread()
-        self.warnings.__enter__()
+    with warnings.catch_warnings(), one_thread():
         warnings.simplefilter("ignore")
-        self.thread.__enter__()
-
-    def __exit__(self, *error: Any) -> None:
-        self.thread.__exit__(*error)
-        self.warnings.__exit__(*error)
+        yield
 
 
 method = Method(

@@ -47,9 +47,7 @@ def tournament(random: np.random.Generator, fractions: Floats, count: int, entra
 
 
 Select = Callable[[np.random.Generator, Floats, int, int], Rows]
-SELECT: dict[str, Select] = {
-    "roulette": roulette, "stochastic_uniform": stochastic_uniform, "tournament": tournament,
-}  # fmt: skip
+SELECT: dict[str, Select] = {select.__name__: select for select in (roulette, stochastic_uniform, tournament)}
 
 
 def scattered(random: np.random.Generator, better: Floats, worse: Floats, ratio: float) -> Floats:
@@ -76,9 +74,7 @@ def heuristic(random: np.random.Generator, better: Floats, worse: Floats, ratio:
 
 
 Cross = Callable[[np.random.Generator, Floats, Floats, float], Floats]
-CROSS: dict[str, Cross] = {
-    "scattered": scattered, "two_point": two_point, "intermediate": intermediate, "heuristic": heuristic,
-}  # fmt: skip
+CROSS: dict[str, Cross] = {cross.__name__: cross for cross in (scattered, two_point, intermediate, heuristic)}
 
 
 def gaussian(random: np.random.Generator, parents: Floats, deviation: float) -> Floats:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Generator
+from concurrent.futures import Future
 from contextlib import suppress
 from queue import SimpleQueue
 from typing import Any, TypeVar
@@ -57,19 +58,9 @@ def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
                 library.throw(Abandoned)
 
 
-class _Raised:
-    def __init__(self, error: BaseException) -> None:
-        self.error = error
-
-
-class _Returned:
-    def __init__(self, value: object) -> None:
-        self.value = value
-
-
 def called_back_in_thread(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
     """As `called_back`, for a library whose state belongs to a thread, as the random stream of NLopt does."""
-    requests: SimpleQueue[Floats | _Raised | _Returned] = SimpleQueue()
+    requests: SimpleQueue[Floats | Future[T]] = SimpleQueue()
     answers: SimpleQueue[Batch] = SimpleQueue()
     nothing = Batch(np.empty((0, 0)), np.empty(0, dtype=np.uint8))
     abandoned = threading.Event()
@@ -82,20 +73,20 @@ def called_back_in_thread(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T
         return answer
 
     def work() -> None:
+        ended: Future[T] = Future()
         try:
-            requests.put(_Returned(run(ask)))
+            ended.set_result(run(ask))
         except BaseException as error:
-            requests.put(_Raised(error))
+            ended.set_exception(error)
+        requests.put(ended)
 
     thread = threading.Thread(target=work, name="search", daemon=True)
     thread.start()
     try:
         while True:
             request = requests.get()
-            if isinstance(request, _Returned):
-                return request.value  # type: ignore[return-value]
-            if isinstance(request, _Raised):
-                raise request.error
+            if isinstance(request, Future):
+                return request.result()
             answers.put((yield request))
     finally:
         # An interrupt may come at any time: the thread ends whether it is waiting for an answer or about to ask.

@@ -59,16 +59,11 @@ def descend(start: Floats, settings: Settings) -> Generator[Floats, Batch, End]:
     return called_back(lambda ask: _run(ask, start, settings))
 
 
-class _NoStart(Exception):
-    pass
+class _Stopped(Exception):
+    """The descent ends here, with this sentence."""
 
-
-class _Spent(Exception):
-    pass
-
-
-class _Slow(Exception):
-    pass
+    def __init__(self, text: Ended) -> None:
+        self.text = text
 
 
 class _Trail:
@@ -118,13 +113,13 @@ class _Trail:
 
     def _values(self, points: Floats) -> Floats:
         if self.seen and len(self.seen) + len(points) > self.settings.most:
-            raise _Spent
+            raise _Stopped(Ended("share", "used its {evaluations} evaluations", evaluations=self.settings.most))
         values = self.ask(points).ranked()
         low = int(np.argmin(values))
         if values[low] < self.cost:
             self.cost, self.point = float(values[low]), points[low].copy()
         if not self.seen and not np.isfinite(values[0]):
-            raise _NoStart
+            raise _Stopped(Ended("no value", "a start could not be evaluated"))
         self.seen.update(p.tobytes() for p in points)
         return values
 
@@ -132,7 +127,7 @@ class _Trail:
         """A step has ended: the library asks for a slope."""
         self.course.append(self.cost)
         if len(self.course) > 2 and self.course[-3] - self.cost < self.settings.gain:
-            raise _Slow
+            raise _Stopped(CHANGES)
 
 
 def _run(ask: Ask, start: Floats, settings: Settings) -> End:
@@ -140,12 +135,8 @@ def _run(ask: Ask, start: Floats, settings: Settings) -> End:
     run = {"nlopt": _nlopt, "scipy": _scipy, "bfgs": _bfgs}[settings.library]
     try:
         text = run(trail, settings, np.clip(start, 0.0, 1.0))
-    except _NoStart:
-        text = Ended("no value", "a start could not be evaluated")
-    except _Spent:
-        text = Ended("share", "used its {evaluations} evaluations", evaluations=settings.most)
-    except _Slow:
-        text = CHANGES
+    except _Stopped as stopped:
+        text = stopped.text
     return End(trail.point, trail.cost, len(trail.seen), text)
 
 

@@ -10,9 +10,6 @@ import numpy as np
 
 from worker.engine.search.base import Ended, Floats
 
-STEP = 1e-9
-"""A descent ends when its deviations are below this fraction of every range."""
-
 # pycma's stopping conditions and their sentences; the first that holds is reported.
 STOPS = {
     "tolflatfitness": Ended("converged", "the cost is constant around the best point"),
@@ -26,7 +23,7 @@ STOPS = {
 }
 
 
-def strategy(start: Floats, deviation: float, population: int, random: np.random.Generator, step: float = STEP) -> Any:
+def strategy(start: Floats, deviation: float, population: int, random: np.random.Generator, step: float) -> Any:
     """pycma's strategy from a start point; it draws from `random` alone and stops below a step."""
     import cma  # imported late: it takes most of a second to load
 

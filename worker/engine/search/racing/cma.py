@@ -19,13 +19,9 @@ FINEST = 1e-6
 FLAT, REDRAWS = 10, 5
 
 
+@compiled
 def tell(s: State, rows: Ints, random: Random) -> None:
     """Advance the CMA-ES instances among these searchers until each requests points."""
-    _tell(s, rows, random)
-
-
-@compiled
-def _tell(s: State, rows: Ints, random: Random) -> None:
     for t in rows:
         if s.kind[t] != CMA:
             continue

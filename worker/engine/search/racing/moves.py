@@ -17,13 +17,9 @@ FINE = 1e-4
 """A search hands over to CMA-ES when its step is below this."""
 
 
+@compiled
 def tell(s: State, rows: Ints, random: Random) -> None:
     """Advance the compass and Nelder-Mead searchers among these until each requests points or is handed over."""
-    _tell(s, rows, random)
-
-
-@compiled
-def _tell(s: State, rows: Ints, random: Random) -> None:
     for t in rows:
         if s.kind[t] == COMPASS:
             if s.stage[t] == BEGIN:

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from worker.engine.kernels.numba_internals import cached
+from worker.engine.kernels.numba_internals import UNCALLABLE, cached
 from worker.engine.search.base import Floats
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -37,8 +37,7 @@ def inner(function: F) -> F:
     A Python wrapper, which unpacks the whole state, takes longer to compile than most of these functions. For the same
     reason they copy and add element by element: whole-array statements also compile their shape checks.
     """
-    bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    made: Any = njit(error_model="numpy", **bare)(function)
+    made: Any = njit(error_model="numpy", **UNCALLABLE)(function)
     return cast(F, made)
 
 

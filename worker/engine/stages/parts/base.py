@@ -3,36 +3,13 @@
 from __future__ import annotations
 
 from campaigns.claims.stages import ends
+from campaigns.stored.records import Columns
 from worker.engine.search.base import Ended, Parallel, Search
-from worker.engine.stages.parts.context import (
-    Asking,
-    Cancelled,
-    Context,
-    Driven,
-    ReplayMismatch,
-    Seeded,
-    Tally,
-    Through,
-)
+from worker.engine.stages.parts.context import Asking, Cancelled, Context, Driven
 from worker.engine.stages.parts.driver import Driver
 from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.slot_driver import SlotDriver
-from worker.engine.stages.parts.store import Columns
 from worker.engine.systems.base import Floats, slots
-
-__all__ = [
-    "Asking",
-    "Cancelled",
-    "Context",
-    "Driven",
-    "ReplayMismatch",
-    "Seeded",
-    "Tally",
-    "Through",
-    "all_columns",
-    "drive",
-    "once",
-]
 
 
 def drive(

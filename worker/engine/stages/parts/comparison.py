@@ -10,7 +10,8 @@ from campaigns.limits import SAME_COST
 from campaigns.results import Finding
 from campaigns.results.base import OK
 from campaigns.results.validate import Compared
-from worker.engine.stages.parts.base import Context, all_columns
+from worker.engine.stages.parts.base import all_columns
+from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.findings import Found, scale
 
 

@@ -17,7 +17,7 @@ from campaigns.claims.stages import calls as sentences
 from campaigns.limits import ROUNDING, TOLERANCE_OF_MARGIN
 from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validation
 from worker.engine.stages.parts import noise, repeated
-from worker.engine.stages.parts.base import Cancelled, Context
+from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.systems.base import Comparison, Confirmed, Floats
 
 

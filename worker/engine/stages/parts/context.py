@@ -10,10 +10,11 @@ from campaigns import Campaign
 from campaigns.results import SearchResult, StageResult
 from campaigns.results.base import Stop
 from campaigns.sample_seed import SampleSeed
+from campaigns.stored.records import Columns, StagePlan
 from worker.engine.problem.evaluate import Evaluate
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Method, Several
-from worker.engine.stages.parts.store import Columns, StagePlan, Store
+from worker.engine.stages.parts.store import Store
 from worker.engine.systems.base import Floats, Seeds, System
 
 Result = TypeVar("Result")

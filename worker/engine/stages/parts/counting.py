@@ -20,10 +20,10 @@ import numpy as np
 from campaigns.limits import DRAWS
 from campaigns.results.draws import of_indices, uniform
 from campaigns.stored.blocks import Block, Counted, Kept, Scale, counted, size
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
-from worker.engine.stages.parts.base import Cancelled, Context, Tally
-from worker.engine.stages.parts.store import Columns
+from worker.engine.stages.parts.context import Cancelled, Context, Tally
 from worker.engine.systems.base import Floats, Seeds, System, slots
 
 STREAM = 2**24

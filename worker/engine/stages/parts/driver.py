@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.results.base import EXCLUDED, OK, Stop
+from campaigns.stored.records import Ahead, Columns, join
 from worker.engine.search.base import Batch, Several
 from worker.engine.stages.parts.context import (
     Cancelled,
@@ -24,7 +25,6 @@ from worker.engine.stages.parts.context import (
     Tally,
     Through,
 )
-from worker.engine.stages.parts.store import Ahead, Columns, join
 from worker.engine.systems.base import Floats, Seeds, System
 
 FLUSH_SECONDS = 0.2
@@ -109,7 +109,9 @@ class Driver:
             costs.append(columns.costs)
             status.append(columns.status)
             done += len(columns.status)
-        batch = Batch(np.concatenate(costs), np.concatenate(status)) if costs else Batch(np.empty((0, 1)), _no_status())
+        batch = Batch(np.empty((0, 1)), np.empty(0, dtype=np.uint8))
+        if costs:
+            batch = Batch(np.concatenate(costs), np.concatenate(status))
         return batch, spent
 
     def _stored(self, points: Floats) -> Columns | None:
@@ -183,7 +185,3 @@ def keys_of(points: Floats, seeds: Seeds | None) -> list[bytes]:
 def unknown(keys: list[bytes], known: Container[bytes]) -> list[int]:
     """The first request of each point that is not known yet, in their order."""
     return sorted({key: i for i, key in reversed([*enumerate(keys)]) if key not in known}.values())
-
-
-def _no_status() -> NDArray[np.uint8]:
-    return np.empty(0, dtype=np.uint8)

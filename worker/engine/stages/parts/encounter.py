@@ -16,9 +16,10 @@ from campaigns.results.base import OK
 from campaigns.results.finding import ClosestApproach, Finding
 from campaigns.results.slices import Curve
 from campaigns.results.validate import Beyond, Encounter, Spread
-from worker.engine.stages.parts.base import Cancelled, Context, all_columns
+from campaigns.stored.records import Trace
+from worker.engine.stages.parts.base import all_columns
+from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.stages.parts.seeds import drawn
-from worker.engine.stages.parts.store import Trace
 
 
 def encounter(

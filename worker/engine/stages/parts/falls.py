@@ -15,7 +15,7 @@ import numpy as np
 from campaigns.results.base import OK
 from worker.engine.search.base import Batch
 from worker.engine.stages.parts import seeds
-from worker.engine.stages.parts.base import Context
+from worker.engine.stages.parts.context import Context
 from worker.engine.systems.base import Floats
 
 STRIDES = (16, 4, 1)

@@ -18,6 +18,7 @@ from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
+from campaigns.stored.records import Columns
 from worker.engine.search.base import Batch, Search
 from worker.engine.search.parts.basins import (
     LOOKED_AT,
@@ -32,12 +33,11 @@ from worker.engine.search.parts.basins import (
 )
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import modes, seeds
-from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.boundary import Around, after
+from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.falls import Falls, begun, fall
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.noise import noisy
-from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 

@@ -10,14 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.results.base import OK
-from campaigns.results.search import FrontPoint
-from worker.engine.problem.criteria import criteria, values
+from campaigns.results.search import FrontCriterion, FrontPoint
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.store import Columns
-from worker.engine.systems.base import Floats
+from worker.engine.systems.base import Floats, in_own_sign
 
 MOST = 2000
 """Points of a front that a result stores at most, spread evenly over the values of the first criterion."""
+
+
+def criteria(problem: Problem) -> list[FrontCriterion]:
+    """The criteria in the order of the cost columns, the deciding one first; names are unique."""
+    return [FrontCriterion(**vars(result)) for result in problem.results]
 
 
 def undominated(costs: Floats) -> NDArray[np.int64]:
@@ -43,8 +47,8 @@ def of_stage(problem: Problem, columns: Columns | None) -> tuple[list[FrontPoint
     size = len(rows)
     if size > MOST:
         rows = rows[np.unique(np.linspace(0, size - 1, MOST).round().astype(np.int64))]
-    names = [c.name for c in criteria(problem)]
-    shown = values(problem, columns.costs[rows])
+    names = [result.name for result in problem.results]
+    shown = in_own_sign(problem.results, columns.costs[rows])
     return [
         FrontPoint(
             index=int(row),

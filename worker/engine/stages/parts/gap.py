@@ -13,9 +13,9 @@ import numpy as np
 
 from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.results.search import Gap
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Floats, Method, Search
-from worker.engine.stages.parts.store import Columns
 
 DIGITS = 12
 """Decimals by which centres are distinguished, enough for sides of 3^-24."""

@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from campaigns.stored.records import Ahead, Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
-from worker.engine.stages.parts.store import Ahead, Columns
 from worker.engine.systems.base import Evaluated, Floats, Seeds, Slotted, System, slots
 
 LOOK_SECONDS = 0.2

@@ -14,7 +14,8 @@ from campaigns.results import Finding
 from campaigns.results.finding import Validation
 from campaigns.results.validate import Incumbent
 from worker.engine.stages.parts import noise, repeated
-from worker.engine.stages.parts.base import Context, all_columns
+from worker.engine.stages.parts.base import all_columns
+from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.offered import Stored
 

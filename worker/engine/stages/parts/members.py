@@ -10,8 +10,8 @@ import numpy as np
 
 from campaigns.results.base import OK
 from campaigns.results.search import Apart, Member
+from campaigns.stored.records import Columns
 from worker.engine.search.base import Method, Parallel, Several
-from worker.engine.stages.parts.store import Columns
 
 
 @dataclass

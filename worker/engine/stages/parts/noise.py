@@ -11,9 +11,9 @@ from campaigns.claims.stages import ends
 from campaigns.results.base import EXCLUDED, FLAKY, OK
 from campaigns.results.measured import Measured
 from campaigns.stages.nominal import POINTS, TIMES
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.base import Asking, Context, Through
-from worker.engine.stages.parts.store import Columns
+from worker.engine.stages.parts.context import Asking, Context, Through
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats, slotted
 

@@ -8,9 +8,9 @@ from typing import Generic, TypeVar
 
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.results import Finding, StageResult
+from campaigns.stored.records import Trace
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.base import Context
-from worker.engine.stages.parts.store import Trace
+from worker.engine.stages.parts.context import Context
 
 R = TypeVar("R", bound=StageResult, covariant=True)
 

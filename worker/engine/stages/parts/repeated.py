@@ -14,7 +14,7 @@ from campaigns.claims.stages import calls as sentences
 from campaigns.results.base import OK
 from campaigns.results.finding import Calls, Validation
 from worker.engine.stages.parts import claims
-from worker.engine.stages.parts.base import Cancelled, Context
+from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.systems.base import Floats, slotted
 
 Subject = tuple[str, Floats, float | None]

@@ -17,12 +17,12 @@ from campaigns.results.sample import Distribution, QuantileBound
 from campaigns.results.sample import Noise as NoiseKind
 from campaigns.results.sample import Sample as Statement
 from campaigns.stored.blocks import Counted
+from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Method
 from worker.engine.stages.parts import claims, noise
-from worker.engine.stages.parts.base import Context
+from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.shape import Binned, Ordered, Shape
-from worker.engine.stages.parts.store import Columns
 from worker.engine.systems.base import Realised
 
 

@@ -11,8 +11,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from campaigns.results.draws import of_draws
-from worker.engine.stages.parts.base import Context, all_columns
-from worker.engine.stages.parts.store import Columns
+from campaigns.stored.records import Columns
+from worker.engine.stages.parts.base import all_columns
+from worker.engine.stages.parts.context import Context
 from worker.engine.systems.base import Seeds
 
 

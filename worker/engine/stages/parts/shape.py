@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -21,51 +20,30 @@ PARTS = 5, 40
 """The fewest and the most bins of a histogram that is shown."""
 
 
-class Shape(Protocol):
-    """The costs of the evaluations that have one; ranks count from 1, the lowest."""
-
-    @property
-    def known(self) -> int:
-        """How many have a cost."""
-
-    @property
-    def lowest(self) -> float | None:
-        """None without any."""
-
-    @property
-    def moments(self) -> tuple[float | None, float | None]:
-        """Mean and standard deviation; None where there are too few."""
-
-    def value(self, rank: int) -> float | None:
-        """What the cost of this rank is at least; None if nothing bounds it."""
-
-    def histogram(self) -> Histogram:
-        """As it is shown."""
-
-    def curve(self) -> tuple[list[float], list[int]]:
-        """Points of the distribution function: values, and how many costs are at or below each."""
-
-
 @dataclass(frozen=True)
 class Ordered:
-    """All costs, sorted."""
+    """All costs, sorted; ranks count from 1, the lowest."""
 
     costs: Floats
 
     @property
     def known(self) -> int:
+        """How many evaluations have a cost."""
         return len(self.costs)
 
     @property
     def lowest(self) -> float | None:
+        """None without any."""
         return float(self.costs[0]) if len(self.costs) else None
 
     @property
     def moments(self) -> tuple[float | None, float | None]:
+        """Mean and standard deviation; None where there are too few."""
         mean = float(self.costs.mean()) if len(self.costs) else None
         return mean, float(self.costs.std(ddof=1)) if len(self.costs) > 1 else None
 
     def value(self, rank: int) -> float | None:
+        """What the cost of this rank is at least; None if nothing bounds it."""
         return float(self.costs[rank - 1])
 
     def histogram(self) -> Histogram:
@@ -73,6 +51,7 @@ class Ordered:
         return Histogram(edges=edges.tolist(), counts=counts.tolist())
 
     def curve(self) -> tuple[list[float], list[int]]:
+        """Points of the distribution function: values, and how many costs are at or below each."""
         # All of the lowest values, and evenly spaced ones of the rest.
         size = len(self.costs)
         lowest = np.arange(min(size, STEPS // 4))
@@ -82,7 +61,7 @@ class Ordered:
 
 @dataclass(frozen=True)
 class Binned:
-    """The lowest costs, and how many are in each bin of a scale."""
+    """As `Ordered`: the lowest costs, and how many are in each bin of a scale."""
 
     counted: Counted
 
@@ -135,6 +114,10 @@ class Binned:
         places = np.flatnonzero((self.counted.bins > 0) & (self._through > len(lowest)))[:-1]
         places = places[:: -(-max(len(places), 1) // STEPS)]
         return [*values, *self._edges[places].tolist()], [*ranks, *self._through[places].tolist()]
+
+
+Shape = Ordered | Binned
+"""The costs of the evaluations that have one."""
 
 
 def _parts(size: int) -> int:

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from campaigns.results.base import Stop
+from campaigns.stored.records import Ahead, Columns
 from worker.engine.search.base import Batch, Several
 from worker.engine.stages.parts.context import Cancelled, Context, Driven, ReplayMismatch, Request, Seeded, Through
 from worker.engine.stages.parts.driver import Driver, keys_of, unknown
 from worker.engine.stages.parts.in_slots import InSlots, OtherPoint
-from worker.engine.stages.parts.store import Ahead, Columns
 from worker.engine.systems.base import Floats, Seeds, System
 
 

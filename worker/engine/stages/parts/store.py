@@ -14,28 +14,8 @@ from campaigns.capsules.sources import Sources
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.sample_seed import SampleSeed
 from campaigns.stored.blocks import Block
-from campaigns.stored.records import (
-    Ahead,
-    Cited,
-    Columns,
-    Floats,
-    StagePlan,
-    StageRecord,
-    Trace,
-    join,
-)
+from campaigns.stored.records import Ahead, Cited, Columns, StagePlan, StageRecord, Trace
 from campaigns.versions import Code, Versions
-
-__all__ = [
-    "Ahead",
-    "Columns",
-    "Floats",
-    "StagePlan",
-    "StageRecord",
-    "Store",
-    "Trace",
-    "join",
-]
 
 
 class Store(Protocol):

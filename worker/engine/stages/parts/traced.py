@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from campaigns.claims.stages.calls import other_trace
-from worker.engine.stages.parts.store import Trace
+from campaigns.stored.records import Trace
 from worker.engine.systems.base import NoTrace, System
 
 

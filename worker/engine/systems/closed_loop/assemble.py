@@ -214,16 +214,12 @@ def _layout(made: Loop) -> dict[str, object]:
         slots[name] = offset * lanes
         offset += count
     slots["SIZE"] = offset * lanes
-    ops = lane_ops if made.compiled else plain_ops
-    x, p, g, y = (_ops(ops, n, lanes) for n in (n_x, n_e, n_g, n_y))
+    ops: Callable[[int, int], LaneOps] = lane_ops if made.compiled else plain_ops
+    x, p, g, y = (ops(n, lanes) for n in (n_x, n_e, n_g, n_y))
     return slots | {
         "load_x": x.load, "store_x": x.store, "advance": x.advance, "combine": x.combine,
-        "load_p": p.load, "store_p": p.store, "load_raw": _ops(ops, n_p, lanes).load,
+        "load_p": p.load, "store_p": p.store, "load_raw": ops(n_p, lanes).load,
         "load_g": g.load, "store_g": g.store, "load_y": y.load, "store_y": y.store,
-        "store_k": _ops(ops, n_k, lanes).store,
+        "store_k": ops(n_k, lanes).store,
         "magnitude_x": x.magnitude, "magnitude_y": y.magnitude,
     }  # fmt: skip
-
-
-def _ops(make: Any, rows: int, lanes: int) -> LaneOps:
-    return make(rows, lanes)  # type: ignore[no-any-return]

@@ -20,6 +20,7 @@ from worker.engine.kernels import loop as closed_loop
 from worker.engine.systems.base import Floats, Stopping
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.onward import Motion, Onward, leaves, motion
+from worker.engine.systems.closed_loop.trace import Seen
 
 MEMORY = 2**23
 """The states of the flights that are simulated at a time may take this many bytes."""
@@ -103,22 +104,9 @@ def _approaches(flights: Flights, rows: Floats, below: float) -> Iterator[list[A
         yield [Approach(simulated), *_extrapolated(flights, row, result.trace[k], last, below)]
 
 
-class _Seen:
-    """Vehicle and obstacles at some steps of a flight: positions (rows, 3), centres (rows, obstacles, 3), and the
-    channels of the deciding criterion (rows, obstacles)."""
-
-    def __init__(self, flights: Flights, row: Floats, trace: Floats, first: int, last: int) -> None:
-        columns = flights.loop.observe(trace[first : last + 1], row, flights.step, first)
-        count, total = len(flights.parts.obstacles), flights.loop.channels.total
-        start = columns.shape[1] - total
-        self.positions = columns[:, :3]
-        self.centres = columns[:, start - 3 * count : start].reshape(len(columns), count, 3)
-        self.channels = columns[:, start:][:, slice(*flights.loop.channels.of["criterion"])]
-
-    @property
-    def distances(self) -> Floats:
-        apart: Floats = np.linalg.norm(self.centres - self.positions[:, None], axis=2)
-        return apart
+def _seen(flights: Flights, row: Floats, trace: Floats, first: int, last: int) -> Seen:
+    """Vehicle and obstacles at some steps of a flight."""
+    return Seen(flights, flights.loop.observe(trace[first : last + 1], row, flights.step, first), row)
 
 
 def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below: float) -> Iterator[Approach]:
@@ -126,16 +114,16 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
     turns. The vehicle stops at once, or keeps its velocity for another horizon and then stops."""
     if not flights.parts.criterion.measured_to:
         return
-    seen, time = _Seen(flights, row, trace, last - 1, last), last * flights.step
+    seen, time = _seen(flights, row, trace, last - 1, last), last * flights.step
     halfway = last - max(1, round(0.5 * flights.counts(flights.step)[0]))
     states = any(obstacle.states for obstacle in flights.parts.obstacles)
-    before = _Seen(flights, row, trace, halfway - 1, halfway) if states and halfway > 0 else seen
+    before = _seen(flights, row, trace, halfway - 1, halfway) if states and halfway > 0 else seen
     for i in range(len(flights.parts.obstacles)):
-        closing = bool(seen.channels[1, i] < seen.channels[0, i])
+        closing = bool(seen.deciding[1, i] < seen.deciding[0, i])
         centres = np.concatenate([before.centres[:, i], seen.centres[:, i]])
         moves = motion(flights, row, i, time, centres, closing)
         distance = float(np.linalg.norm(seen.centres[1, i] - seen.positions[1]))
-        end = _End(flights, seen, i, _extent(flights, row, i, distance - float(seen.channels[1, i])), last)
+        end = _End(flights, seen, i, _extent(flights, row, i, distance - float(seen.deciding[1, i])), last)
         if moves.kind == "followed":
             yield from end.followed(Onward(flights, row, trace[last], time, i), moves, below)
             continue
@@ -151,7 +139,7 @@ class _End(NamedTuple):
     subtracts from a distance to its centre [m]."""
 
     flights: Flights
-    seen: _Seen
+    seen: Seen
     obstacle: int
     extent: float
     last: int
@@ -220,11 +208,11 @@ def _later(flights: Flights, name: str, row: Floats, approach: Approach) -> Late
     longer = CONTINUED * steps
     trace = flights.loop.simulate(row[None, :], flights.step, longer, every, traced=1).trace[0]
     obstacle, time = approach.obstacle, approach.time
-    seen = _Seen(flights, row, trace, steps - 1, steps if obstacle is not None else longer)
+    seen = _seen(flights, row, trace, steps - 1, steps if obstacle is not None else longer)
     if obstacle is None:
-        after, obstacle = (int(k) for k in np.unravel_index(np.argmin(seen.channels[1:]), seen.channels[1:].shape))
+        after, obstacle = (int(k) for k in np.unravel_index(np.argmin(seen.deciding[1:]), seen.deciding[1:].shape))
         time = after * flights.step
-    before, now = (float(d) for d in seen.distances[:2, obstacle])
+    before, now = map(float, np.linalg.norm(seen.centres[:2, obstacle] - seen.positions[:2], axis=1))
     return Later(
         name=name,
         value=approach.value,

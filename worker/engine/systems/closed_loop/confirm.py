@@ -53,7 +53,8 @@ def confirmed(
     step = flights.step
     (full, counts), (half, _) = (_costs(flights, vectors, seeds, s) for s in (step, step / 2))
     known = [i for i, cost in enumerate(full) if cost is not None]
-    found = compared(flights, integrating, vectors[known], [seeds[i] for i in known], cancelled, counts, known)
+    own, counting = [seeds[i] for i in known], [counts[i] for i in known]
+    found = compared(flights, integrating, vectors[known], own, cancelled, counting)
     if len(found) < len(known):
         return []
     name = integrating(flights).name
@@ -72,13 +73,9 @@ def compared(
     seeds: Sequence[int | None],
     cancelled: Callable[[], bool],
     counts: Sequence[int | None] | None = None,
-    rows: Sequence[int] | None = None,
 ) -> list[Comparison]:
-    """Every vector with the reference integrator; empty if cancelled.
-
-    counts: the deciding seeds, as in `Integrator.simulate_all`, in the rows of these vectors.
-    """
-    counting = [None] * len(vectors) if counts is None or rows is None else [counts[i] for i in rows]
+    """Every vector with the reference integrator; empty if cancelled. counts: as in `Integrator.simulate_all`."""
+    counting = [None] * len(vectors) if counts is None else counts
     by_seed: dict[int | None, list[int]] = {}
     for i, seed in enumerate(seeds):
         by_seed.setdefault(seed, []).append(i)

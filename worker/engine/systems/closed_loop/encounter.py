@@ -41,10 +41,10 @@ def _unseen(campaign: Campaign, installed: Installed, nominal: Trace) -> Unseen:
     distance between the two paths at one instant [m]."""
     realisation = nominal.meta.realisation
     # With several realisations, use the one that the nominal trace shows: the worst, which determines the cost.
-    flight = _flown(_Blind.of(campaign, installed, None if realisation is None else realisation.seed))
-    rows = min(len(flight.path), len(nominal.data))
-    apart = np.linalg.norm(flight.path[:rows] - nominal.data[:rows, 1:4], axis=1)
-    return flight.evidence.model_copy(update={"deviation": float(apart.max()) if rows else None})
+    evidence, path = _flown(_Blind.of(campaign, installed, None if realisation is None else realisation.seed))
+    rows = min(len(path), len(nominal.data))
+    apart = np.linalg.norm(path[:rows] - nominal.data[:rows, 1:4], axis=1)
+    return evidence.model_copy(update={"deviation": float(apart.max()) if rows else None})
 
 
 @dataclass(frozen=True)
@@ -62,19 +62,15 @@ class _Blind:
         return cls((flights.loop.digest, scenario, flights.nominal.tobytes(), seed), flights.under(seed))
 
 
-@dataclass(frozen=True)
-class _Flown:
-    evidence: Unseen
-    path: Floats
-    """Positions (rows, 3) [m]."""
-
-
 @lru_cache(maxsize=32)
-def _flown(blind: _Blind) -> _Flown:
-    """Kept for the next run of the same scenario: half a second for each run that a process repeats or varies."""
+def _flown(blind: _Blind) -> tuple[Unseen, Floats]:
+    """The evidence without a deviation, and the positions (rows, 3) [m].
+
+    Kept for the next run of the same scenario: half a second for each run that a process repeats or varies.
+    """
     flight = trace(blind.flights, "unseen", {})
     evidence = Unseen(cost=flight.meta.cost, status=flight.meta.status, reason=flight.meta.reason, deviation=None)
-    return _Flown(evidence, flight.data[:, 1:4].copy())
+    return evidence, flight.data[:, 1:4].copy()
 
 
 def unseen(campaign: Campaign) -> Campaign:

@@ -31,17 +31,17 @@ def trace(flights: Flights, name: str, values: Mapping[str, float], rows: int | 
     """
     case = simulate(flights, values)
     states, vector = case.states, case.vector
-    seen = _Seen(flights, flights.loop.observe(states, vector, flights.step), vector)
+    seen = Seen(flights, flights.loop.observe(states, vector, flights.step), vector)
     closest = _closest(flights, seen)
     kept = _kept(len(states), rows, closest)
     data = np.column_stack(
         (
             kept * flights.step,
-            seen.columns[kept, :POSE],
+            seen.pose[kept],
             states[kept][:, _further(flights)],
             seen.commands[kept],
             seen.moving[kept],
-            seen.separation(kept),
+            seen.criterion(seen.channels[kept]),
         )
     )
     return Trace(name, _columns(flights), data, _head(flights, seen, values, case, closest))
@@ -108,30 +108,37 @@ def _known(cost: float) -> float | None:
     return float(cost) if np.isfinite(cost) else None
 
 
-class _Seen:
+class Seen:
+    """A flight at some steps as `Loop.observe` shows it: pose, inputs and references, centres of the obstacles (rows,
+    obstacles, 3), channels of all criteria."""
+
     def __init__(self, flights: Flights, columns: Floats, vector: Floats) -> None:
-        self.flights, self.columns, self.vector = flights, columns, vector
+        self.flights, self.vector = flights, vector
         obstacles = flights.parts.obstacles
         last = columns.shape[1] - flights.loop.channels.total
-        deciding = flights.loop.channels.of["criterion"]
         first = last - 3 * len(obstacles)
-        self.commands = columns[:, POSE:first]
+        self.pose, self.commands = columns[:, :POSE], columns[:, POSE:first]
+        self.positions = columns[:, :3]
         self.centres = columns[:, first:last].reshape(len(columns), len(obstacles), 3)
         self.channels = columns[:, last:]
-        self.distances = self.channels[:, slice(*deciding)]
-        """The channels of the deciding criterion, one per obstacle."""
-        moving = [i for i, o in enumerate(obstacles) if o.moving]
-        self.moving = self.centres[:, moving, :].reshape(len(columns), 3 * len(moving))
+        self.deciding = self.channels[:, slice(*flights.loop.channels.of["criterion"])]
+        """The channels of the deciding criterion; one per obstacle, if it is one of obstacles."""
 
-    def cost(self, channels: Floats) -> float:
-        """The criterion's value for one row of channels."""
-        extended = self.flights.loop.extend(self.vector)
-        return float(self.flights.loop.part("cost")(tuple(map(float, channels)), extended))
+    @property
+    def moving(self) -> Floats:
+        """The centres of the moving obstacles as columns."""
+        moving = [i for i, o in enumerate(self.flights.parts.obstacles) if o.moving]
+        return self.centres[:, moving, :].reshape(len(self.centres), 3 * len(moving))
 
-    def separation(self, kept: Any) -> Floats:
-        """The criterion's value at every row (m,)."""
+    def criterion(self, channels: Floats) -> Floats:
+        """The criterion's value for every row of channels."""
         cost, p = self.flights.loop.part("cost"), self.flights.loop.extend(self.vector)
-        return np.array([cost(tuple(map(float, row)), p) for row in self.channels[kept]])
+        return np.array([cost(tuple(map(float, row)), p) for row in channels])
+
+    def given(self, path: str) -> float:
+        """The value of a parameter; 0 if the scenario has none of this path."""
+        at = self.flights.paths.get(path)
+        return 0.0 if at is None else float(self.vector[at])
 
 
 def _further(flights: Flights) -> list[int]:
@@ -159,9 +166,9 @@ def _columns(flights: Flights) -> list[TraceColumn]:
     ]
 
 
-def _closest(flights: Flights, seen: _Seen) -> Closest | None:
+def _closest(flights: Flights, seen: Seen) -> Closest | None:
     """Time, position and obstacle of the closest approach, refined by the same parabola as the cost."""
-    channels = seen.distances
+    channels = seen.deciding
     if flights.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
         return None
     row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
@@ -175,9 +182,9 @@ def _closest(flights: Flights, seen: _Seen) -> Closest | None:
     return Closest(
         time=(row + shift) * flights.step,
         row=row,
-        value=seen.cost(np.full(seen.channels.shape[1], lowest)),
-        position=_between(seen.columns[:, :3], row, shift),
-        speed=_speed(seen.columns[:, :3], row, shift, flights.step),
+        value=float(seen.criterion(np.full((1, seen.channels.shape[1]), lowest))[0]),
+        position=_between(seen.positions, row, shift),
+        speed=_speed(seen.positions, row, shift, flights.step),
         obstacle=obstacle,
         obstacle_position=_between(seen.centres[:, obstacle], row, shift),
     )
@@ -207,41 +214,27 @@ def _kept(count: int, rows: int | None, closest: Closest | None) -> Any:
     return np.union1d(thin.even(count, max(rows - 21, 2)), thin.near(count, closest.row if closest else 0, 10))
 
 
-def _free(flights: Flights, vector: Floats, i: int) -> float | None:
+def _free(seen: Seen, i: int) -> float | None:
     """Radius of the disc around an obstacle's centre that must stay free [m]; None if that region is not a disc."""
-    criterion, reach = flights.parts.criterion, flights.parts.obstacles[i].reach
-
-    def value(path: str) -> float:
-        return float(vector[flights.paths[path]]) if path in flights.paths else 0.0
-
+    criterion, reach = seen.flights.parts.criterion, seen.flights.parts.obstacles[i].reach
     if criterion.measured_to != "surface":
-        return value("criterion.threshold")
+        return seen.given("criterion.threshold")
     if reach is None or len(reach.of) != 1:
         return None
-    surface = reach.times * value(f"obstacles.{i}.{reach.of[0]}")
-    return surface + value("criterion.threshold") + value("criterion.body_radius")
+    surface = reach.times * seen.given(f"obstacles.{i}.{reach.of[0]}")
+    return surface + seen.given("criterion.threshold") + seen.given("criterion.body_radius")
 
 
 def _head(
-    flights: Flights, seen: _Seen, values: Mapping[str, float], case: SimulatedCase, closest: Closest | None
+    flights: Flights, seen: Seen, values: Mapping[str, float], case: SimulatedCase, closest: Closest | None
 ) -> TraceHead:
-    vector = seen.vector
-
-    def position(prefix: str) -> list[float]:
-        paths = flights.paths
-        return [float(vector[paths[f"{prefix}.{a}"]]) if f"{prefix}.{a}" in paths else 0.0 for a in "xyz"]
-
-    def radius(i: int) -> float:
-        at = flights.paths.get(f"obstacles.{i}.radius")
-        return 0.0 if at is None else float(vector[at])
-
     obstacles = [
         TraceObstacle(
             component=o.name,
             title=o.title,
             position=[float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
-            radius=radius(i),
-            free_radius=_free(flights, vector, i),
+            radius=seen.given(f"obstacles.{i}.radius"),
+            free_radius=_free(seen, i),
             moving=o.moving,
         )
         for i, o in enumerate(flights.parts.obstacles)
@@ -258,10 +251,10 @@ def _head(
         frame=flights.parts.vehicle.frame,
         vehicle=flights.parts.vehicle.name,
         obstacles=obstacles,
-        start=position("start"),
-        goal=position("goal"),
-        threshold=float(vector[flights.paths["criterion.threshold"]]),
-        parameters={p: float(vector[flights.paths[p]]) for p in flights.campaign.uncertain} | dict(values),
+        start=[seen.given(f"start.{axis}") for axis in "xyz"],
+        goal=[seen.given(f"goal.{axis}") for axis in "xyz"],
+        threshold=seen.given("criterion.threshold"),
+        parameters={path: seen.given(path) for path in flights.campaign.uncertain} | dict(values),
         closest=closest,
         status=STATUS[case.status],
         reason=case.reason,

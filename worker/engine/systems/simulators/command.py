@@ -7,14 +7,11 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from campaigns.results.scene import Scene
 from worker.engine.systems.base import Floats
-from worker.engine.systems.simulators import traced
 from worker.engine.systems.simulators.cluster.address import chosen
 from worker.engine.systems.simulators.cluster.work import Files
 from worker.engine.systems.simulators.declared.described import Described
@@ -37,6 +34,7 @@ class CommandSimulator(Spread):
             self.step = described.descriptor.parameters[described.descriptor.step].nominal / 2**halvings
         self._halvings = halvings
         self.described = described
+        self.columns, self.scene = described.columns, described.drawn
         self._fresh = fresh
         self.given = described.given
         self._spread_over(None if self.given else chosen())
@@ -90,14 +88,6 @@ class CommandSimulator(Spread):
             return Program(command, "lines", d.environment, folder, d.ids)
         child = [sys.executable, str(files.CHILD), f"{files.__file__}:evaluate"]
         return Program(child, "framed", {**d.environment, files.COMMAND: files.packed(command)}, folder)
-
-    @property
-    def _columns(self) -> Mapping[str, traced.Column]:
-        return self.described.descriptor.trace if isinstance(self.described, DescribedProgram) else {}
-
-    @property
-    def _scene(self) -> Scene | None:
-        return self.described.descriptor.drawn if isinstance(self.described, DescribedProgram) else None
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
         if outcome.kind != "ok":

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 import uuid
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,15 +17,13 @@ from numpy.typing import ArrayLike
 from campaigns.catalogue import SimulatorEntry
 from campaigns.identity.identity import unread as unidentified
 from campaigns.results.base import EXCLUDED, FAILED, OK
-from campaigns.results.scene import Scene
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Floats, NoResult, Reasons, Seeds, Trace
 from worker.engine.systems.simulators import calling, traced
 from worker.engine.systems.simulators.cluster.address import chosen
 from worker.engine.systems.simulators.cluster.work import Files
-from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.folder import files_of_place
-from worker.engine.systems.simulators.declared.function import Settings
+from worker.engine.systems.simulators.declared.function import Declaration
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.identity import identified
 from worker.engine.systems.simulators.simulated import Simulated
@@ -43,14 +41,12 @@ class _OfFunction(Simulated):
     """
 
     def __init__(
-        self, entry: SimulatorEntry, opening: Opening, settings: Settings, files_digest: str,
-        columns: Mapping[str, Column] | None = None, scene: Scene | None = None, unread: str = "",
-    ) -> None:  # fmt: skip
+        self, entry: SimulatorEntry, opening: Opening, declaration: Declaration, files_digest: str, unread: str
+    ) -> None:
         super().__init__(entry, opening)
-        self.unread = unread
-        self.of = settings
-        self.columns, self.scene = columns or {}, scene
-        self.files_digest = files_digest
+        self.declaration, self.of = declaration, declaration.settings
+        self.columns, self.scene = declaration.trace, declaration.drawn
+        self.files_digest, self.unread = files_digest, unread
         self.names_given = [p.path.removeprefix("simulator.") for p in self.parameters]
         self.every = [r.name for r in entry.results]
 
@@ -76,21 +72,19 @@ class InProcess(_OfFunction):
     """
 
     def __init__(
-        self, call: Callable[..., Any], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str = "",
-        columns: Mapping[str, Column] | None = None, scene: Scene | None = None, unread: str = "",
-        reads: Sequence[str] = (),
+        self, call: Callable[..., Any], entry: SimulatorEntry, opening: Opening, declaration: Declaration,
+        digest: str = "", unread: str = "",
     ) -> None:  # fmt: skip
         self.from_files = bool(digest)
         if not digest:
-            identity = identified(call, reads)
+            identity = identified(call, declaration.reads)
             digest = unidentified(uuid.uuid4().hex) if identity.unknown else identity.digest
             unread = identity.unknown
-        super().__init__(entry, opening, settings, digest, columns, scene, unread)
+        super().__init__(entry, opening, declaration, digest, unread)
         self.call = call
 
     def fresh(self) -> InProcess:
-        basics = self.entry, self.opening, self.of, self.files_digest
-        return InProcess(self.call, *basics, self.columns, self.scene, self.unread)
+        return InProcess(self.call, self.entry, self.opening, self.declaration, self.files_digest, self.unread)
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         if self.of.vectorized:
@@ -175,19 +169,17 @@ class Isolated(_OfFunction, Spread):
     """
 
     def __init__(
-        self,
-        place: Mapping[str, str], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str,
-        alone: bool = False, columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
-        unread: str = "",
+        self, place: Mapping[str, str], entry: SimulatorEntry, opening: Opening, declaration: Declaration, digest: str,
+        unread: str = "", alone: bool = False,
     ) -> None:  # fmt: skip
-        super().__init__(entry, opening, settings, digest, columns, scene, unread)
+        super().__init__(entry, opening, declaration, digest, unread)
         self.place = place
         self._alone = alone
         self._spread_over(chosen())
 
     def fresh(self) -> Isolated:
-        basics = self.entry, self.opening, self.of, self.files_digest
-        return self._made(Isolated(self.place, *basics, True, self.columns))
+        basics = self.entry, self.opening, self.declaration, self.files_digest, self.unread
+        return self._made(Isolated(self.place, *basics, alone=True))
 
     @property
     def _covered(self) -> list[Path]:
@@ -204,14 +196,6 @@ class Isolated(_OfFunction, Spread):
     @property
     def _limits(self) -> Limits:
         return Limits(self.of.timeout, memory=self.of.memory, recycle=1 if self._alone else self.of.recycle)
-
-    @property
-    def _columns(self) -> Mapping[str, Column]:
-        return self.columns
-
-    @property
-    def _scene(self) -> Scene | None:
-        return self.scene
 
     def _program(self, work: Path) -> Program:
         named = {calling.FUNCTION: calling.packed(self.place, self.every, self.of.vectorized)}

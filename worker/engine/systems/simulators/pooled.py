@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
-from campaigns.results.scene import Scene
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Evaluated, Floats, NoResult, Reasons, Seeds, Trace
 from worker.engine.systems.simulators import traced
@@ -108,19 +107,8 @@ class Pooled(Simulated):
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         return batch_of([future.result() for future in [self.submit(vector) for vector in vectors]])
 
-    @property
-    def _columns(self) -> Mapping[str, traced.Column]:
-        """The columns of the trace that it returns on request; empty if it returns none."""
-        return {}
-
-    @property
-    def _scene(self) -> Scene | None:
-        """What is drawn of a trace, if the simulator declares this."""
-        return None
-
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
-        columns = self._columns
-        if not columns:
+        if not self.columns:
             return None
         vector = self._vector(values)
         if changed := self.changed():
@@ -129,8 +117,8 @@ class Pooled(Simulated):
         value, reason = self._read(outcome)
         if reason:
             raise NoResult(reason, outcome.kind == "timeout")
-        head = traced.head(self.results[0], value, self._by_path(vector), self._scene)
-        return traced.read(name, columns, outcome.answer, head)
+        head = traced.head(self.results[0], value, self._by_path(vector), self.scene)
+        return traced.read(name, self.columns, outcome.answer, head)
 
     def close(self) -> None:
         """Kill its processes; they start again with the next evaluation."""

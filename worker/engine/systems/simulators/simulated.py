@@ -6,12 +6,15 @@ A package derives its simulator from `Simulated` and implements `evaluate` and `
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
 from campaigns.catalogue import SimulatorEntry
 from campaigns.results.base import OK
+from campaigns.results.scene import Scene
 from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Slotted, System
+from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.simulator import Opening
 
 FRESH = "a fresh evaluation"
@@ -26,6 +29,10 @@ class Simulated(Slotted):
 
     step: float | None = None
     """Its step, if it declares one."""
+    columns: Mapping[str, Column] = MappingProxyType({})
+    """Of the trace that it returns on request; empty if it returns none."""
+    scene: Scene | None = None
+    """What is drawn of a trace, if it declares this."""
 
     def __init__(self, entry: SimulatorEntry, opening: Opening) -> None:
         self.entry = entry

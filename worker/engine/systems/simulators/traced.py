@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,20 +15,9 @@ from campaigns.results.base import Status
 from campaigns.results.scene import Scene
 from campaigns.results.trace import TraceColumn, TraceHead
 from worker.engine.systems.base import Floats, NoTrace, Result, Trace
+from worker.engine.systems.simulators.declared.columns import TIME, Column
 
 MOST_ROWS = 100_000
-TIME = "time"
-
-
-class Column(Protocol):
-    """What a descriptor states of a column."""
-
-    @property
-    def unit(self) -> str: ...
-    @property
-    def symbol(self) -> str: ...
-    @property
-    def text(self) -> str: ...
 
 
 def head(result: Result, value: float, values: Mapping[str, float], scene: Scene | None = None) -> TraceHead:
@@ -45,14 +34,13 @@ def read(name: str, columns: Mapping[str, Column], answer: Any, of: TraceHead) -
     if missing := [column for column in columns if column not in lists]:
         listed = ", ".join(str(key)[:40] for key in list(lists)[:8]) or "nothing"
         raise NoTrace(f"its trace lacks {missing[0]}; it has {listed}")
-    rows = _rows(columns, lists)
+    _have_rows(columns, lists)
     data = np.column_stack([_values(column, lists[column]) for column in columns])
     _in_order(data[:, list(columns).index(TIME)])
-    assert data.shape == (rows, len(columns))
     return Trace(name, [_described(column, c) for column, c in columns.items()], data, of)
 
 
-def _rows(columns: Mapping[str, Column], lists: Mapping[str, Any]) -> int:
+def _have_rows(columns: Mapping[str, Column], lists: Mapping[str, Any]) -> None:
     for column in columns:
         if not isinstance(lists[column], (list, tuple)):
             raise NoTrace(f"the column {column} of its trace is {lists[column]!r:.60}, not a list of numbers")
@@ -65,7 +53,6 @@ def _rows(columns: Mapping[str, Column], lists: Mapping[str, Any]) -> int:
             )
     if not 2 <= rows <= MOST_ROWS:
         raise NoTrace(f"its trace has {rows} rows; 2 to {MOST_ROWS} are expected")
-    return rows
 
 
 def _values(column: str, values: Any) -> Floats:

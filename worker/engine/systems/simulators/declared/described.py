@@ -11,6 +11,8 @@ from pydantic import Field, field_validator
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import SimulatorEntry
+from campaigns.results.scene import Scene
+from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.folder import digest_of, files_of
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -55,6 +57,16 @@ class Described(ABC):
     @abstractmethod
     def entry(self) -> SimulatorEntry:
         """How a campaign and the pages see it."""
+
+    @property
+    @abstractmethod
+    def columns(self) -> dict[str, Column]:
+        """Of the trace that it returns on request; empty if it returns none."""
+
+    @property
+    @abstractmethod
+    def drawn(self) -> Scene | None:
+        """What is drawn of a trace; raises ValueError."""
 
     @property
     def given(self) -> str:

@@ -19,6 +19,7 @@ from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.results.scene import Scene
 from worker.engine.systems.simulators.declared import fmu
+from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.described import BadDescriptor, Basics, Described, Finite
 from worker.engine.systems.simulators.declared.fmu_model import Unusable
 from worker.engine.systems.simulators.declared.folder import FILE, FOLDERS, folders
@@ -148,8 +149,15 @@ class DescribedProgram(Described):
     descriptor: Descriptor
 
     @property
+    def columns(self) -> dict[str, Column]:
+        return {name: Column(c.unit, c.text, c.symbol) for name, c in self.descriptor.trace.items()}
+
+    @property
+    def drawn(self) -> Scene | None:
+        return self.descriptor.drawn
+
+    @property
     def entry(self) -> SimulatorEntry:
-        """How a campaign and the pages see it."""
         d = self.descriptor
         return SimulatorEntry(
             name=d.name,

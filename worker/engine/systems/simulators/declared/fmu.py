@@ -50,7 +50,6 @@ class DescribedFmu(Described):
 
     @property
     def columns(self) -> dict[str, Column]:
-        """The columns of a trace; empty if it has none."""
         if not self.recorded:
             return {}
         found = {TIME: Column("s")}
@@ -62,7 +61,6 @@ class DescribedFmu(Described):
 
     @property
     def drawn(self) -> Scene | None:
-        """What is drawn of a trace; raises ValueError."""
         stated = self.descriptor.scene
         return None if stated is None else scene_of(stated, {name: c.unit for name, c in self.columns.items()})
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from campaigns.results.scene import Scene
 from worker.engine.systems.base import Settings
 from worker.engine.systems.simulators.cluster.work import WORK
 from worker.engine.systems.simulators.command import CommandSimulator
-from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.fmu import DescribedFmu
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.fmus import JOB
@@ -62,14 +59,6 @@ class FmuSimulator(CommandSimulator):
 
     def fresh(self) -> FmuSimulator:
         return self._made(FmuSimulator(self.described, self.opening, self.reuse, fresh=True))
-
-    @property
-    def _columns(self) -> Mapping[str, Column]:
-        return self.described.columns
-
-    @property
-    def _scene(self) -> Scene | None:
-        return self.described.drawn
 
     @property
     def _recycle(self) -> int:

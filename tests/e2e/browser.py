@@ -247,8 +247,7 @@ def visiting(browser: Browser, address: str, *, views: bool = True, moving: bool
         yield visit
     finally:
         context.close()
-    faults = visit.faults()
-    assert faults == [], "\n".join(faults)
+    assert visit.faults() == [], "\n".join(visit.faults())
 
 
 def launch(chromium: BrowserType, draws: bool = True, optimises: bool = False) -> Browser:

@@ -87,6 +87,8 @@ def happen(campaign: Campaign) -> None:
         if once.exists():
             return
         once.touch()
+        while word == "pause" and not once.read_text():
+            threading.Event().wait(0.01)
     ACCIDENTS[word]()
 
 
@@ -140,6 +142,7 @@ def talk() -> None:
 ACCIDENTS: dict[str, Any] = {
     "none": lambda: None,
     "linger": lambda: None,
+    "pause": lambda: None,  # until something is written to the file
     "segfault": lambda: os.kill(os.getpid(), signal.SIGSEGV),
     "kill": lambda: os.kill(os.getpid(), signal.SIGKILL),
     "exit": lambda: os._exit(7),

@@ -208,12 +208,13 @@ def test_a_child_that_holds_the_interpreter_keeps_its_lease(bench: Bench) -> Non
     bench.ended(run_id)
 
 
-def test_a_locked_database_is_waited_for(bench: Bench) -> None:
+def test_a_locked_database_is_waited_for(bench: Bench, tmp_path: Path) -> None:
     connection = bench.engine.connect()
-    run_id = bench.submit("none")
-    until(lambda: bench.run(run_id).state == "running", "running")
+    run_id = bench.submit("pause", half := tmp_path / "half")
+    until(half.exists, "half of it is flown")
     connection.begin()
     frozen = bench.run(run_id)
+    half.write_text("go on")
     try:  # longer than the lease, so that the beats fail to arrive too
         until(lambda: bench.run(run_id).lease_until < time.time() - 1.0, "the lease has run out")
         assert bench.run(run_id).evaluations == frozen.evaluations

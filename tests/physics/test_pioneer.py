@@ -18,9 +18,9 @@ from clearance.testing.problems import Problem
 from tests.bench.reference_pioneer import Reference
 from tests.given.reference_in_python import PlainReference
 from tests.physics.scenes import changed, cost, flight, uncompiled
-from worker.engine import reference
 from worker.engine.components.vehicles import pioneer_3dx
 from worker.engine.kernels.bind import plain
+from worker.engine.reference.reference import Reference as Confirming
 
 CASE = load_file(library()["pioneer_moving"])
 PROBLEM = Problem(CASE)
@@ -128,7 +128,7 @@ class TestIntegrator:
     @pytest.mark.parametrize(("values", "apart"), [({}, 5e-4), (CORNER, 3e-3)])
     def test_agrees_with_dop853_as_far_as_the_switches_allow(self, values: dict[str, float], apart: float) -> None:
         # The trajectory slides along v_RO = 0, where the force is discontinuous: the order of convergence is lost.
-        other = reference.Reference(PROBLEM.system).simulate(PROBLEM.vector(values))
+        other = Confirming(PROBLEM.system).simulate(PROBLEM.vector(values))
         assert "switches back and forth" in other.reason
         assert other.cost == pytest.approx(cost(PROBLEM, values), abs=apart)
 

@@ -15,51 +15,67 @@ SLOW=(
     tests/contract/test_method_table.py
     tests/contract/test_methods.py
     tests/contract/test_pairs.py
-    tests/unit/clearance/cli/test_allow_code.py
-    tests/unit/evidence/audit/test_audit.py
-    tests/unit/engine/stages/test_baseline.py
-    tests/unit/engine/kernels/test_bind.py
-    tests/unit/campaigns/asked/test_campaigns_effort.py
-    tests/unit/running/catalogue/test_catalog.py
-    tests/unit/engine/stages/test_certify.py
-    tests/unit/clearance/cli/test_cli.py
     tests/unit/backend/db/test_cli_purge.py
-    tests/unit/clearance/cli/test_cli_run.py
-    tests/unit/engine/search/test_cma_es.py
-    tests/unit/repository/test_compose.py
-    tests/unit/running/runs/test_continuation.py
-    tests/unit/engine/search/test_contrast_racing.py
-    tests/unit/engine/stages/test_drive.py
-    tests/unit/running/examination/test_examination.py
-    tests/unit/clearance/cli/test_explain.py
-    tests/unit/engine/systems/test_field.py
-    tests/unit/engine/stages/test_findings.py
-    tests/unit/engine/stages/test_front.py
-    tests/unit/running/catalogue/test_function_files.py
-    tests/unit/clearance/function/test_functions.py
-    tests/unit/engine/search/test_global_clustering.py
+    tests/unit/campaigns/asked/test_campaigns_effort.py
+    tests/unit/campaigns/densities/test_reweighting.py
     tests/unit/campaigns/test_library.py
-    tests/unit/running/processes/test_live.py
+    tests/unit/clearance/cli/test_allow_code.py
+    tests/unit/clearance/cli/test_capsule_code.py
+    tests/unit/clearance/cli/test_cli.py
+    tests/unit/clearance/cli/test_cli_run.py
+    tests/unit/clearance/cli/test_explain.py
+    tests/unit/clearance/cli/test_replay.py
+    tests/unit/clearance/function/test_arguments.py
+    tests/unit/clearance/function/test_functions.py
+    tests/unit/clearance/function/test_notebook.py
+    tests/unit/engine/attraction/test_region.py
+    tests/unit/engine/kernels/test_bind.py
+    tests/unit/engine/kernels/test_text.py
+    tests/unit/engine/kernels/test_text_names.py
+    tests/unit/engine/problem/test_problem.py
+    tests/unit/engine/rare/test_bench.py
+    tests/unit/engine/rare/test_estimate.py
+    tests/unit/engine/search/test_callback.py
+    tests/unit/engine/search/test_cma_es.py
+    tests/unit/engine/search/test_contrast_racing.py
+    tests/unit/engine/search/test_falsification.py
+    tests/unit/engine/search/test_global_clustering.py
     tests/unit/engine/search/test_lq_cma_es.py
     tests/unit/engine/search/test_mlsl.py
     tests/unit/engine/search/test_monte_carlo.py
     tests/unit/engine/search/test_nlopt_global.py
-    tests/unit/clearance/function/test_notebook.py
     tests/unit/engine/search/test_nsga2.py
-    tests/unit/running/catalogue/test_own_components.py
     tests/unit/engine/search/test_portfolio.py
-    tests/unit/engine/problem/test_problem.py
-    tests/unit/repository/test_readme.py
-    tests/unit/running/reproduce/test_reproduce.py
-    tests/unit/running/runs/test_resume.py
+    tests/unit/engine/stages/test_allowance.py
+    tests/unit/engine/stages/test_baseline.py
+    tests/unit/engine/stages/test_certify.py
+    tests/unit/engine/stages/test_counting.py
+    tests/unit/engine/stages/test_drive.py
+    tests/unit/engine/stages/test_findings.py
+    tests/unit/engine/stages/test_front.py
     tests/unit/engine/stages/test_same_numbers.py
     tests/unit/engine/stages/test_seeds.py
     tests/unit/engine/stages/test_sensitivity.py
-    tests/unit/running/runs/test_sources.py
     tests/unit/engine/stages/test_stages.py
-    tests/unit/engine/kernels/test_text.py
-    tests/unit/engine/kernels/test_text_names.py
+    tests/unit/engine/systems/test_field.py
     tests/unit/engine/systems/test_trace.py
+    tests/unit/evidence/audit/test_audit.py
+    tests/unit/evidence/audit/test_counted_forgeries.py
+    tests/unit/evidence/audit/test_estimate_forgeries.py
+    tests/unit/evidence/audit/test_forged_databases.py
+    tests/unit/evidence/audit/test_forgeries.py
+    tests/unit/repository/test_compose.py
+    tests/unit/repository/test_readme.py
+    tests/unit/running/catalogue/test_catalog.py
+    tests/unit/running/catalogue/test_function_files.py
+    tests/unit/running/catalogue/test_own_components.py
+    tests/unit/running/examination/test_examination.py
+    tests/unit/running/examination/test_purity.py
+    tests/unit/running/processes/test_live.py
+    tests/unit/running/reproduce/test_reproduce.py
+    tests/unit/running/runs/test_continuation.py
+    tests/unit/running/runs/test_resume.py
+    tests/unit/running/runs/test_sources.py
 )
 # Of files that are quick otherwise: these start several processes, each of which takes seconds.
 STARTING=(

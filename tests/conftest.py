@@ -20,23 +20,27 @@ from tests.side_by_side import pytest_addoption, pytest_runtestloop
 __all__ = ["pytest_addoption", "pytest_runtestloop"]
 
 LONG = (
-    "contract/test_compiled.py",
     "/e2e/",
+    "faults/test_worker.py",
+    "faults/test_releases.py",
+    "faults/test_outages.py",
+    "faults/test_backup.py",
+    "faults/test_kill.py",
+    "faults/test_serve.py",
+    "faults/test_code.py",
+    "faults/test_cluster.py",
     "adversary/",
     "physics/test_uav_cases.py",
     "contract/test_methods.py",
-    "faults/test_kill.py",
-    "faults/test_serve.py",
-    "faults/test_worker.py",
+    "contract/test_compiled.py",
+    "unit/evidence/audit/",
     "api/runs/test_simulators.py",
     "physics/test_reproduce.py",
     "physics/test_realisations.py",
-    "faults/test_code.py",
-    "faults/test_cluster.py",
     "physics/test_criteria.py",
     "physics/test_step_adequacy.py",
 )
-"""The browser beside compilations, which it disturbs less than another browser."""
+"""Parts of the paths of long files."""
 
 BROWSED = {
     **dict.fromkeys(("browse", "isolation", "narrow", "reading_a_run", "simulator", "simulator_run"), "evaluated"),
@@ -63,6 +67,11 @@ def pytest_group_of(item: pytest.Item) -> str:
         return "tests/unit: live"
     number = re.search(r"\[(\d+)-", rest)
     return f"{file}[{number[1]}]" if number and file.endswith(SPREAD) else file
+
+
+def pytest_waits(item: pytest.Item) -> bool:
+    """Tests of browsers and of processes."""
+    return item.nodeid.startswith(("tests/e2e/", "tests/faults/"))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

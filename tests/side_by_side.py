@@ -1,7 +1,9 @@
 """`pytest --processes N`: collects once, then runs groups of tests in N forks of the process that has collected.
 
 pytest-xdist collects in every process, which took a twentieth of the suite's processor time. The hook `pytest_group_of`
-tells which tests stay together. A fork that dies is reported and replaced.
+tells which tests stay together, `pytest_waits` which of them mostly wait for other processes: half of the forks run
+these first, the others begin with what computes, so that both are under way all the time. A fork that dies is reported
+and replaced.
 """
 
 from __future__ import annotations
@@ -29,6 +31,11 @@ class Hooks:
     @pytest.hookspec(firstresult=True)
     def pytest_group_of(self, item: pytest.Item) -> str:
         """The name of a group whose tests run in one process, one after another; by default the item's file."""
+        raise NotImplementedError
+
+    @pytest.hookspec(firstresult=True)
+    def pytest_waits(self, item: pytest.Item) -> bool:
+        """Whether the item's group waits for other processes more than it computes; by default it does not."""
         raise NotImplementedError
 
 
@@ -59,12 +66,25 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
     return True
 
 
-def groups(session: pytest.Session) -> list[list[int]]:
-    """Places of the tests of a group, for all groups in the order of their first test."""
-    found: dict[str, list[int]] = {}
+def groups(session: pytest.Session) -> list[Group]:
+    """All groups in the order of their first test."""
+    found: dict[str, Group] = {}
+    hook = session.config.hook
     for place, item in enumerate(session.items):
-        found.setdefault(session.config.hook.pytest_group_of(item=item), []).append(place)
+        name = hook.pytest_group_of(item=item)
+        if name not in found:
+            found[name] = Group(waits=bool(hook.pytest_waits(item=item)))
+        found[name].places.append(place)
     return list(found.values())
+
+
+@dataclass
+class Group:
+    """Places of tests that one process runs, one after another."""
+
+    waits: bool
+    """Whether they wait more than they compute."""
+    places: list[int] = field(default_factory=list)
 
 
 @dataclass
@@ -84,7 +104,7 @@ class Parent:
 
     session: pytest.Session
     forks: dict[Connection, Fork] = field(default_factory=dict)
-    waiting: list[list[int]] = field(default_factory=list)
+    waiting: list[Group] = field(default_factory=list)
 
     def __enter__(self) -> Parent:
         self.waiting = groups(self.session)
@@ -139,10 +159,17 @@ class Parent:
 
     def hand_out(self, fork: Fork) -> None:
         stopped = self.session.shouldfail or self.session.shouldstop
-        group = self.waiting.pop(0) if self.waiting and not stopped else []
-        fork.left += group
+        places = [] if stopped else self.following(waits=fork.number % 2 == 0)
+        fork.left += places
         with contextlib.suppress(ConnectionError):  # it died meanwhile, which is received next
-            fork.connection.send(group)
+            fork.connection.send(places)
+
+    def following(self, waits: bool) -> list[int]:
+        """Take the tests of the next group, if possible of one that waits or does not."""
+        if not self.waiting:
+            return []
+        at = next((at for at, group in enumerate(self.waiting) if group.waits == waits), 0)
+        return self.waiting.pop(at).places
 
     def lost(self, fork: Fork) -> None:
         """It has ended. Where tests are left, the one that ran has failed, and another fork runs the others."""
@@ -160,7 +187,7 @@ class Parent:
         report = pytest.TestReport(item.nodeid, item.location, {}, "failed", text, "call")
         self.session.config.hook.pytest_runtest_logreport(report=report)
         if len(fork.left) > 1:
-            self.waiting.insert(0, fork.left[1:])
+            self.waiting.insert(0, Group(waits=fork.number % 2 == 0, places=fork.left[1:]))
         if self.waiting:
             self.fork(fork.number)
 

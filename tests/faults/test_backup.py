@@ -23,6 +23,7 @@ from tests.audited import audited
 from tests.faults.long import case
 from tests.faults.processes import until, worker
 from tests.faults.serving import state
+from tests.given.databases import AT_NIGHT
 
 
 def queued(engine: sa.Engine) -> int:
@@ -30,6 +31,7 @@ def queued(engine: sa.Engine) -> int:
         return submit(connection, case(), name="long", tags=[], owner="", planned=most(case()))
 
 
+@AT_NIGHT
 def test_a_backup_made_while_a_run_writes_goes_on_where_it_was(database: sa.Engine, tmp_path: Path) -> None:
     url = database.url.render_as_string(hide_password=False)
     run_id, file = queued(database), tmp_path / "backup"

@@ -145,6 +145,7 @@ def test_three_ways_on(service: Service, place: Path, tmp_path: Path) -> None:
     assert (ended.state, Versions.of(ended.flown).code) == (RunState.DONE, before.code)
 
 
+@pytest.mark.nightly  # by day one run, begun by one version and continued by another
 def test_a_rolling_upgrade_with_runs_in_flight(service: Service, place: Path, tmp_path: Path) -> None:
     """Under load all workers are replaced, one by kill -9; later one of the old version returns. No run fails, and none
     mixes versions."""

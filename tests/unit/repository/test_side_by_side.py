@@ -67,3 +67,27 @@ def test_every_outcome_is_reported_and_a_process_that_dies_takes_no_test_with_it
     )
     assert [text for text in texts if text not in result.stdout] == []
     assert result.returncode == 1, result.stderr
+
+
+WAITING = """
+import pytest
+
+def pytest_waits(item): return item.path.name.startswith("test_w")
+"""
+TURN = """
+import os
+from pathlib import Path
+
+def test_turn():
+    with Path("order").open("a") as file:
+        file.write(f"{os.environ['PYTEST_CURRENT_TEST'][:6]}\\n")
+"""
+
+
+def test_the_first_process_begins_with_what_waits(tmp_path: Path) -> None:
+    (tmp_path / "conftest.py").write_text(WAITING, encoding="utf-8")
+    for name in ("test_c1", "test_c2", "test_w1", "test_w2"):
+        (tmp_path / f"{name}.py").write_text(TURN.replace("\\\\n", "\\n"), encoding="utf-8")
+    result = in_folder(tmp_path, "--processes", "1")
+    assert result.returncode == 0, result.stdout
+    assert [line[5] for line in (tmp_path / "order").read_text().split()] == ["w", "w", "c", "c"]

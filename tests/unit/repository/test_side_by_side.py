@@ -87,7 +87,7 @@ def test_turn():
 def test_the_first_process_begins_with_what_waits(tmp_path: Path) -> None:
     (tmp_path / "conftest.py").write_text(WAITING, encoding="utf-8")
     for name in ("test_c1", "test_c2", "test_w1", "test_w2"):
-        (tmp_path / f"{name}.py").write_text(TURN.replace("\\\\n", "\\n"), encoding="utf-8")
+        (tmp_path / f"{name}.py").write_text(TURN, encoding="utf-8")
     result = in_folder(tmp_path, "--processes", "1")
     assert result.returncode == 0, result.stdout
     assert [line[5] for line in (tmp_path / "order").read_text().split()] == ["w", "w", "c", "c"]

@@ -24,7 +24,8 @@ tools/frontend.sh # the types of the pages are checked before they are built
 begin "mypy, oxlint and vitest" checks
 say "== pytest; mypy, oxlint and vitest beside it"
 # A file's tests share services and browsers: tests/conftest.py keeps them together, and orders them.
-processes="$((2 * $(nproc)))" # half of them run what mostly waits for other processes (tests/side_by_side.py)
+# Half of them begin with what mostly waits for other processes (tests/side_by_side.py); more take each other's caches.
+processes="$(($(nproc) + 1))"
 tested=0
 "$VENV/bin/pytest" --processes "$((processes < 4 ? processes : 4))" "$@" || tested="$?"
 ended

@@ -1,5 +1,7 @@
 // The query cache: keys and freshness of the service's responses. The event stream writes into the same cache.
-import { infiniteQueryOptions, keepPreviousData, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
+import {
+  infiniteQueryOptions, type InvalidateOptions, type InvalidateQueryFilters, keepPreviousData, QueryCache, QueryClient, queryOptions,
+} from '@tanstack/react-query'
 import type { ReweightRequest, RunSummary, TraceHead } from '../client'
 import { learnMethods, requestBy } from '../ui/methods'
 import * as sdk from '../client'
@@ -10,7 +12,17 @@ import { signedOut } from './session'
 const refused = (error: unknown, ...status: number[]): boolean =>
   error instanceof Refusal && status.includes(error.status)
 
-export const queryClient = new QueryClient({
+/** A first request that is under way may be answered from before the change: it is made again, as later ones are. */
+export class Cache extends QueryClient {
+  override invalidateQueries(filters: InvalidateQueryFilters = {}, options?: InvalidateOptions): Promise<void> {
+    if (filters.refetchType !== 'none')
+      for (const query of this.getQueryCache().findAll({ ...filters, fetchStatus: 'fetching' }))
+        if (query.state.data === undefined && query.isActive()) void query.cancel({ silent: true })
+    return super.invalidateQueries(filters, options)
+  }
+}
+
+export const queryClient = new Cache({
   queryCache: new QueryCache({
     onError: (error) => {
       if (refused(error, 401)) signedOut()

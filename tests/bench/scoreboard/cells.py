@@ -1,8 +1,8 @@
 """Cells of the score board: one search on one problem with one seed; measured in processes, stored line by line.
 
 A finished cell is a line of `build/scoreboard/cells.jsonl`, so that an interrupted board continues. A line counts only
-for the code that measured it: the board, and of ours what the cell reaches, a search method alone, the engine, or all
-that makes a run; of a peer its version.
+for the code that measured it: the board, the method or the version of the peer, and what it searched: nothing of ours,
+closed loops, or all that makes a run.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import os
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -25,10 +25,10 @@ from worker.running.runs.identity import code_parts
 ROOT = Path(__file__).parents[3]
 BOARD = (
     "tests/bench/scoreboard", "clearance/testing", "tests/given/landscapes.py", "tests/given/falsification",
-    "tests/given/niching", "tests/golden/library_verdicts.json",
+    "tests/given/niching",
 )  # fmt: skip
-OURS = ("worker/engine", "campaigns/asked", "campaigns/library", "campaigns/limits.py")
-RUNS = ("worker/evidence", "worker/running", "campaigns", "clearance/function")
+LIBRARY = ("campaigns/library", "tests/golden/library_verdicts.json")
+RUNS = ("worker", "campaigns", "clearance/function")
 PRESENTATION = ("__main__.py", "bars.py", "page.py")
 """Modules of the board that change no figure of a cell."""
 
@@ -64,8 +64,8 @@ class Row(NamedTuple):
     seconds: float
 
 
-Reach = Literal["method", "engine", "runs"]
-"""What of our code decides a cell's figures."""
+Reach = Literal["method", "loops", "runs"]
+"""What of our code decides a cell's figures: the method alone, closed loops of the library besides, or all."""
 
 Measure = Callable[[Cell], dict[str, Any]]
 """The figures of one cell, of kinds that JSON has; `error` is what a peer raised."""
@@ -85,9 +85,14 @@ def code(names: Iterable[str]) -> str:
 
 def versions(names: Iterable[str], reach: Reach) -> dict[str, str]:
     """What each method's cells are valid for."""
-    board, ours = code(BOARD), code((*OURS, *(RUNS if reach == "runs" else ())))
-    methods = code_parts().methods if reach == "method" else {}
-    return {n: f"{board} {PEERS[n].version() if n in PEERS else methods.get(n, ours)}" for n in names}
+    board, parts = code(BOARD), code_parts()
+    searched = {"method": [], "loops": [code(LIBRARY), _digest(parts.systems | parts.components)], "runs": [code(RUNS)]}
+    by = {name: PEERS[name].version() if name in PEERS else parts.methods[name] for name in names}
+    return {name: " ".join([board, version, *searched[reach]]) for name, version in by.items()}
+
+
+def _digest(parts: Mapping[str, str]) -> str:
+    return hashlib.sha256(repr(sorted(parts.items())).encode()).hexdigest()[:16]
 
 
 def stored(file: Path, versions_of: dict[str, str]) -> dict[Cell, Row]:

@@ -22,7 +22,7 @@ def main() -> None:
     """Measure what is not stored, and print the coefficients."""
     asked = parser().parse_args()
     cells, file = PART.cells(Request("setting", (JUDGED,), asked.seeds)), BUILD / "scoreboard" / "setting.jsonl"
-    rows = measured(cells, PART.measure, file, asked.processes or os.cpu_count() or 1, versions([JUDGED]))
+    rows = measured(cells, PART.measure, file, asked.processes or os.cpu_count() or 1, versions([JUDGED], PART.reach))
     made = statements(rows)
     constant, near = coefficients(np.array([one.near for one in made]), np.array([one.lower for one in made]))
     print(f"{len(rows)} landscapes, {len(made)} statements: constant {constant:.3f}, near {near:.3f}")

@@ -153,7 +153,7 @@ LOOPS = Part(
     _measure_loop,
     table,
     shown="all",
-    reach="engine",
+    reach="loops",
 )
 
 

@@ -70,12 +70,12 @@ def measure(cell: Cell) -> dict[str, Any]:
     """For each budget and each of the two searches, what it states and whether the other one was lower."""
     half: Half = "judging" if cell.half == "judging" else "setting"
     one, largest = landscape(cell.number, half), max(cell.budgets) * cell.dimension
-    traces = [Contestant(JUDGED).trace(one, cell.dimension, largest, first + cell.number) for first in SEEDS[cell.half]]
+    first, second = (Contestant(JUDGED).trace(one, cell.dimension, largest, s + cell.number) for s in SEEDS[cell.half])
     nominal = float(one(np.full((1, cell.dimension), 0.5))[0])
     made = [
         (budget, *statement)
         for budget in cell.budgets
-        for pair in (traces, traces[::-1])
+        for pair in ((first, second), (second, first))
         if (statement := _statement(*pair, nominal, budget * cell.dimension)) is not None
     ]
     return {"statements": made}

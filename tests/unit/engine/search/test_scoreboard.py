@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -67,10 +67,13 @@ def test_a_cell_of_other_code_is_measured_again(tmp_path: Path) -> None:
     assert not cells.stored(file, {"direct": "newer"})
 
 
-def test_a_cell_of_a_search_alone_is_valid_for_its_method_and_others_for_all_of_ours() -> None:
-    ours = ("cma_es", "direct")
-    assert len({*cells.versions(ours, "method").values()}) == 2
-    assert len({*cells.versions(ours, "engine").values()}) == 1
+def test_a_cell_is_valid_for_its_method_and_what_it_searched() -> None:
+    one, loops, runs = (cells.versions(("cma_es", "direct", "scipy_direct"), r) for r in get_args(cells.Reach))
+    assert len({*one.values()}) == 3
+    for name, version in one.items():
+        assert loops[name].startswith(f"{version} ")
+        assert runs[name].startswith(f"{version} ")
+        assert loops[name] != runs[name]
 
 
 def test_chosen_cells_are_printed_and_repeated_by_their_command(

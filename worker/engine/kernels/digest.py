@@ -7,6 +7,7 @@ file: an edit to an indirectly imported helper changes the digest, a copy of the
 from __future__ import annotations
 
 import hashlib
+import inspect
 import sys
 import types
 from collections.abc import Callable, Mapping
@@ -27,6 +28,9 @@ SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_
 
 NAMED = (types.BuiltinFunctionType, types.MethodDescriptorType, types.WrapperDescriptorType, np.ufunc, type(np.sum))
 """Functions of C, which versions identify."""
+
+KINDS = inspect.CO_VARARGS | inspect.CO_VARKEYWORDS | inspect.CO_GENERATOR
+"""The flags of code that say how it is called. Numba changes others while a profiler runs."""
 
 PLAIN = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis), range, slice)
 
@@ -185,7 +189,8 @@ class _Walk:
             self.value(vars(value)[name], names)
 
     def code(self, code: types.CodeType) -> None:
-        arguments = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
+        flags = code.co_flags & KINDS
+        arguments = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, flags)
         self.text(repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars, *arguments)))
         self.sink.update(code.co_code + code.co_exceptiontable)
         self.value(code.co_consts)

@@ -7,8 +7,8 @@ for whole degrees of freedom (Abramowitz and Stegun, 26.4.4 and 26.4.5).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from statistics import NormalDist
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,23 +18,28 @@ _STANDARD = NormalDist()
 _TINY, _ACCURATE, _STEPS = 1e-300, 1e-15, 10_000
 
 
-def _each(function: Any, *values: ArrayLike) -> Floats:
-    return np.asarray(np.vectorize(function, otypes=[np.float64])(*values), dtype=np.float64)
+def _each(function: Callable[[float], float], values: ArrayLike) -> Floats:
+    """What a function of one number gives for each; `np.vectorize` takes half as long again."""
+    given = np.asarray(values, dtype=np.float64)
+    return np.fromiter(map(function, given.ravel().tolist()), np.float64, given.size).reshape(given.shape)
 
 
 def normal(z: ArrayLike) -> Floats:
     """P(Z <= z)."""
-    return _each(lambda v: math.erfc(-v / math.sqrt(2.0)) / 2.0, z)
+    return np.asarray(_each(math.erfc, -np.asarray(z, dtype=np.float64) / math.sqrt(2.0)) / 2.0)
 
 
 def normal_quantile(p: ArrayLike) -> Floats:
     """z of P(Z <= z) = p; infinite at 0 and 1."""
-    return _each(lambda v: _STANDARD.inv_cdf(v) if 0.0 < v < 1.0 else math.copysign(math.inf, v - 0.5), p)
+    given = np.asarray(p, dtype=np.float64)
+    found, inside = np.array(np.copysign(np.inf, given - 0.5)), (given > 0.0) & (given < 1.0)
+    found[inside] = _each(_STANDARD.inv_cdf, given[inside])
+    return found
 
 
 def chi_square_beyond(q: ArrayLike, freedom: int) -> Floats:
     """P(chi-square > q) for a whole number of degrees of freedom; without any, whether q is negative."""
-    return _each(lambda v: _beyond(float(v), freedom), q)
+    return _each(lambda v: _beyond(v, freedom), q)
 
 
 def _beyond(q: float, freedom: int) -> float:
@@ -51,7 +56,7 @@ def _beyond(q: float, freedom: int) -> float:
 
 def beta(x: ArrayLike, a: float, b: float) -> Floats:
     """P(X <= x) of the beta distribution with the shapes a and b: the regularised incomplete beta function."""
-    return _each(lambda v: _beta(float(v), a, b), x)
+    return _each(lambda v: _beta(v, a, b), x)
 
 
 def _beta(x: float, a: float, b: float) -> float:

@@ -9,10 +9,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from clearance.testing.problems import Problem
+from worker.engine.kernels.numba_internals import cached
 from worker.engine.systems.base import Floats
 
 NAMES = (
@@ -22,7 +22,7 @@ NAMES = (
 """The order of the vehicle's parameters below."""
 
 
-@njit
+@cached
 def thetas(p: Any) -> Any:
     """theta_1 to theta_6 of equation 3.19."""
     m, I_z, R_t, r, k_a, R_a, I_e, B_e, k_b, d, _, b, k_PT, k_PR, k_DT, k_DR = p[:16]
@@ -38,12 +38,12 @@ def thetas(p: Any) -> Any:
     )
 
 
-@njit
+@cached
 def held(value: float, low: float, high: float) -> float:
     return low if value < low else high if value > high else value
 
 
-@njit
+@cached
 def slope(t: float, s: Any, p: Any, c: Any, e: Any, th: Any) -> Any:
     """The right-hand side. p: vehicle; c: controller and avoider; e: the encounter."""
     x, y, psi, u, w, sum_u, sum_w = s
@@ -95,7 +95,7 @@ def slope(t: float, s: Any, p: Any, c: Any, e: Any, th: Any) -> Any:
     return vx, vy, w, du, dw, e_u, e_w
 
 
-@njit
+@cached
 def moved(s: Any, h: float, k: Any) -> Any:
     return (
         s[0] + h * k[0], s[1] + h * k[1], s[2] + h * k[2], s[3] + h * k[3],
@@ -103,7 +103,7 @@ def moved(s: Any, h: float, k: Any) -> Any:
     )  # fmt: skip
 
 
-@njit
+@cached
 def square(t: float, s: Any, e: Any) -> float:
     """Squared distance from the intruder."""
     way = math.sqrt((e[4] - e[2]) ** 2 + (e[5] - e[3]) ** 2)
@@ -111,7 +111,7 @@ def square(t: float, s: Any, e: Any) -> float:
     return (e[2] + share * (e[4] - e[2]) - s[0]) ** 2 + (e[3] + share * (e[5] - e[3]) - s[1]) ** 2  # type: ignore[no-any-return]
 
 
-@njit
+@cached
 def fly(s: Any, p: Any, c: Any, e: Any, dt: float, steps: int) -> float:
     """d_min [m] of one flight: Runge-Kutta of order 4, the minimum refined by the parabola through three samples."""
     th = thetas(p)
@@ -134,7 +134,7 @@ def fly(s: Any, p: Any, c: Any, e: Any, dt: float, steps: int) -> float:
     return math.sqrt(lowest)
 
 
-@njit
+@cached
 def fly_all(starts: Any, vehicles: Any, laws: Any, encounters: Any, dt: float, steps: int, costs: Any) -> None:
     """One flight after another."""
     for i in range(len(costs)):

@@ -11,10 +11,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from clearance.testing.problems import Problem
 from worker.engine.components.controllers.autopilot_wings_level import WingsLevel
+from worker.engine.kernels.numba_internals import cached
 from worker.engine.physics.aerodynamics import Airframe
 from worker.engine.systems.base import Floats
 
@@ -27,12 +27,12 @@ CLEAR = 3.0e4
 """Squared distance beyond the closest one at which a flight is over [m2]."""
 
 
-@njit
+@cached
 def held(x: float, low: float, high: float) -> float:
     return low if x < low else (high if x > high else x)
 
 
-@njit
+@cached
 def slope(s: Any, ds: Any, wanted: Any, m: float, C_mde: float, C_dt: float, trim: Any) -> None:
     """The right-hand side: 12 states of the aircraft, 4 integrators of the autopilot. wanted: u_d, theta_d, psi_d."""
     phi, theta, psi, u, v, w, p, q, r = s[3], s[4], s[5], s[6], s[7], s[8], s[9], s[10], s[11]
@@ -83,7 +83,7 @@ def slope(s: Any, ds: Any, wanted: Any, m: float, C_mde: float, C_dt: float, tri
     ds[11] = (N - (AIR.I_yy - AIR.I_xx) * p * q - SPIN * q) / AIR.I_zz
 
 
-@njit
+@cached
 def over_ground(s: Any) -> Any:
     """Velocity in world axes."""
     cph, sph, cth, sth = math.cos(s[3]), math.sin(s[3]), math.cos(s[4]), math.sin(s[4])
@@ -95,7 +95,7 @@ def over_ground(s: Any) -> Any:
     )
 
 
-@njit
+@cached
 def field(s: Any, o: Any, g: Any) -> Any:
     """The force of case 3. o: centre, radius; g: goal, k_att, k_rep, d_0."""
     dx, dy, dz = s[0] - o[0], s[1] - o[1], s[2] - o[2]
@@ -108,7 +108,7 @@ def field(s: Any, o: Any, g: Any) -> Any:
     return fx, fy, fz
 
 
-@njit
+@cached
 def moving_field(t: float, s: Any, o: Any, g: Any) -> Any:
     """The force of case 4. o: centre at the start, velocity, radius; g: goal, k_att, eta, rho_0, A_max, floor."""
     rx, ry, rz = o[0] + o[3] * t - s[0], o[1] + o[4] * t - s[1], o[2] + o[5] * t - s[2]
@@ -130,7 +130,7 @@ def moving_field(t: float, s: Any, o: Any, g: Any) -> Any:
     return fx, fy, fz
 
 
-@njit
+@cached
 def decision(t: float, s: Any, o: Any, g: Any, e: Any) -> Any:
     """The velocity of case 5, side left, gate 4.
 
@@ -158,7 +158,7 @@ def decision(t: float, s: Any, o: Any, g: Any, e: Any) -> Any:
     return c * nx + h * hx + bx, c * ny + h * hy + by, c * nz
 
 
-@njit
+@cached
 def ask(case: int, t: float, s: Any, o: Any, g: Any, e: Any, trim: Any, wanted: Any) -> None:
     """One guidance sample: what the autopilot is to hold."""
     if case == STATIC:
@@ -174,7 +174,7 @@ def ask(case: int, t: float, s: Any, o: Any, g: Any, e: Any, trim: Any, wanted: 
     wanted[2] = math.atan2(fy, fx)
 
 
-@njit
+@cached
 def fly(
     case: int, start: Any, body: Any, o: Any, g: Any, e: Any, trim: Any, dt: float, steps: int, every: int
 ) -> float:
@@ -214,7 +214,7 @@ def fly(
     return math.sqrt(lowest)
 
 
-@njit
+@cached
 def fly_all(
     case: int, start: Any, bodies: Any, o: Any, g: Any, errors: Any, trim: Any, dt: float, steps: int, every: int
 ) -> Any:

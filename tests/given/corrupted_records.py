@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
+import pickle
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -158,12 +160,26 @@ VERDICTS = {
 VERDICTS |= {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
 
 
+MADE = TemporaryDirectory(prefix="clearance-records-")
+"""Made before the tests are divided among processes, which all have it."""
+
+
 def once(made: Callable[[str], T]) -> Callable[[str], T]:
-    """What is made of a name, once for all tests that confirm as many violations and make as many spot checks."""
+    """What is made of a name, once for all tests that confirm as many violations and make as many spot checks: the
+    first process that needs it stores it for the others."""
 
     @cache
-    def known(name: str, _at_most: int, _spot_checks: int) -> T:
-        return made(name)
+    def known(name: str, *limits: int) -> T:
+        file = Path(MADE.name, "_".join([made.__name__, name.replace(" ", "_"), *map(str, limits)]))
+        with file.open("ab+") as stored:
+            fcntl.flock(stored, fcntl.LOCK_EX)
+            stored.seek(0)
+            if content := stored.read():
+                found: T = pickle.loads(content)
+                return found
+            value = made(name)
+            stored.write(pickle.dumps(value))
+        return value
 
     return lambda name: known(name, offered.AT_MOST, offered.SPOT_CHECKS)
 

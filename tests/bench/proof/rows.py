@@ -16,11 +16,12 @@ Stolfi and de Figueiredo, Self-validated numerical methods (1997); Makino and Be
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import NamedTuple
 
-from numba import njit
+from worker.engine.kernels.numba_internals import cached
 
-jit = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract", "reassoc", "nsz"})
+jit = partial(cached, error_model="numpy", nogil=True, fastmath={"contract", "reassoc", "nsz"})
 ULPS = 2e-15
 UP = 1.0 + 4e-14
 """Covers the rounding of a sum of up to 250 positive terms, and of what is computed from it."""

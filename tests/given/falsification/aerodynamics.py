@@ -6,9 +6,9 @@ Global nonlinear parametric modeling with application to F-16 aerodynamics (ACC 
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
+from worker.engine.kernels.numba_internals import cached
 from worker.engine.search.base import Floats
 
 DAMPING = np.array(
@@ -58,7 +58,7 @@ POWERS = {
 CXQ, CYP, CYR, CZ, CZQ, CLP, CLR, CMQ, CNP, CNR = (np.array(powers) for powers in POWERS.values())
 
 
-@numba.njit(cache=True)
+@cached
 def _polynomial(powers: Floats, a: float) -> float:
     value = 0.0
     for power in powers[::-1]:
@@ -66,7 +66,7 @@ def _polynomial(powers: Floats, a: float) -> float:
     return value
 
 
-@numba.njit(cache=True)
+@cached
 def coefficients(a: float, b: float, e: float, d: float, r: float, rates: Floats, out: Floats) -> None:
     """CX, CY, CZ, Cl, Cm, Cn at angle of attack a, sideslip b, elevator e, aileron d, rudder r.
 
@@ -103,7 +103,7 @@ def coefficients(a: float, b: float, e: float, d: float, r: float, rates: Floats
     out[5] = cn + (_polynomial(CNP, a) + damping[8]) * p + (_polynomial(CNR, a) + damping[7]) * s + cn_d * d + cn_r * r
 
 
-@numba.njit(cache=True)
+@cached
 def atmosphere(speed: float, altitude: float) -> tuple[float, float]:
     """Mach number and dynamic pressure [lb/ft^2], of the speed [ft/s] and altitude [ft]."""
     factor = 1.0 - 0.703e-5 * altitude
@@ -112,7 +112,7 @@ def atmosphere(speed: float, altitude: float) -> tuple[float, float]:
     return speed / np.sqrt(1.4 * 1716.3 * temperature), 0.5 * density * speed * speed
 
 
-@numba.njit(cache=True)
+@cached
 def thrust(power: float, altitude: float, mach: float) -> float:
     """Thrust [lb] at a power level of at most 50 %."""
     h, m = max(altitude, 0.01) / 10000.0, 5.0 * mach
@@ -125,7 +125,7 @@ def thrust(power: float, altitude: float, mach: float) -> float:
     return float(levels[0] + (levels[1] - levels[0]) * power / 50.0)
 
 
-@numba.njit(cache=True)
+@cached
 def power_slope(power: float, throttle: float) -> float:
     """The rate of the power level [%/s] towards what a throttle below 0.77 commands, while both are below 50 %."""
     difference = 64.94 * throttle - power

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from math import nan, pi
 
-import numba
 import numpy as np
 
 from tests.given.falsification.aerodynamics import atmosphere, coefficients, power_slope, thrust
 from tests.given.falsification.problem import Falsification
+from worker.engine.kernels.numba_internals import cached
 from worker.engine.search.base import Floats
 
 SECONDS, STEP, LOGIC = 15, 1 / 120, 4
@@ -39,12 +39,12 @@ LEVEL, SLOW, DECK, NZ, PULLING = np.radians(5.0), np.radians(10.0), 1000.0, 5.0,
 """Level wings [rad], low roll rate [rad/s], altitude of activation [ft], demanded Nz [g], shortest pull-up [s]."""
 
 
-@numba.njit(cache=True)
+@cached
 def _wrapped(angle: float) -> float:
     return float(angle - 2 * pi * np.round(angle / (2 * pi)))
 
 
-@numba.njit(cache=True)
+@cached
 def _next(mode: int, x: Floats, t: float, since: float) -> int:
     """The mode after this state; since: when the pull-up began."""
     rising = _wrapped(x[4] - x[1]) > 0.0
@@ -57,7 +57,7 @@ def _next(mode: int, x: Floats, t: float, since: float) -> int:
     return mode
 
 
-@numba.njit(cache=True)
+@cached
 def _slopes(x: Floats, mode: int, out: Floats, c: Floats) -> None:
     """Of speed, attack, sideslip, roll, pitch, heading, p, q, r, north, east, altitude, power, and three integrals."""
     v, a, b, phi, theta, psi, p, q, r = x[:9]
@@ -97,7 +97,7 @@ def _slopes(x: Floats, mode: int, out: Floats, c: Floats) -> None:
     out[15] = (ay + PILOT * out[8]) / GRAVITY + r
 
 
-@numba.njit(cache=True)
+@cached
 def simulated(inputs: Floats, altitude: float, step: float, steps: int, logic: int) -> Floats:
     """Altitude [ft], roll [rad] and mode (samples, 3) from roll, pitch and heading [rad]; NaN once it has diverged."""
     x = np.zeros(16)

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from math import nan, pi
 
-import numba
 import numpy as np
 
 from tests.given.falsification.problem import Falsification
+from worker.engine.kernels.numba_internals import cached
 from worker.engine.search.base import Floats
 
 SECONDS, STEP, LOGIC = 30, 0.01, 4
@@ -65,14 +65,14 @@ INERTIA, FINAL_DRIVE, DRAG0, DRAG2, WHEEL, VEHICLE = 0.021991488, 3.23, 40.0, 0.
 MPH = 2.0 * pi * WHEEL * 60.0 / 5280.0
 
 
-@numba.njit(cache=True)
+@cached
 def _along(x: float, xs: Floats) -> tuple[int, float]:
     """The interval of x and its fraction in it, beyond the ends too: Simulink's look-up tables extrapolate."""
     i = min(max(int(np.searchsorted(xs, x, side="right")) - 1, 0), len(xs) - 2)
     return i, (x - xs[i]) / (xs[i + 1] - xs[i])
 
 
-@numba.njit(cache=True)
+@cached
 def _slopes(engine: float, wheel: float, gear: int, throttle: float, brake: float) -> tuple[float, float]:
     """Of engine speed [rpm/s] and wheel speed [rpm/s]."""
     i, a = _along(throttle, THROTTLE)
@@ -88,7 +88,7 @@ def _slopes(engine: float, wheel: float, gear: int, throttle: float, brake: floa
     return (low + a * (high - low) - impeller) / INERTIA, (FINAL_DRIVE * output - load) / VEHICLE
 
 
-@numba.njit(cache=True)
+@cached
 def simulated(inputs: Floats, step: float, steps: int, logic: int) -> Floats:
     """Speed [mph], engine speed [rpm] and gear (samples, 3); Runge-Kutta of order 4."""
     engine, wheel, gear, up, down = 1000.0, 0.0, 0, 0, 0

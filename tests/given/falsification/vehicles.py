@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from math import nan
 
-import numba
 import numpy as np
 
 from tests.given.falsification.problem import Falsification, always, eventually
+from worker.engine.kernels.numba_internals import cached
 from worker.engine.search.base import Floats
 
 SECONDS, STEP, EACH = 100, 0.02, 5
@@ -23,7 +23,7 @@ PIECES = 5
 KEEPING, CHASING, BRAKING = 0, 1, 2
 
 
-@numba.njit(cache=True)
+@cached
 def _slopes(y: Floats, v: Floats, mode: Floats, throttle: float, brake: float, out: Floats) -> None:
     out[0, 0], out[1, 0] = v[0], -throttle - brake * v[0]
     for car in range(1, 5):
@@ -31,7 +31,7 @@ def _slopes(y: Floats, v: Floats, mode: Floats, throttle: float, brake: float, o
         out[1, car] = 1.0 if mode[car] == CHASING else (-v[car] if mode[car] == BRAKING else 0.0)
 
 
-@numba.njit(cache=True)
+@cached
 def simulated(inputs: Floats, step: float, steps: int, each: int) -> Floats:
     """Positions (samples, 5) under throttle and brake, each in pieces of equal length; Runge-Kutta of order 4."""
     y, v = np.array([0.0, 10.0, 20.0, 30.0, 40.0]), np.zeros(5)

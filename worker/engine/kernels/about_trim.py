@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from worker.engine.kernels.numba_internals import cached
 from worker.engine.kernels.views import STILL
 
 Polynomial = dict[tuple[int, ...], Fraction]
@@ -55,7 +56,7 @@ def simulation(derivative: Any, command: Any, about: AboutTrim, constants: tuple
     stay within the limits until their norm has fallen to that fraction, by RK4; compiled."""
     place, pick, trim, demand, (vehicle, controller) = about.place, about.pick, at.trim, at.demand, constants
     n = len(at.trim)
-    inline = njit(error_model="numpy")
+    inline = partial(cached, error_model="numpy")
 
     @inline
     def rates(x: Any, found: Any) -> None:

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import partial
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
@@ -18,9 +20,9 @@ from types import FunctionType
 from typing import Any
 from uuid import uuid4
 
-from numba import njit
+from numba import config, njit, types
 from numba._dynfunc import make_function
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
 from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary, get_host_cpu_features
 from numba.core.compiler import Compiler
@@ -29,12 +31,16 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
+from numba.core.typing.templates import builtin_registry
 
 from worker.engine.kernels.cache import compiling
 
 log = logging.getLogger("clearance.kernels")
 
 Function = Callable[..., Any]
+
+SOURCE = sha256(Path(__file__).read_bytes()).hexdigest()
+"""Identifies how functions are compiled here."""
 
 UNCALLABLE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Without the wrappers through which Python and C call a function."""
@@ -45,10 +51,30 @@ def is_compiled(value: object) -> bool:
     return isinstance(value, Dispatcher)
 
 
-def python(function: Any) -> FunctionType:
+def python(function: Any) -> Any:
     """The Python function that numba compiles, or that defines an intrinsic; anything else as it is."""
     function = function._defn if isinstance(function, _Intrinsic) else function
-    return function.py_func if isinstance(function, Dispatcher) else function  # type: ignore[no-any-return]
+    return function.py_func if isinstance(function, Dispatcher) else function
+
+
+def options(function: Any) -> str:
+    """How a function that numba compiles is compiled."""
+    made = function._compiler
+    return f"{by_options(made.targetoptions)}{by_options(made.locals)}{made.pipeline_class.__qualname__}"
+
+
+def by_options(given: Mapping[str, Any]) -> str:
+    """Options of a compiled function as text; that of a set does not depend on the process."""
+    return str(sorted((k, sorted(map(str, v)) if isinstance(v, (set, frozenset)) else v) for k, v in given.items()))
+
+
+def extensions(known: Callable[[str], bool]) -> Iterator[tuple[FunctionType, Any, str]]:
+    """The functions that tell numba how to compile others, which need not refer to them: `overload` and its kin, but
+    those of known modules; each with what it is for, and its options."""
+    for template in (*builtin_registry.functions, *builtin_registry.attributes):
+        function: Any = getattr(template, "_overload_func", None)
+        if function is not None and not known(function.__globals__.get("__name__", "")):
+            yield function, getattr(template, "key", None), by_options(getattr(template, "_jit_options", {}))
 
 
 def processor_features() -> list[str]:
@@ -121,13 +147,48 @@ class _Sealed(IndexDataCacheFile):
         return content[-32:] == sha256(content[:-32]).digest()
 
 
-class _Cache(FunctionCache):
-    """Numba's cache of one function; an entry that this version cannot load counts as missing, and a disk on which it
-    cannot be stored prevents no evaluation."""
+class _Place(_CacheLocator):
+    """One folder for the functions of every copy of the package: what a function is decides, not where its text is."""
 
-    def __init__(self, function: Function) -> None:
+    def __init__(self, stamp: str) -> None:
+        self._stamp, self._py_file = stamp, ""
+
+    def get_cache_path(self) -> str:
+        return str(Path(config.CACHE_DIR) / "compiled")  # type: ignore[attr-defined]
+
+    def get_source_stamp(self) -> str:
+        return self._stamp
+
+    def get_disambiguator(self) -> str:
+        return self._stamp[:32]
+
+
+class _Placed(CompileResultCacheImpl):
+    def __init__(self, function: Any, stamp: str) -> None:
+        self._lineno, self._locator = function.__code__.co_firstlineno, _Place(stamp)
+        name: str = function.__qualname__.rpartition(".")[2][:100]
+        self._filename_base = self.get_filename_base(name, getattr(sys, "abiflags", ""))  # type: ignore[no-untyped-call]
+
+
+class _Cache(FunctionCache):
+    """Numba's cache of one function, by what it is; an entry that this version cannot load counts as missing, and a
+    disk on which it cannot be stored prevents no evaluation."""
+
+    _impl_class: Any
+
+    def __init__(self, function: Any, kind: str, flags: Mapping[str, Any]) -> None:
+        from worker.engine.kernels.digest import stamp
+
+        found = stamp(function, kind, flags)
+        self._impl_class = partial(_Placed, stamp=found.digest)
         super().__init__(function)  # type: ignore[no-untyped-call]
         self._cache_file.__class__ = _Sealed
+        if found.unknown:
+            log.warning(
+                "%s is not stored but compiled by every process, since it uses what cannot be told by value: %s",
+                function.__qualname__, found.unknown,
+            )  # fmt: skip
+            self.disable()  # type: ignore[no-untyped-call]
 
     missed: Callable[[], None] | None = None
     """Called once if the next look-up finds nothing, so that a compilation begins."""
@@ -141,6 +202,10 @@ class _Cache(FunctionCache):
             missed()
         return found
 
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        """Numba compares named tuples by their class and the types of their fields, not by the order of these."""
+        return sig, _fields(getattr(sig, "args", sig)), codegen.magic_tuple()
+
     def save_overload(self, sig: Any, data: Any) -> None:
         try:
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
@@ -148,11 +213,20 @@ class _Cache(FunctionCache):
             log.warning("a compiled function cannot be stored, and will be compiled again: %s", error)
 
 
+def _fields(of: Any) -> str:
+    """The names of the fields of all named tuples among types."""
+    tuples: list[Any] = [each for each in of if isinstance(each, types.BaseTuple)]
+    return str([(getattr(each, "fields", ()), _fields(tuple(each))) for each in tuples])
+
+
 class _Cached(CPUDispatcher):
     _cache: Any
 
     def compile(self, sig: Any) -> Any:
-        with compiling(self.py_func) as self._cache.missed:
+        with compiling(self.py_func) as missed:
+            if not isinstance(self._cache, _Cache):  # now, when all is defined that it refers to
+                self._cache = _Cache(self.py_func, "function", self.targetoptions)
+            self._cache.missed = missed
             return super().compile(sig)
 
 
@@ -160,15 +234,15 @@ def cached(function: Function, **flags: Any) -> Any:
     """A function that is compiled at its first call and cached on disk."""
     made: Any = njit(**flags)(function)
     made.__class__ = _Cached
-    made._cache = _Cache(function)
     return made
 
 
 def cached_callback(function: Function, signature: Any, **flags: Any) -> Any:
     """A C callback, compiled now and cached on disk; its `address` is valid for as long as the object exists."""
     made: Any = CFunc(function, (signature.args, signature.return_type), locals={}, options=flags)
-    made._cache = _Cache(function)
-    with compiling(function) as made._cache.missed:
+    with compiling(function) as missed:
+        made._cache = _Cache(function, f"callback {signature}", flags)
+        made._cache.missed = missed
         made.compile()
     return made
 

@@ -15,7 +15,8 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from worker.engine.kernels.bind import Function, compile_loop, digest, filled, identity, rebuilt
+from worker.engine.kernels.bind import Function, compile_loop, filled, identity, rebuilt
+from worker.engine.kernels.digest import digest
 from worker.engine.kernels.lanes import lane_ops
 from worker.engine.kernels.numba_internals import cached_callback, linked
 from worker.engine.reference import closed, flight, stepper

@@ -74,7 +74,7 @@ def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: S
     )
     further = [f"{one['name']} [{one['unit']}]" if one["unit"] else one["name"] for one in criteria[1:]]
     header = ["stage", "kind", "method", "index", "status", "cost", *further, *campaign.uncertain, "reason"]
-    same = 0
+    same, states = 0, dict(enumerate(STATUS))
     with path.open(newline="", encoding="utf-8") as file:
         table = csv.reader(file)
         if next(table, None) != header:
@@ -84,7 +84,7 @@ def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: S
                 same -= 1
                 continue
             of, ok = plan.get(stage[k], {"kind": None, "method": None}), status[k] == OK
-            state, cost = dict(enumerate(STATUS)).get(status[k]), repr(float(costs[k, 0])) if ok else ""
+            state, cost = states.get(status[k]), repr(float(costs[k, 0])) if ok else ""
             begin = [str(stage[k]), of["kind"], of["method"] or "", str(index[k]), state, cost]
             fits = row[:6] == begin and row[6 + len(further) : -1] == [*map(repr, values[k].tolist())]
             # What succeeded has no reason, but that of an earlier call that failed.

@@ -22,17 +22,18 @@ def audited(record: Record) -> list[Item]:
 def known(record: Record) -> Known:
     """The sentences of the record made again, and its components next to those that are installed."""
     searches: dict[int, Searched | Missing | None] = {**repeated(record)}
-    if _code(record) not in (None, identity.code(record.campaign).digest):
+    today = identity.code(record.campaign).digest
+    if _code(record) not in (None, today):
         searches = {k: UNKNOWN if found is None else found for k, found in searches.items()}
-    return Known(restated(record), titles(record), _components(record), searches)
+    return Known(restated(record), titles(record), _components(record, today), searches)
 
 
-def _components(record: Record) -> list[str] | Missing:
-    """How the descriptions in the record differ from those here, if the code is the same; texts may have changed."""
+def _components(record: Record, today: str) -> list[str] | Missing:
+    """How the descriptions in the record differ from those here, if the code is today's; texts may have changed."""
     claims = record.claims
     if "components" not in claims or _code(record) is None:
         return Missing(MISSING)
-    if _code(record) != identity.code(record.campaign).digest:
+    if _code(record) != today:
         return Missing("other code ran it: what its components meant there is taken from the record")
     found = [clause for clause in changes(claims["components"], catalogue()) if not clause.startswith("the text of ")]
     gone = [clause for clause in found if clause.endswith(" is no longer in this installation")]

@@ -128,6 +128,11 @@ def choosing(kind: str, method: str | None) -> frozenset[str]:
 
 def closure(roots: Iterable[str]) -> Used:
     """The loaded modules of these names and those that they import, directly or not; the operator's own left out."""
+    return _closure(frozenset(roots))
+
+
+@cache
+def _closure(roots: frozenset[str]) -> Used:
     found, others, waiting = set[str](), set[str](), [name for name in roots if name in loaded()]
     while waiting:
         name = waiting.pop()

@@ -20,7 +20,8 @@ import pytest
 from numba import config
 from numba.core.caching import FunctionCache
 
-from worker.engine.kernels.bind import digest, filled, plain
+from tests.given.loaded_functions import loaded
+from worker.engine.kernels.bind import filled, plain
 from worker.engine.kernels.folder import cache_folder
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.numba_internals import cached
@@ -132,7 +133,7 @@ def test_of_processes_that_need_the_same_code_one_compiles_it(tmp_path: Path) ->
     assert edited["name"] != first["name"]
 
 
-@pytest.mark.nightly  # four processes; by day the digests alone, in `test_what_the_digest_covers`
+@pytest.mark.nightly  # four processes; by day the digests alone, in test_digest.py: `test_what_the_digest_covers`
 @pytest.mark.parametrize(("old", "new"), [("OFFSET = 0.0", "OFFSET = 10.0"), ("by=2.0", "by=12.0")])
 def test_constants_and_defaults_of_a_helper_are_seen_too(tmp_path: Path, old: str, new: str) -> None:
     package = Package(tmp_path)
@@ -142,122 +143,6 @@ def test_constants_and_defaults_of_a_helper_are_seen_too(tmp_path: Path, old: st
     assert after["name"] != before["name"]
     assert after["answer"][:2] == ["13.0", "15.0" if old.startswith("OFFSET") else "25.0"]
     assert after["hits"] == 0
-
-
-# What the digest covers
-
-
-def loaded(text: str, **names: Any) -> Any:
-    """The function `f` of a module's text."""
-    module = types.ModuleType("some_component")
-    vars(module).update(names)
-    exec(compile(text, "some_component.py", "exec"), vars(module))
-    return vars(module)["f"]
-
-
-BASE = "K = 1.0\ndef g(x, a=1.0): return a * x\ndef f(x): return g(x) + K"
-
-SAME = {
-    "a comment": "K = 1.0  # the gain\ndef g(x, a=1.0): return a * x\n# below\ndef f(x): return g(x) + K",
-    "other lines": "\n\nK = 1.0\n\ndef g(x, a=1.0):\n    return a * x\n\ndef f(x):\n    return g(x) + K",
-    "what it does not reach": f"L = 2.0\ndef h(x): return L\n{BASE}",
-}
-
-OTHER = {
-    "a constant": BASE.replace("K = 1.0", "K = 2.0"),
-    "the kind of a constant": BASE.replace("K = 1.0", "K = 1"),
-    "the sign of zero": BASE.replace("K = 1.0", "K = -0.0"),
-    "a default": BASE.replace("a=1.0", "a=2.0"),
-    "an operation": BASE.replace("a * x", "a / x"),
-    "a literal": BASE.replace("+ K", "+ K + 1e-300"),
-    "another function called": BASE.replace("return g(x)", "return h(x)") + "\ndef h(x, a=1.0): return a * x",
-    "a tuple": BASE.replace("K = 1.0", "K = (1.0, 2.0)"),
-    "another tuple": BASE.replace("K = 1.0", "K = (1.0, 3.0)"),
-}
-
-
-def test_what_the_digest_does_not_cover() -> None:
-    for name, text in SAME.items():
-        assert digest(loaded(text)) == digest(loaded(BASE)), name
-
-
-def test_what_the_digest_covers() -> None:
-    digests = {digest(loaded(BASE)): "the function itself"}
-    for name, text in OTHER.items():
-        found = digest(loaded(text))
-        assert found not in digests, f"{name} has the digest of {digests.get(found)}"
-        digests[found] = name
-
-
-def test_the_digest_looks_into_kernels_and_modules() -> None:
-    text = "def f(x): return m.g(x)"
-
-    def module(body: str) -> types.ModuleType:
-        made = types.ModuleType("helper")
-        vars(made)["kernel"] = kernel
-        exec(body, vars(made))
-        return made
-
-    one, other = (loaded(text, m=module(f"@kernel\ndef g(x): return x + {k}")) for k in (1.0, 2.0))
-    assert digest(one) != digest(other)
-
-
-def test_the_digest_looks_into_modules_of_modules() -> None:
-    def package(value: float) -> types.ModuleType:
-        outside, inside = types.ModuleType("helpers"), types.ModuleType("helpers.far")
-        exec(f"def g(x): return x + {value}", vars(inside))
-        vars(outside)["far"] = inside
-        return outside
-
-    one, other = (loaded("def f(x): return helpers.far.g(x)", helpers=package(k)) for k in (1.0, 2.0))
-    assert digest(one) != digest(other)
-
-
-def test_the_digest_looks_into_a_module_again_for_other_names() -> None:
-    def helper(value: float) -> types.ModuleType:
-        made = types.ModuleType("helper")
-        exec(f"def one(x): return x\ndef two(x): return x + {value}", vars(made))
-        return made
-
-    text = "def a(x): return m.one(x)\ndef f(x): return a(x) + m.two(x)"
-    one, other = (loaded(text, m=helper(k)) for k in (1.0, 2.0))
-    assert digest(one) != digest(other)
-
-
-def test_modules_that_name_each_other_end() -> None:
-    one, other = types.ModuleType("one"), types.ModuleType("other")
-    vars(one)["other"], vars(other)["one"] = other, one
-    exec("def g(x): return other.h(x) if x else 0.0", vars(one))
-    exec("def h(x): return one.g(x - 1.0)", vars(other))
-    made = loaded("def f(x): return one.other.one.g(x)", one=one)
-    assert digest(made) == digest(made)
-    assert plain(made)(3.0) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("one", "other"),
-    [(np.array([1.0, 2.0]), np.array([1.0, 3.0])), (np.int64(1), np.int64(2)), (np.float32(1), np.float32(2))],
-)
-def test_the_digest_covers_arrays_and_numbers_of_numpy(one: Any, other: Any) -> None:
-    assert digest(loaded("def f(x): return x + K", K=one)) != digest(loaded("def f(x): return x + K", K=other))
-
-
-def test_the_digest_covers_the_defaults_of_a_named_tuple() -> None:
-    text = "def f(x): return Made(x).a"
-    one, other = (loaded(text, Made=type_with_default(k)) for k in (1.0, 2.0))
-    assert digest(one) != digest(other)
-
-
-def type_with_default(value: float) -> type:
-    class Made(NamedTuple):
-        x: float
-        a: float = value
-
-    return Made
-
-
-def test_recursion_ends() -> None:
-    assert digest(loaded("def f(x): return f(x - 1) if x else 0"))
 
 
 # Filling slots

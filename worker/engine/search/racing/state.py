@@ -1,7 +1,6 @@
 """The state of many local searches, one row each, and the functions that their compiled state machines share.
 
-numba's cache of a compiled function depends only on its own file, so no compiled function calls one of another file: a
-machine hands a searcher over by setting its kind and requesting no points.
+A machine hands a searcher over by setting its kind and requesting no points.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ def compiled(function: F) -> F:
 
 
 def inner(function: F) -> F:
-    """Compile a function that only compiled functions of the same file call; Python cannot call it.
+    """Compile a function that only compiled functions call; Python cannot call it.
 
     A Python wrapper, which unpacks the whole state, takes longer to compile than most of these functions. For the same
     reason they copy and add element by element: whole-array statements also compile their shape checks.

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from worker.engine.kernels import guidance, loop, maths
-from worker.engine.kernels.bind import Function, compile_loop, digest, filled, plain
+from worker.engine.kernels.bind import Function, compile_loop, filled, plain
 from worker.engine.kernels.component import Signal
+from worker.engine.kernels.digest import digest
 from worker.engine.kernels.lanes import LaneOps, lane_ops, plain_ops
 from worker.engine.kernels.layout import Parts, channels, sections, spans, states
 from worker.engine.kernels.scalars import quick

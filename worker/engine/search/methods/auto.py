@@ -33,7 +33,7 @@ from worker.engine.search.base import (
     Search,
     Space,
 )
-from worker.engine.search.methods import cma_es, contrast_racing, differential_evolution, direct, lq_cma_es, sqp, turbo
+from worker.engine.search.methods import cma_es, contrast_racing, differential_evolution, direct, lq_cma_es, mlsl, sqp, turbo
 from worker.engine.search.parts.descent import End, Settings, descend
 from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.portfolio_record import Record
@@ -58,6 +58,10 @@ EQUAL = 1e-3
 """Two costs are equal if they differ by less than this fraction of the spread of the costs."""
 DESCENTS, COVER = 0.08, 0.02
 """Shares of the leading members' evaluations that descents and DIRECT get beside an evolution strategy."""
+LOW, EARLY = 3, 120
+"""Parameters up to which MLSL leads first, and evaluations per parameter until which it does."""
+FAILING = 0.1
+"""The fraction of its evaluations that may fail: its local searches end where the others go on."""
 SMALL = 6
 """Parameters up to which that is differential evolution; beyond, CMA-ES needs fewer evaluations."""
 FIRST = Settings("scipy", "forward", 1.5e-9, cost_tolerance=1e-13, iterations=1000, apart=True)
@@ -95,6 +99,7 @@ class Running(Member):
         self.apart = apart
         self.stale = 0
         """Evaluations since its last improvement."""
+        self.failed = 0
         self.credit = 0.0
         self.begun = False
 
@@ -108,6 +113,7 @@ class Running(Member):
     def tell(self, batch: Batch, values: Floats) -> None:
         """Pass the values of the points that it requested."""
         self.used += len(values)
+        self.failed += int(np.count_nonzero(np.isinf(values)))
         lowest = float(values.min())
         self.stale = 0 if lowest < self.lowest else self.stale + len(values)
         self.lowest = min(self.lowest, lowest)
@@ -135,6 +141,19 @@ class Shared:
         if values[low] < self.lowest:
             self.stale, self.lowest, self.best = 0, float(values[low]), points[low].copy()
         self.record.see(points, values)
+
+    def report(self, minimum: Minimum) -> None:
+        """Where a descent ended; no later one begins there, or where it began."""
+        self.space.report(minimum)
+        if minimum.start is not None:
+            self.left(minimum.start, minimum.point)
+
+    def left(self, start: Floats, end: Floats) -> None:
+        """A descent has explored these two places (n,)."""
+        for point in (start, end):
+            self.explored.visit(point)
+            self.record.take(point)
+        self.opened = True
 
     def archived(self, descent: Generator[Floats, Batch, End]) -> Generator[Floats, Batch, End]:
         """A descent, whose points the model knows from then on; not beyond those that it can use."""
@@ -168,7 +187,9 @@ class Team:
         self.few = self._member(turbo.method, few, apart=True)
         many = contrast_racing.search(self._own(), contrast_racing.Options())
         self.many = self._member(contrast_racing.method, many, apart=True)
-        self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many]
+        several = replace(self._own(), report=self.shared.report)
+        self.multistart = self._member(mlsl.method, mlsl.search(several, mlsl.Options()))
+        self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many, self.multistart]
 
     def _member(self, of: Method, search: Parallel, apart: bool = False) -> Running:
         return Running(of.name, search, self.space, apart)
@@ -211,6 +232,9 @@ class Team:
         n = self.space.dimension
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share = self._share()
+        several = n <= LOW and not self.costly and self.used < EARLY * n
+        if several and self.multistart.failed <= FAILING * self.multistart.used:
+            return [(self.multistart, 1.0 - share), (witness, share)]
         if not (self.shared.opened or self.descents.search is None or self.descents.used >= OPENING * n):
             return [(self.descents, 1.0 - share), (witness, share)]
         if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self.model.stale < STALE * n:
@@ -232,7 +256,7 @@ class Team:
 def descents(shared: Shared, space: Space) -> Search:
     """A first descent from the centre, then from the lowest points away from all earlier starts."""
     n = space.dimension
-    start: Floats | None = np.full(n, 0.5)
+    start = None if shared.stale or shared.best is not None else np.full(n, 0.5)
     settings, coarse = (replace(each, most=OPENING * n) for each in (FIRST, COARSE))
     while True:
         while start is None:
@@ -247,11 +271,8 @@ def descents(shared: Shared, space: Space) -> Search:
             continue
         if end.cost < np.inf:
             space.report(Minimum(end.point, end.cost, start, end.evaluations, end.text))
-        shared.explored.visit(start)
-        shared.explored.visit(end.point)
-        shared.record.take(start)
-        shared.record.take(end.point)
-        shared.opened, start = True, None
+        shared.left(start, end.point)
+        start = None
 
 
 def modelled(shared: Shared, space: Space, at_once: int) -> Search:

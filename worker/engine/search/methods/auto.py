@@ -33,7 +33,16 @@ from worker.engine.search.base import (
     Search,
     Space,
 )
-from worker.engine.search.methods import cma_es, contrast_racing, differential_evolution, direct, lq_cma_es, mlsl, sqp, turbo
+from worker.engine.search.methods import (
+    cma_es,
+    contrast_racing,
+    differential_evolution,
+    direct,
+    lq_cma_es,
+    mlsl,
+    sqp,
+    turbo,
+)
 from worker.engine.search.parts.descent import End, Settings, descend
 from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.portfolio_record import Record
@@ -58,12 +67,15 @@ EQUAL = 1e-3
 """Two costs are equal if they differ by less than this fraction of the spread of the costs."""
 DESCENTS, COVER = 0.08, 0.02
 """Shares of the leading members' evaluations that descents and DIRECT get beside an evolution strategy."""
-LOW, EARLY = 3, 120
-"""Parameters up to which MLSL leads first, and evaluations per parameter until which it does."""
-FAILING = 0.1
-"""The fraction of its evaluations that may fail: its local searches end where the others go on."""
+LOW, EARLY, FAILING = 3, 95, 0.1
+"""Parameters up to which MLSL leads first, and alone; evaluations per parameter until which it does; and the fraction
+of them that may fail, since its local searches end where the others go on."""
+COUNTED = 25
+"""Evaluations per parameter that count as a search, which the witness makes next there."""
 SMALL = 6
 """Parameters up to which that is differential evolution; beyond, CMA-ES needs fewer evaluations."""
+HANDED = 5
+"""Points of its first population that others evaluated: half of the least one."""
 FIRST = Settings("scipy", "forward", 1.5e-9, cost_tolerance=1e-13, iterations=1000, apart=True)
 """Differences near the square root of the rounding errors of a smooth cost."""
 COARSE = replace(FIRST, difference=1e-5)
@@ -181,7 +193,7 @@ class Team:
         self.descents = self._member(sqp.method, descents(self.shared, self._own()))
         self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once))
         evolving = differential_evolution.method if n <= SMALL else cma_es.method
-        self.evolving = self._member(evolving, evolving.search(self._own(), evolving.options()))
+        self.evolving = self._member(evolving, evolved(self.shared, self._own(), evolving))
         self.cover = self._member(direct.method, direct.search(self._own(), direct.Options()))
         few = turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4)))
         self.few = self._member(turbo.method, few, apart=True)
@@ -232,9 +244,8 @@ class Team:
         n = self.space.dimension
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share = self._share()
-        several = n <= LOW and not self.costly and self.used < EARLY * n
-        if several and self.multistart.failed <= FAILING * self.multistart.used:
-            return [(self.multistart, 1.0 - share), (witness, share)]
+        if self._begins_low() and self.used < EARLY * n and self.multistart.failed <= FAILING * self.multistart.used:
+            return [(self.multistart, 1.0)]
         if not (self.shared.opened or self.descents.search is None or self.descents.used >= OPENING * n):
             return [(self.descents, 1.0 - share), (witness, share)]
         if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self.model.stale < STALE * n:
@@ -243,8 +254,13 @@ class Team:
         evolving = (self.evolving, (1.0 - DESCENTS - COVER) * lead)
         return [(self.descents, DESCENTS * lead), evolving, (self.cover, COVER * lead), (witness, share)]
 
+    def _begins_low(self) -> bool:
+        return self.space.dimension <= LOW and not self.costly and self.multistart.search is not None
+
     def _share(self) -> float:
         """The witness's share of the coming evaluations."""
+        if self._begins_low() and self.many.used < COUNTED * self.space.dimension:
+            return 1.0
         ours, its = self.shared.lowest, min(self.few.lowest, self.many.lowest)
         tie = EQUAL * self.shared.record.spread()
         if not np.isfinite(its) or its > ours + tie:
@@ -273,6 +289,13 @@ def descents(shared: Shared, space: Space) -> Search:
             space.report(Minimum(end.point, end.cost, start, end.evaluations, end.text))
         shared.left(start, end.point)
         start = None
+
+
+def evolved(shared: Shared, space: Space, strategy: Method) -> Search:
+    """The evolution strategy, whose first population has the lowest point and some away from all earlier starts."""
+    known = [] if shared.best is None else [shared.best, *shared.record.points[: HANDED - 1]]
+    starts = np.array(known).reshape(-1, space.dimension)
+    return (yield from strategy.search(replace(space, starts=starts), strategy.options()))
 
 
 def modelled(shared: Shared, space: Space, at_once: int) -> Search:

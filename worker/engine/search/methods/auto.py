@@ -1,11 +1,12 @@
 """Auto: what searches where nobody has chosen. Several methods share one budget by rules; one of them stays apart.
 
-Four members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
+Members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
 CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019), an evolution strategy with restarts (of
 few parameters differential evolution, SHADE, else CMA-ES, BIPOP), DIRECT for what none of them covers. The order is
 that of what each needs: a first descent takes tens of evaluations per parameter and solves what is smooth; the model
 goes on from there while it improves and evaluations are few; later, the evolution strategy and descents from the lowest
-unexplored points take turns. Nothing is evaluated twice.
+unexplored points take turns. Of two and three parameters MLSL comes first, alone: below so many evaluations nothing
+can be cleared anyway. Nothing is evaluated twice.
 
 The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
 and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
@@ -75,7 +76,7 @@ COUNTED = 25
 SMALL = 6
 """Parameters up to which that is differential evolution; beyond, CMA-ES needs fewer evaluations."""
 HANDED = 5
-"""Points of its first population that others evaluated: half of the least one."""
+"""Points of its first population that others evaluated, up to `LOW` parameters: half of the population."""
 FIRST = Settings("scipy", "forward", 1.5e-9, cost_tolerance=1e-13, iterations=1000, apart=True)
 """Differences near the square root of the rounding errors of a smooth cost."""
 COARSE = replace(FIRST, difference=1e-5)
@@ -199,9 +200,12 @@ class Team:
         self.few = self._member(turbo.method, few, apart=True)
         many = contrast_racing.search(self._own(), contrast_racing.Options())
         self.many = self._member(contrast_racing.method, many, apart=True)
-        several = replace(self._own(), report=self.shared.report)
-        self.multistart = self._member(mlsl.method, mlsl.search(several, mlsl.Options()))
-        self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many, self.multistart]
+        self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many]
+        self.first: Running | None = None
+        if n <= LOW and not self.costly:
+            several = replace(self._own(), report=self.shared.report)
+            self.first = self._member(mlsl.method, mlsl.search(several, mlsl.Options()))
+            self.members.append(self.first)
 
     def _member(self, of: Method, search: Parallel, apart: bool = False) -> Running:
         return Running(of.name, search, self.space, apart)
@@ -244,8 +248,9 @@ class Team:
         n = self.space.dimension
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share = self._share()
-        if self._begins_low() and self.used < EARLY * n and self.multistart.failed <= FAILING * self.multistart.used:
-            return [(self.multistart, 1.0)]
+        first = self.first
+        if first and first.search and self.used < EARLY * n and first.failed <= FAILING * first.used:
+            return [(first, 1.0)]
         if not (self.shared.opened or self.descents.search is None or self.descents.used >= OPENING * n):
             return [(self.descents, 1.0 - share), (witness, share)]
         if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self.model.stale < STALE * n:
@@ -254,12 +259,9 @@ class Team:
         evolving = (self.evolving, (1.0 - DESCENTS - COVER) * lead)
         return [(self.descents, DESCENTS * lead), evolving, (self.cover, COVER * lead), (witness, share)]
 
-    def _begins_low(self) -> bool:
-        return self.space.dimension <= LOW and not self.costly and self.multistart.search is not None
-
     def _share(self) -> float:
         """The witness's share of the coming evaluations."""
-        if self._begins_low() and self.many.used < COUNTED * self.space.dimension:
+        if self.first and self.many.used < COUNTED * self.space.dimension:
             return 1.0
         ours, its = self.shared.lowest, min(self.few.lowest, self.many.lowest)
         tie = EQUAL * self.shared.record.spread()
@@ -292,8 +294,9 @@ def descents(shared: Shared, space: Space) -> Search:
 
 
 def evolved(shared: Shared, space: Space, strategy: Method) -> Search:
-    """The evolution strategy, whose first population has the lowest point and some away from all earlier starts."""
-    known = [] if shared.best is None else [shared.best, *shared.record.points[: HANDED - 1]]
+    """The evolution strategy; of few parameters it begins with the lowest points, away from where descents were."""
+    few = space.dimension <= LOW and shared.best is not None
+    known = [shared.best, *shared.record.points[: HANDED - 1]] if few else []
     starts = np.array(known).reshape(-1, space.dimension)
     return (yield from strategy.search(replace(space, starts=starts), strategy.options()))
 

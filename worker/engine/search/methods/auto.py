@@ -293,7 +293,7 @@ def descents(shared: Shared, space: Space) -> Search:
         start = None
 
 
-def evolved(shared: Shared, space: Space, strategy: Method) -> Search:
+def evolved(shared: Shared, space: Space, strategy: Method) -> Parallel:
     """The evolution strategy; of few parameters it begins with the lowest points, away from where descents were."""
     few = space.dimension <= LOW and shared.best is not None
     known = [shared.best, *shared.record.points[: HANDED - 1]] if few else []

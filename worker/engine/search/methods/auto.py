@@ -1,11 +1,12 @@
 """Auto: what searches where nobody has chosen. Several methods share one budget by rules; one of them stays apart.
 
-Four members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
+Members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
 CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019), an evolution strategy with restarts (of
 few parameters differential evolution, SHADE, else CMA-ES, BIPOP), DIRECT for what none of them covers. The order is
 that of what each needs: a first descent takes tens of evaluations per parameter and solves what is smooth; the model
 goes on from there while it improves and evaluations are few; later, the evolution strategy and descents from the lowest
-unexplored points take turns. Nothing is evaluated twice.
+unexplored points take turns. Of two and three parameters MLSL comes first, alone: below so many evaluations nothing
+can be cleared anyway. Nothing is evaluated twice.
 
 The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
 and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
@@ -33,7 +34,16 @@ from worker.engine.search.base import (
     Search,
     Space,
 )
-from worker.engine.search.methods import cma_es, contrast_racing, differential_evolution, direct, lq_cma_es, sqp, turbo
+from worker.engine.search.methods import (
+    cma_es,
+    contrast_racing,
+    differential_evolution,
+    direct,
+    lq_cma_es,
+    mlsl,
+    sqp,
+    turbo,
+)
 from worker.engine.search.parts.descent import End, Settings, descend
 from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.portfolio_record import Record
@@ -58,8 +68,15 @@ EQUAL = 1e-3
 """Two costs are equal if they differ by less than this fraction of the spread of the costs."""
 DESCENTS, COVER = 0.08, 0.02
 """Shares of the leading members' evaluations that descents and DIRECT get beside an evolution strategy."""
+LOW, EARLY, FAILING = 3, 95, 0.1
+"""Parameters up to which MLSL leads first, and alone; evaluations per parameter until which it does; and the fraction
+of them that may fail, since its local searches end where the others go on."""
+COUNTED = 25
+"""Evaluations per parameter that count as a search, which the witness makes next there."""
 SMALL = 6
 """Parameters up to which that is differential evolution; beyond, CMA-ES needs fewer evaluations."""
+HANDED = 5
+"""Points of its first population that others evaluated, up to `LOW` parameters: half of the population."""
 FIRST = Settings("scipy", "forward", 1.5e-9, cost_tolerance=1e-13, iterations=1000, apart=True)
 """Differences near the square root of the rounding errors of a smooth cost."""
 COARSE = replace(FIRST, difference=1e-5)
@@ -95,6 +112,7 @@ class Running(Member):
         self.apart = apart
         self.stale = 0
         """Evaluations since its last improvement."""
+        self.failed = 0
         self.credit = 0.0
         self.begun = False
 
@@ -108,6 +126,7 @@ class Running(Member):
     def tell(self, batch: Batch, values: Floats) -> None:
         """Pass the values of the points that it requested."""
         self.used += len(values)
+        self.failed += int(np.count_nonzero(np.isinf(values)))
         lowest = float(values.min())
         self.stale = 0 if lowest < self.lowest else self.stale + len(values)
         self.lowest = min(self.lowest, lowest)
@@ -136,6 +155,19 @@ class Shared:
             self.stale, self.lowest, self.best = 0, float(values[low]), points[low].copy()
         self.record.see(points, values)
 
+    def report(self, minimum: Minimum) -> None:
+        """Where a descent ended; no later one begins there, or where it began."""
+        self.space.report(minimum)
+        if minimum.start is not None:
+            self.left(minimum.start, minimum.point)
+
+    def left(self, start: Floats, end: Floats) -> None:
+        """A descent has explored these two places (n,)."""
+        for point in (start, end):
+            self.explored.visit(point)
+            self.record.take(point)
+        self.opened = True
+
     def archived(self, descent: Generator[Floats, Batch, End]) -> Generator[Floats, Batch, End]:
         """A descent, whose points the model knows from then on; not beyond those that it can use."""
         try:
@@ -162,13 +194,18 @@ class Team:
         self.descents = self._member(sqp.method, descents(self.shared, self._own()))
         self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once))
         evolving = differential_evolution.method if n <= SMALL else cma_es.method
-        self.evolving = self._member(evolving, evolving.search(self._own(), evolving.options()))
+        self.evolving = self._member(evolving, evolved(self.shared, self._own(), evolving))
         self.cover = self._member(direct.method, direct.search(self._own(), direct.Options()))
         few = turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4)))
         self.few = self._member(turbo.method, few, apart=True)
         many = contrast_racing.search(self._own(), contrast_racing.Options())
         self.many = self._member(contrast_racing.method, many, apart=True)
         self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many]
+        self.first: Running | None = None
+        if n <= LOW and not self.costly:
+            several = replace(self._own(), report=self.shared.report)
+            self.first = self._member(mlsl.method, mlsl.search(several, mlsl.Options()))
+            self.members.append(self.first)
 
     def _member(self, of: Method, search: Parallel, apart: bool = False) -> Running:
         return Running(of.name, search, self.space, apart)
@@ -211,6 +248,9 @@ class Team:
         n = self.space.dimension
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share = self._share()
+        first = self.first
+        if first and first.search and self.used < EARLY * n and first.failed <= FAILING * first.used:
+            return [(first, 1.0)]
         if not (self.shared.opened or self.descents.search is None or self.descents.used >= OPENING * n):
             return [(self.descents, 1.0 - share), (witness, share)]
         if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self.model.stale < STALE * n:
@@ -221,6 +261,8 @@ class Team:
 
     def _share(self) -> float:
         """The witness's share of the coming evaluations."""
+        if self.first and self.many.used < COUNTED * self.space.dimension:
+            return 1.0
         ours, its = self.shared.lowest, min(self.few.lowest, self.many.lowest)
         tie = EQUAL * self.shared.record.spread()
         if not np.isfinite(its) or its > ours + tie:
@@ -232,7 +274,7 @@ class Team:
 def descents(shared: Shared, space: Space) -> Search:
     """A first descent from the centre, then from the lowest points away from all earlier starts."""
     n = space.dimension
-    start: Floats | None = np.full(n, 0.5)
+    start = None if shared.stale or shared.best is not None else np.full(n, 0.5)
     settings, coarse = (replace(each, most=OPENING * n) for each in (FIRST, COARSE))
     while True:
         while start is None:
@@ -247,11 +289,16 @@ def descents(shared: Shared, space: Space) -> Search:
             continue
         if end.cost < np.inf:
             space.report(Minimum(end.point, end.cost, start, end.evaluations, end.text))
-        shared.explored.visit(start)
-        shared.explored.visit(end.point)
-        shared.record.take(start)
-        shared.record.take(end.point)
-        shared.opened, start = True, None
+        shared.left(start, end.point)
+        start = None
+
+
+def evolved(shared: Shared, space: Space, strategy: Method) -> Parallel:
+    """The evolution strategy; of few parameters it begins with the lowest points, away from where descents were."""
+    few = space.dimension <= LOW and shared.best is not None
+    known = [shared.best, *shared.record.points[: HANDED - 1]] if few else []
+    starts = np.array(known).reshape(-1, space.dimension)
+    return (yield from strategy.search(replace(space, starts=starts), strategy.options()))
 
 
 def modelled(shared: Shared, space: Space, at_once: int) -> Search:

@@ -90,6 +90,8 @@ def _gather(space: Space, options: Options, run: int) -> Search:
     with Reported(space) as best:
         if options.strategy == "adaptive":
             points = space.random.random((options.members(space.dimension, run), space.dimension))
+            if run == 0:  # `auto` hands it points
+                points[: len(space.starts)] = space.starts
             best.text = _ending((yield from gathered(space.random, points, best)))
         else:
             best.text = yield from called_back(lambda ask: _run(ask, space, options, best))

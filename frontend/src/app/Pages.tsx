@@ -6,6 +6,7 @@ import { StrictMode, useMemo } from 'react'
 import { createRoot } from 'react-dom/client'
 import { queryClient } from '../api/queries'
 import { useTheme } from '../theme/useTheme'
+import { beginUntouched } from '../ui/untouched'
 import { mantineTheme } from './mantine'
 import { router } from './router'
 
@@ -36,6 +37,7 @@ function Pages() {
 }
 
 export function show(root: HTMLElement): void {
+  beginUntouched()
   createRoot(root).render(
     <StrictMode>
       <Pages />

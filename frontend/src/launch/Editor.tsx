@@ -161,7 +161,7 @@ export function Editor(props: EditorProps) {
       </div>
       {tab === 'form' && draft.readable && <SectionTabs sections={tabsOf(draft.campaign)} />}
       <div className={styles.launch} data-touch>
-        <div className={layout.stack}>
+        <div className={clsx(layout.stack, layout.later)}>
           {tab === 'yaml' ? (
             <YamlEditor
               text={draft.text}

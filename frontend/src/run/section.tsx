@@ -1,4 +1,5 @@
 // A section of the page of a run that has ended: its tab, its condition and its card. Start reading at `section`.
+import { clsx } from 'clsx'
 import { Fragment, type ReactNode } from 'react'
 import { Columns, type Piece } from './Columns'
 import type { RunData } from './data/data'
@@ -16,8 +17,6 @@ export interface Page extends Facts {
   other: WhatIfState['answer']
   /** A time under the pointer of a chart. */
   cross: (time: number) => void
-  /** Whether the main content is drawn: charts with thousands of points follow it. */
-  calm: boolean
 }
 
 type Content = { card: ReactNode } | { pieces: readonly Piece[] }
@@ -86,5 +85,5 @@ export function Sections({ sections, page }: { sections: readonly Section[]; pag
     rows.push(<Fragment key={`${one.id} ${i}`}>{content.card}</Fragment>)
   })
   placed()
-  return <div className={layout.grid}>{rows}</div>
+  return <div className={clsx(layout.grid, layout.later)}>{rows}</div>
 }

@@ -22,8 +22,9 @@ from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.verdict import Check
 from campaigns.stored.records import Trace
 from tests import results
-from tests.e2e.browser import Visit, space_of, visiting
+from tests.e2e.browser import PATIENCE, Visit, space_of, visiting
 from tests.e2e.stored import served
+from tests.faults.processes import until
 from tests.given.finished_runs import COLUMNS, flight
 from tests.given.reported_runs import PARAMETERS, finish_fully
 from tests.given.service import Service
@@ -191,6 +192,19 @@ def test_tabs_are_in_page_order_and_follow_the_scroll(visit: Visit) -> None:
     assert len(seen) >= 6
     links.last.click()
     expect(links.last).to_have_attribute("aria-current", "true")
+
+
+def test_what_is_far_from_the_window_is_laid_out_once_the_page_is_used(visit: Visit) -> None:
+    visit.go("/runs/R-0002")
+    page = visit.page
+    titles = page.locator("main section[id] h2")
+    skipped = "all => all.filter(one => !one.checkVisibility({contentVisibilityAuto: true}))"
+    far = f"all => ({skipped})(all).map(one => one.closest('section').id)"
+    until(lambda: "provenance" in titles.evaluate_all(far), "the provenance is not laid out", PATIENCE / 1e3)
+    assert "flight" not in titles.evaluate_all(far)
+    page.get_by_role("navigation", name="Sections").get_by_role("link", name="Provenance").click()
+    expect(page.locator("#provenance h2")).to_be_in_viewport()
+    assert titles.evaluate_all(far) == []
 
 
 def test_an_inconclusive_verdict_opens_the_launch_page_with_the_change(visit: Visit) -> None:

@@ -1,7 +1,8 @@
 // Whether a page has only been read since it was loaded: then what is far from the window is not laid out, see `.later` in
-// layout.module.css. The first key, press or link ends that, so that jumps go to where everything is.
+// layout.module.css. The first key, press, link, print or other size of the window ends that: jumps go to where everything
+// is, and charts have their size.
 
-const ENDS = ['pointerdown', 'keydown', 'focusin', 'hashchange', 'popstate'] as const
+const ENDS = ['pointerdown', 'keydown', 'focusin', 'hashchange', 'popstate', 'resize', 'beforeprint'] as const
 
 /** Called once, before anything is shown. A page that opens elsewhere than at its top is laid out as a whole. */
 export function beginUntouched(): void {

@@ -181,7 +181,7 @@ export function Editor(props: EditorProps) {
               onForm={toForm}
             />
           ) : draft.readable ? (
-            <CampaignForm {...draft} catalogue={catalogue} parameters={parameters} />
+            <CampaignForm campaign={draft.campaign} set={draft.set} remove={draft.remove} catalogue={catalogue} parameters={parameters} />
           ) : (
             <p className={clsx(cards.note, cards.warn)}>
               <IconAlertTriangle className="i" aria-hidden />

@@ -1,7 +1,6 @@
 // A run that has ended: the verdict and its evidence, by sections.
 import { useCallback, useDeferredValue, useMemo } from 'react'
 import { SectionTabs } from '../ui/SectionTabs'
-import { useCalm } from '../ui/useCalm'
 import type { RunData } from './data/data'
 import { factsOf } from './facts'
 import { useWhatIf } from './flight/useWhatIf'
@@ -19,7 +18,7 @@ export function Finished({ data }: { data: RunData }) {
   const whatIf = useWhatIf(data, view)
   const other = useDeferredValue(whatIf.answer)
   const cross = useCallback((time: number) => view.steer({ time, passing: true }), [view])
-  const page: Page = { ...facts, data, view, whatIf, other, cross, calm: useCalm() }
+  const page: Page = { ...facts, data, view, whatIf, other, cross }
   return (
     <>
       <Banner data={data} />

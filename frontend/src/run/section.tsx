@@ -16,8 +16,6 @@ export interface Page extends Facts {
   other: WhatIfState['answer']
   /** A time under the pointer of a chart. */
   cross: (time: number) => void
-  /** Whether the main content is drawn: charts with thousands of points follow it. */
-  calm: boolean
 }
 
 type Content = { card: ReactNode } | { pieces: readonly Piece[] }

@@ -31,6 +31,7 @@ import { EncounterCard } from './verdict/EncounterCard'
 import { Published } from './verdict/Published'
 import { ValidationCard } from './verdict/ValidationCard'
 import { WhatToDo } from './verdict/WhatToDo'
+import { OnceCalm } from '../ui/useCalm'
 import layout from '../ui/layout.module.css'
 import styles from './run.module.css'
 
@@ -101,9 +102,11 @@ const OWN: readonly Section[] = [
     id: 'motion',
     of: ({ timed }) => timed,
     title: ({ flies }) => (flies ? 'Speeds and commands' : 'Trace'),
-    card: ({ data, cross, view, other, calm, flies, few }) => (
+    card: ({ data, cross, view, other, flies, few }) => (
       <div className={few || !flies ? clsx(layout.stack, styles.filled, layout.c12) : clsx(layout.stack, styles.filled, layout.c5, layout.wide)} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
-        {calm && <MotionCard data={data} onCross={cross} standing={view} whatIf={flies ? null : other} className="" />}
+        <OnceCalm>
+          <MotionCard data={data} onCross={cross} standing={view} whatIf={flies ? null : other} className="" />
+        </OnceCalm>
       </div>
     ),
   }),

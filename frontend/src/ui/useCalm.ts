@@ -1,6 +1,6 @@
 // Defers expensive rendering until the page has loaded its main content.
 import { useQueryClient } from '@tanstack/react-query'
-import { useEffect, useState } from 'react'
+import { type ReactNode, useEffect, useState } from 'react'
 
 /** Required time without pending requests [ms]. */
 const CALM = 400
@@ -29,3 +29,6 @@ export function useCalm(): boolean {
   }, [client, calm])
   return calm
 }
+
+/** What is shown once the page is calm, without rendering anything else again. */
+export const OnceCalm = ({ children }: { children: ReactNode }): ReactNode => useCalm() && children

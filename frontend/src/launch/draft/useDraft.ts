@@ -1,8 +1,8 @@
 // The edited campaign. Its text is authoritative: an edit in the form changes the text in place, and the form shows the
 // text as parsed by the service.
 import { useDebouncedValue } from '@mantine/hooks'
-import { keepPreviousData, useQuery } from '@tanstack/react-query'
-import { useEffect, useState } from 'react'
+import { keepPreviousData, replaceEqualDeep, useQuery } from '@tanstack/react-query'
+import { useCallback, useEffect, useState } from 'react'
 import { checkCampaign } from '../../api/calls'
 import { schemaQuery } from '../../api/queries'
 import { asCampaign, type Campaign, type List, without, write } from '../../api/campaign'
@@ -12,6 +12,7 @@ import type { FormProps } from '../fields/props'
 import { type History, NOTHING, recorded, redo, undo, type Version } from './history'
 
 const PAUSE = 300
+const NONE: readonly FieldProblem[] = []
 
 export interface Draft extends Pick<FormProps, 'campaign' | 'set' | 'remove'> {
   text: string
@@ -109,15 +110,21 @@ export function useDraft(first: Beginning): Draft {
   const checked = check.data
   const unread = fresh && checked?.document === null && state.source === 'text' && state.edits > 0
   const { data: schema } = useQuery({ ...schemaQuery, enabled: unread })
-  // Adjusted during rendering, so that the old campaign is not shown in between.
+  // Adjusted during rendering, so that the old campaign is not shown in between. What the service read as it stands in the
+  // form stays the same object, which is not rendered again.
   const document = fresh ? checked?.document : null
   if (loaded && state.behind) setState(edited(state, followed(state, state.campaign), ''))
   else if (document && document !== state.read)
-    setState({ ...state, campaign: asCampaign(document), readable: true, read: document })
+    setState({ ...state, campaign: replaceEqualDeep(state.campaign, asCampaign(document)), readable: true, read: document })
   else if (unread && loaded && schema && state.read !== state.text) {
     const nearly = loaded.formOf(state.text, schema)
     setState({ ...state, campaign: nearly ?? state.campaign, readable: nearly !== null, read: state.text })
   }
+  const set = useCallback<Draft['set']>(
+    (at, value) => setState((before) => edited(before, followed(before, write(before.campaign, at, value)), at.join('.'))),
+    [],
+  )
+  const remove = useCallback<Draft['remove']>((list, index) => setState((before) => edited(before, takenOut(before, list, index), '')), [])
   const step = (go: typeof undo) =>
     go(state.history, state) === null || state.behind
       ? null
@@ -132,13 +139,12 @@ export function useDraft(first: Beginning): Draft {
     readable: state.readable,
     checked,
     checking: !fresh || check.isFetching,
-    problems: checked?.problems ?? [],
+    problems: checked?.problems.length ? checked.problems : NONE,
     trouble: failed ?? check.error,
     recheck: check.isError && !check.isFetching ? () => void check.refetch() : null,
     edits: state.edits,
-    set: (at, value) =>
-      setState((before) => edited(before, followed(before, write(before.campaign, at, value)), at.join('.'))),
-    remove: (list, index) => setState((before) => edited(before, takenOut(before, list, index), '')),
+    set,
+    remove,
     setText: (text, how = 'typed') =>
       setState((before) =>
         edited(before, { ...before, text, behind: null, source: 'text' }, how === 'typed' ? 'text' : ''),

@@ -1,4 +1,5 @@
 // The form of a campaign by sections; rarely used ones are collapsed.
+import { memo } from 'react'
 import { AboutForm } from './AboutForm'
 import { CriterionForm } from './CriterionForm'
 import { MethodsTable } from './MethodsTable'
@@ -10,7 +11,8 @@ import { SettingsForm } from './SettingsForm'
 import { ResultForm, SimulatorForm } from './SimulatorForm'
 import { UncertainTable } from './UncertainTable'
 
-export function CampaignForm(form: FormProps) {
+/** Rendered again only if the campaign changes, not while its text is checked. */
+export const CampaignForm = memo(function CampaignForm(form: FormProps) {
   const flies = hasScenario(form.campaign)
   return (
     <>
@@ -23,4 +25,4 @@ export function CampaignForm(form: FormProps) {
       <AboutForm {...form} />
     </>
   )
-}
+})

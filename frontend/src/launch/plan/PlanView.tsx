@@ -1,6 +1,7 @@
 // A scenario seen from above: start with heading, goal or course, obstacles with the required distance, and its stored
 // nominal flight, whose moving obstacles are where they are at the closest approach. Without a flight it is drawn from
 // the document alone. The geometry is in plan.ts.
+import { memo } from 'react'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, DrawnFlight } from '../../client'
 import { type Nominal, nominalOf } from './nominal'
@@ -20,7 +21,7 @@ interface PlanViewProps {
 /** Until the width of its place is known [px]. */
 const FIRST = 280
 
-export function PlanView({ campaign, catalogue, flight, clear = true, height = 140 }: PlanViewProps) {
+export const PlanView = memo(function PlanView({ campaign, catalogue, flight, clear = true, height = 140 }: PlanViewProps) {
   const plan = planOf(campaign, catalogue)
   const reach = reachOf(campaign, catalogue)
   const nominal = flight ? nominalOf(flight, plan.axes) : null
@@ -60,7 +61,7 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
       </svg>
     </div>
   )
-}
+})
 
 /** An obstacle on its simulated path, where it is at the closest approach. */
 function placed(body: PlanBody, i: number, nominal: Nominal | null): PlanBody {

@@ -14,7 +14,8 @@ from campaigns.results.base import OK
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 
-LANDSCAPES, CONSTANT, NEAR, ENOUGH = 321, -0.297, -1.325, 100
+MODEL, LOW, FEW, ENOUGH = (321, -0.297, -1.325), (434, -0.898, -1.586), 3, 100
+"""Landscapes, constant and coefficient; and of so many parameters and fewer."""
 FEWEST, MOST = (2, 50), (20, 2500)
 """Parameters, and evaluations for each of them."""
 
@@ -39,9 +40,12 @@ def sureness(run: Run) -> Tree | None:
     if not lower > limits.ROUNDING * max(abs(run.nominal), abs(best)):
         return None
     as_low = np.sum((costs[ok] - best) / fall <= limits.SAME_COST)
-    z = CONSTANT + NEAR * math.log10(min(as_low, ENOUGH))
+    stated = (run.claims.get("sureness") or {}).get("landscapes")
+    # `auto` searched fewer parameters as all others until it had coefficients of its own for them.
+    landscapes, constant, near = LOW if n <= FEW and stated != MODEL[0] else MODEL
+    z = constant + near * math.log10(min(as_low, ENOUGH))
     return {
         "chance": 1.0 / (1.0 + math.exp(-z)),
         "lower": lower,
-        "landscapes": LANDSCAPES,
+        "landscapes": landscapes,
     }

@@ -90,7 +90,8 @@ def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sen
     evaluated = Evaluated(record.costs[:, 0], record.status, again, record.exclusions)
     worded_results = [worded(problem, result, findings) for result in results]
     threshold = record.campaign.criterion.threshold
-    evidence = Evidence.of(worded_results, findings, evaluated, threshold, sureness(problem, results, stored))
+    sure = sureness(problem, results, stored, (record.claims.get("sureness") or {}).get("landscapes"))
+    evidence = Evidence.of(worded_results, findings, evaluated, threshold, sure)
     verdict = conclude(problem, evidence, versions)
     return _sentences(record, verdict, evidence)
 

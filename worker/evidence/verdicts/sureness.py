@@ -1,7 +1,7 @@
 """How sure a search by `auto` is: the chance that another one of the same budget finds a lower case.
 
 A logistic regression (Cox 1958) on what the search left in its stored evaluations. Nothing here is a bound, and no
-check rests on it. Start reading at `sureness`; the coefficients are `MODEL`.
+check rests on it. Start reading at `sureness`; the coefficients are `MODEL` and `LOW`.
 """
 
 from __future__ import annotations
@@ -39,6 +39,10 @@ setting of `tests/given/landscapes.py`, at 50 to 2,000 evaluations per parameter
 bootstrap over landscapes. `python -m tests.bench.scoreboard.fitted` sets them anew; docs/methods.md states how they
 were judged."""
 
+LOW, FEW = Model(landscapes=434, constant=-0.898, near=-1.586), 3
+"""The same up to so many parameters, where `auto` begins in another way: on 3,478 statements on the landscapes with 3
+parameters among 0 to 1,359."""
+
 PARAMETERS, EVALUATIONS = (2, 20), (50, 2500)
 """Parameters, and evaluations for each of them, outside of which there is no number. It was set on 3 to 18 parameters
 and judged on 2 to 20, on 50 to 2,000 evaluations; the usual budget of two parameters is 2,500 for each."""
@@ -60,8 +64,13 @@ class Stored(NamedTuple):
         return Stored(columns.costs, columns.status)
 
 
-def sureness(problem: Problem, results: Sequence[StageResult], stored: Mapping[int, Stored]) -> Sureness | None:
-    """The estimate from the evaluations of the stages by position; None where nothing is known."""
+def sureness(
+    problem: Problem, results: Sequence[StageResult], stored: Mapping[int, Stored], stated: int | None = None
+) -> Sureness | None:
+    """The estimate from the evaluations of the stages by position; None where nothing is known.
+
+    stated: on how many landscapes that of a record was set, which may have been before there was `LOW`.
+    """
     position = _searched(problem, stored)
     nominal = next((r.at_nominal.cost for r in results if r.at_nominal is not None), None)
     if position is None or nominal is None or not _repeats(problem, results):
@@ -72,9 +81,10 @@ def sureness(problem: Problem, results: Sequence[StageResult], stored: Mapping[i
     lower = rules.SAME_COST.value * (nominal - lowest)
     if not rules.ROUNDING.value * max(abs(nominal), abs(lowest)) < lower < np.inf:
         return None
-    probability = chance(ranked, nominal)
-    statement = templates.sureness(probability, lower, problem.unit, MODEL.landscapes)
-    return Sureness(chance=probability, lower=lower, landscapes=MODEL.landscapes, statement=statement)
+    by = MODEL if stated == MODEL.landscapes else model(problem.dimension)
+    probability = chance(ranked, nominal, by)
+    statement = templates.sureness(probability, lower, problem.unit, by.landscapes)
+    return Sureness(chance=probability, lower=lower, landscapes=by.landscapes, statement=statement)
 
 
 def _searched(problem: Problem, stored: Mapping[int, Stored]) -> int | None:
@@ -97,9 +107,14 @@ def _repeats(problem: Problem, results: Sequence[StageResult]) -> bool:
     return simulator is None or (simulator.calls == 1 and measured is not None and measured.repeats)
 
 
-def chance(ranked: Floats, nominal: float) -> float:
+def model(parameters: int) -> Model:
+    """The coefficients for so many parameters."""
+    return LOW if parameters <= FEW else MODEL
+
+
+def chance(ranked: Floats, nominal: float, by: Model) -> float:
     """The chance from costs (m,) of a search, infinite where there is none; at least one is below nominal."""
-    return 1.0 / (1.0 + math.exp(-MODEL.constant - MODEL.near * near(ranked, nominal)))
+    return 1.0 / (1.0 + math.exp(-by.constant - by.near * near(ranked, nominal)))
 
 
 def near(ranked: Floats, nominal: float) -> float:

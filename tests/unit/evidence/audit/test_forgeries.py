@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,11 +12,15 @@ from typing import Any
 import pytest
 
 from campaigns import CampaignError
+from campaigns.claims import sureness as templates
+from campaigns.claims.spans import words
 from tests.given.corrupted_records import CALLS, CORRUPTIONS, Folder, write_called, written
 from tests.given.forgeries import FORGERIES, Forgery, changed, places
 from worker.evidence.audit.judge import closing
 from worker.evidence.audit.record import SEAL, UnreadableError
+from worker.evidence.audit.sentences import SPANS
 from worker.evidence.audit.trusted import TRUSTED
+from worker.evidence.verdicts.sureness import LOW, MODEL
 
 
 def accepted(folder: Folder) -> bool:
@@ -125,6 +130,20 @@ def test_a_record_of_an_earlier_version_states_no_chance_of_a_lower_case(tmp_pat
     assert folder.result.pop("sureness")["landscapes"] > 0
     assert not accepted(folder)
     folder.result["versions"]["wording"] = 2
+    assert accepted(folder)
+
+
+def test_a_chance_by_the_coefficients_of_before_is_accepted(tmp_path: Path) -> None:
+    """Few parameters once had those of all others, which state more."""
+    folder = Folder(written(tmp_path / "out", "alone"))
+    stated = folder.result["sureness"]
+    assert stated["landscapes"] == LOW.landscapes
+    near = (math.log(stated["chance"] / (1.0 - stated["chance"])) - LOW.constant) / LOW.near
+    earlier = 1.0 / (1.0 + math.exp(-MODEL.constant - MODEL.near * near))
+    assert earlier > stated["chance"]
+    sentence = templates.sureness(earlier, stated["lower"], "m", MODEL.landscapes)
+    stated |= {"chance": earlier, "landscapes": MODEL.landscapes}
+    stated |= {"statement": SPANS.dump_python(sentence, mode="json"), "text": words(sentence)}
     assert accepted(folder)
 
 

@@ -18,7 +18,7 @@ from tests.given.stated_facts import facts
 from tests.given.verdict_evidence import NOMINAL, concluded, nominal
 from worker.evidence.audit import sureness as audited
 from worker.evidence.verdicts import sureness as module
-from worker.evidence.verdicts.sureness import MODEL, Stored, chance, sureness
+from worker.evidence.verdicts.sureness import FEW, LOW, MODEL, Model, Stored, chance, sureness
 
 BUDGET = 400
 AUTO = {"method": "auto", "evaluations": BUDGET}
@@ -43,17 +43,23 @@ def test_the_estimate_and_its_sentence() -> None:
     found = estimated()
     assert found is not None
     assert found.lower == pytest.approx(0.01 * (NOMINAL - 0.5))
-    assert 0.07 < found.chance < 0.13
-    rounded = [float(f"{found.lower:.3g}"), float(f"{found.chance:.2g}"), MODEL.landscapes]
+    assert found.chance == pytest.approx(chance(costs(30), NOMINAL, LOW))
+    rounded = [float(f"{found.lower:.3g}"), float(f"{found.chance:.2g}"), LOW.landscapes]
     assert facts(found.statement) == rounded
     assert "not a bound" in found.text
 
 
-def test_the_more_evaluations_are_as_low_as_the_lowest_the_surer_it_is() -> None:
-    stated = [chance(costs(as_low), NOMINAL) for as_low in (1, 3, 10, 30, 100, 300)]
+@pytest.mark.parametrize("by", [LOW, MODEL])
+def test_the_more_evaluations_are_as_low_as_the_lowest_the_surer_it_is(by: Model) -> None:
+    stated = [chance(costs(as_low), NOMINAL, by) for as_low in (1, 3, 10, 30, 100, 300)]
     assert stated[:5] == sorted(set(stated[:5]), reverse=True)
     assert stated[4] == stated[5]
-    assert stated[0] > 0.3
+    assert stated[0] == pytest.approx(1 / (1 + np.exp(-by.constant)))
+    assert 0.07 < chance(costs(30), NOMINAL, MODEL) < 0.13
+
+
+def test_few_parameters_have_coefficients_of_their_own() -> None:
+    assert [module.model(n) for n in (2, FEW, FEW + 1, 20)] == [LOW, LOW, MODEL, MODEL]
 
 
 def test_failed_evaluations_are_never_the_lowest() -> None:
@@ -61,7 +67,7 @@ def test_failed_evaluations_are_never_the_lowest() -> None:
     with_failures[-50:] = np.inf
     found = estimated(found=with_failures)
     assert found is not None
-    assert found.chance == pytest.approx(chance(costs(30), NOMINAL))
+    assert found.chance == pytest.approx(chance(costs(30), NOMINAL, LOW))
 
 
 @pytest.mark.parametrize(
@@ -113,6 +119,6 @@ def test_it_enters_no_verdict() -> None:
 
 
 def test_the_audit_has_the_same_coefficients() -> None:
-    assert (audited.LANDSCAPES, audited.CONSTANT, audited.NEAR) == MODEL
+    assert (audited.MODEL, audited.LOW, audited.FEW) == (MODEL, LOW, FEW)
     ends = tuple(zip(module.PARAMETERS, module.EVALUATIONS, strict=True))
     assert (*ends, module.ENOUGH) == (audited.FEWEST, audited.MOST, audited.ENOUGH)

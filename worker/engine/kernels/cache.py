@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -15,6 +16,9 @@ from worker.engine.kernels.folder import cache_folder
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
+
+_outermost = threading.local()
+"""Whether the thread compiles a function."""
 
 
 @contextmanager
@@ -41,6 +45,17 @@ def _alone(function: Any, wait: Callable[[], None]) -> Iterator[None]:
 
 @contextmanager
 def compiling(function: Any) -> Iterator[Callable[[], None]]:
-    """Around the first call of a function: what is called if it is not cached, so that it is compiled here."""
+    """Around the first call of a function: what is called if it is not cached, so that it is compiled here.
+
+    One that is compiled for another belongs to that: with a lock of its own it could wait for a thread that compiles it
+    alone, and that one for the compiler.
+    """
+    if getattr(_outermost, "begun", False):
+        yield lambda: None
+        return
     with Watched(function, cache_folder()) as watched, _alone(function, watched.wait):
-        yield watched.compile
+        _outermost.begun = True
+        try:
+            yield watched.compile
+        finally:
+            _outermost.begun = False

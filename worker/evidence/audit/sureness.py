@@ -40,9 +40,9 @@ def sureness(run: Run) -> Tree | None:
     if not lower > limits.ROUNDING * max(abs(run.nominal), abs(best)):
         return None
     as_low = np.sum((costs[ok] - best) / fall <= limits.SAME_COST)
-    stated = (run.claims.get("sureness") or {}).get("landscapes")
-    # `auto` searched fewer parameters as all others until it had coefficients of its own for them.
-    landscapes, constant, near = LOW if n <= FEW and stated != MODEL[0] else MODEL
+    # Records of before `LOW` was set have the coefficients of all others, which state more.
+    former = (run.claims.get("sureness") or {}).get("landscapes") == MODEL[0]
+    landscapes, constant, near = LOW if n <= FEW and not former else MODEL
     z = constant + near * math.log10(min(as_low, ENOUGH))
     return {
         "chance": 1.0 / (1.0 + math.exp(-z)),

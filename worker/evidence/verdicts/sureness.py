@@ -41,7 +41,7 @@ were judged."""
 
 LOW, FEW = Model(landscapes=434, constant=-0.898, near=-1.586), 3
 """The same up to so many parameters, where `auto` begins in another way: on 3,478 statements on the landscapes with 3
-parameters among 0 to 1,359."""
+parameters among 0 to 1,574."""
 
 PARAMETERS, EVALUATIONS = (2, 20), (50, 2500)
 """Parameters, and evaluations for each of them, outside of which there is no number. It was set on 3 to 18 parameters
@@ -65,11 +65,11 @@ class Stored(NamedTuple):
 
 
 def sureness(
-    problem: Problem, results: Sequence[StageResult], stored: Mapping[int, Stored], stated: int | None = None
+    problem: Problem, results: Sequence[StageResult], stored: Mapping[int, Stored], landscapes: int | None = None
 ) -> Sureness | None:
     """The estimate from the evaluations of the stages by position; None where nothing is known.
 
-    stated: on how many landscapes that of a record was set, which may have been before there was `LOW`.
+    landscapes: on how many that of a record was set, which may have been before there was `LOW`.
     """
     position = _searched(problem, stored)
     nominal = next((r.at_nominal.cost for r in results if r.at_nominal is not None), None)
@@ -81,10 +81,10 @@ def sureness(
     lower = rules.SAME_COST.value * (nominal - lowest)
     if not rules.ROUNDING.value * max(abs(nominal), abs(lowest)) < lower < np.inf:
         return None
-    by = MODEL if stated == MODEL.landscapes else model(problem.dimension)
-    probability = chance(ranked, nominal, by)
-    statement = templates.sureness(probability, lower, problem.unit, by.landscapes)
-    return Sureness(chance=probability, lower=lower, landscapes=by.landscapes, statement=statement)
+    coefficients = MODEL if landscapes == MODEL.landscapes else model(problem.dimension)
+    probability = chance(ranked, nominal, coefficients)
+    statement = templates.sureness(probability, lower, problem.unit, coefficients.landscapes)
+    return Sureness(chance=probability, lower=lower, landscapes=coefficients.landscapes, statement=statement)
 
 
 def _searched(problem: Problem, stored: Mapping[int, Stored]) -> int | None:
@@ -112,9 +112,9 @@ def model(parameters: int) -> Model:
     return LOW if parameters <= FEW else MODEL
 
 
-def chance(ranked: Floats, nominal: float, by: Model) -> float:
+def chance(ranked: Floats, nominal: float, coefficients: Model) -> float:
     """The chance from costs (m,) of a search, infinite where there is none; at least one is below nominal."""
-    return 1.0 / (1.0 + math.exp(-by.constant - by.near * near(ranked, nominal)))
+    return 1.0 / (1.0 + math.exp(-coefficients.constant - coefficients.near * near(ranked, nominal)))
 
 
 def near(ranked: Floats, nominal: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import importlib
 import sys
 from collections.abc import Callable
@@ -102,3 +103,18 @@ def test_a_compilation_that_fails_ends_too(folder: Path) -> None:
         cached(wrong)(1.0)
     assert (heard.begun, heard.ended) == ([None], 1)
     assert not list(folder.rglob("*wrong_fly_8"))
+
+
+def test_what_is_compiled_for_another_function_belongs_to_that(folder: Path) -> None:
+    """It is reported once, and waits for nobody that compiles it alone and needs the compiler, too."""
+    inner = cached(function())
+    heard = Heard()
+    (folder / "locks").mkdir()
+    with (folder / "locks" / "rover.rover_fly_8_0123456789abcdef").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        with reported(heard.begun.append, heard.end):
+            assert cached(lambda x: 2.0 * inner(x))(1.0) == 4.0
+    assert (heard.begun, heard.ended) == ([None], 1)
+    with reported(heard.begun.append, heard.end):
+        assert cached(function())(1.0) == 2.0, "stored as well"
+    assert heard.ended == 1

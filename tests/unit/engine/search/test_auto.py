@@ -89,7 +89,7 @@ def test_the_witness_gets_most_where_it_is_lower() -> None:
     assert count["contrast_racing"] > WITNESS["above"] * 4000
 
 
-@pytest.mark.parametrize("dimension", [2, LOW])
+@pytest.mark.parametrize("dimension", [1, 2, LOW])
 def test_few_parameters_begin_with_mlsl_then_the_witness_searches_enough(dimension: int) -> None:
     parts = requested(stairs, dimension, method.confirms * dimension)
     first = [member for member, _, _ in parts]

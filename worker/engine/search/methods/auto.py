@@ -1,12 +1,12 @@
 """Auto: what searches where nobody has chosen. Several methods share one budget by rules; one of them stays apart.
 
-Members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
+Several members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
 CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019), an evolution strategy with restarts (of
 few parameters differential evolution, SHADE, else CMA-ES, BIPOP), DIRECT for what none of them covers. The order is
 that of what each needs: a first descent takes tens of evaluations per parameter and solves what is smooth; the model
 goes on from there while it improves and evaluations are few; later, the evolution strategy and descents from the lowest
-unexplored points take turns. Of two and three parameters MLSL comes first, alone: below so many evaluations nothing
-can be cleared anyway. Nothing is evaluated twice.
+unexplored points take turns. Up to three parameters MLSL comes first, alone: with so few evaluations nothing can be
+cleared anyway. Nothing is evaluated twice.
 
 The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
 and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
@@ -296,8 +296,8 @@ def descents(shared: Shared, space: Space) -> Search:
 def evolved(shared: Shared, space: Space, strategy: Method) -> Parallel:
     """The evolution strategy; of few parameters it begins with the lowest points, away from where descents were."""
     few = space.dimension <= LOW and shared.best is not None
-    known = [shared.best, *shared.record.points[: HANDED - 1]] if few else []
-    starts = np.array(known).reshape(-1, space.dimension)
+    points = [shared.best, *shared.record.points[: HANDED - 1]] if few else []
+    starts = np.array(points).reshape(-1, space.dimension)
     return (yield from strategy.search(replace(space, starts=starts), strategy.options()))
 
 

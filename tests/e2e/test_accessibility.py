@@ -21,6 +21,7 @@ from tests.given.finished_runs import Work
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import published_by_workers
+from worker.running.catalogue.installed import methods
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
 
@@ -136,6 +137,20 @@ def test_axe_sees_what_is_wrong(visit: Visit) -> None:
     visit.page.locator("main").evaluate("main => main.append(document.createElement('button'))")
     found = violations(visit.page, within=["main"])
     assert [line for line in found if line.startswith("button-name (critical)")]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_every_method_has_its_colour_of_the_theme(visit: Visit, theme: Literal["light", "dark"]) -> None:
+    looks = {name: method.look for name, method in methods().items() if method.look is not None}
+    visit.page.emulate_media(color_scheme=theme)
+    visit.move("/help")
+    expect(visit.page.locator("html")).to_have_attribute("data-theme", theme)
+    colour = "(all, name) => getComputedStyle(all).getPropertyValue(`--m-${name}`)"
+    shown = {name: visit.page.locator("html").evaluate(colour, name) for name in looks}
+    assert shown == {
+        name: look.colour if theme == "light" else look.dark or look.colour for name, look in looks.items()
+    }
+    assert len({*shown.values()}) > 10
 
 
 def test_the_empty_list_is_accessible(visit: Visit) -> None:

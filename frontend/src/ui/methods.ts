@@ -45,9 +45,9 @@ const byName = (methods: readonly Declared[]) =>
   methods.flatMap((method) => [method.name, ...(method.earlier ?? [])].map((name) => [name, lookOf(method)] as const))
 
 /** The variables of all colours; a sheet of the document's own needs no inline style, which the policy forbids. */
-export function variables(looks: Iterable<MethodLook>): string {
+export function variables(looks: readonly MethodLook[]): string {
   const of = (theme: 0 | 1) =>
-    [...looks].map(({ colour, colours }) => (colours ? `${colour}: ${colours[theme]};` : '')).join(' ')
+    looks.map(({ colour, colours }) => (colours ? `${colour}: ${colours[theme]};` : '')).join(' ')
   return `:root { ${of(0)} } :root[data-theme="dark"] { ${of(1)} }`
 }
 
@@ -56,7 +56,7 @@ let sheet: CSSStyleSheet | null = null
 function paint(): void {
   if (typeof document === 'undefined' || !('adoptedStyleSheets' in document)) return
   if (!sheet) document.adoptedStyleSheets = [...document.adoptedStyleSheets, (sheet = new CSSStyleSheet())]
-  sheet.replaceSync(variables(known.values()))
+  sheet.replaceSync(variables([...known.values()]))
 }
 
 const SHIPPED = shipped as readonly Declared[]

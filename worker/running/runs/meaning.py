@@ -19,8 +19,15 @@ from types import CodeType
 from typing import Any, NamedTuple
 
 from worker.engine.kernels.folder import cache_folder
-from worker.engine.search.base import Ended
+from worker.engine.search.base import Ended, Method, MethodLook
 
+_TEXTS: dict[tuple[str, str], frozenset[int | str]] = {
+    (Ended.__module__, Ended.__name__): frozenset({1}),
+    (Method.__module__, Method.__name__): frozenset({"title", "how", "source", "parallel", "suits", "drawback"}),
+    (MethodLook.__module__, MethodLook.__name__): frozenset({"colour", "dark", "marker", "short"}),
+    ("pydantic", "Field"): frozenset({"description"}),
+}
+"""Arguments, by place or name, that only tell or show a reader something: `Ended("drawn", "{samples} samples")`."""
 _NAME = re.compile(r"worker(\.\w+)+")
 
 
@@ -65,11 +72,13 @@ def meaning(content: bytes) -> Meaning:
 
 
 def _unworded(tree: ast.AST, imports: tuple[Import, ...]) -> None:
-    """Take the sentences of stop rules out, `Ended("drawn", "drew {samples} samples", ...)`: they decide nothing."""
-    named = {one.here for one in imports if (one.module, one.name) == (Ended.__module__, Ended.__name__)}
+    """Take the texts for readers out of the calls of `_TEXTS`."""
+    texts = {one.here: found for one in imports if (found := _TEXTS.get((one.module, one.name)))}
     for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in named:
-            node.args = [a for i, a in enumerate(node.args) if i != 1 or not isinstance(a, ast.Constant)]
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in texts:
+            out = texts[node.func.id]
+            node.args = [a for i, a in enumerate(node.args) if i not in out or not isinstance(a, ast.Constant)]
+            node.keywords = [k for k in node.keywords if k.arg not in out or not isinstance(k.value, ast.Constant)]
 
 
 def _tokens(node: Any, tokens: list[str]) -> None:

@@ -81,6 +81,42 @@ def test_the_text_of_another_function_of_that_name_is_code() -> None:
     assert meaning.meaning(own) != meaning.meaning(own.replace(b"drew", b"took"))
 
 
+METHOD = b"""from pydantic import Field
+from worker.engine.search.base import Method, MethodLook
+steps: Annotated[int, Field(ge=1, description="Steps at most")] = 5
+METHOD = Method(
+    name="steps", title="Steps", kind="global", how="Global. Steps down", source="Own", evaluations=200, search=search,
+    parallel="one point", suits="smooth criteria", drawback="Others reach 0.9",
+    look=MethodLook(colour="#b97c00", marker="cross"),
+)
+"""
+
+
+@pytest.mark.parametrize(
+    ("edit", "same"),
+    [
+        ((b"Steps at most", b"Most steps"), True),
+        ((b'"Steps"', b'"Descent"'), True),
+        ((b"Global. Steps down", b"Descends"), True),
+        ((b'"Own"', b'"Own 2012"'), True),
+        ((b'"one point"', b'"a point"'), True),
+        ((b"smooth criteria", b"criteria"), True),
+        ((b"0.9", b"0.8"), True),
+        ((b"#b97c00", b"#000000"), True),
+        ((b'"cross"', b'"circle"'), True),
+        ((b"ge=1", b"ge=2"), False),
+        ((b'"steps"', b'"descent"'), False),
+        ((b'"global"', b'"local"'), False),
+        ((b"200", b"300"), False),
+        ((b'how="Global. Steps down"', b"how=told()"), False),
+        ((b"import Method, ", b"import Other as Method, "), False),
+    ],
+)
+def test_what_a_method_shows_a_reader_is_no_code(edit: tuple[bytes, bytes], same: bool) -> None:
+    assert edit[0] in METHOD
+    assert (meaning.meaning(METHOD).digest == meaning.meaning(METHOD.replace(*edit)).digest) == same
+
+
 EVERY = {
     "sensitivity": {"points": 3, "morris": {"trajectories": 4}, "sobol": {"samples": 8}},
     "search": [{"method": "direct", "evaluations": 10}, {"method": "monte_carlo", "evaluations": 10}],

@@ -11,8 +11,22 @@ import pytest
 from clearance.testing.searching import Function, batch, space
 from tests.bench.scoreboard.searches import own_trace
 from worker.engine.search.base import Floats
-from worker.engine.search.methods import contrast_racing
-from worker.engine.search.methods.auto import COUNTED, EARLY, LOW, OPENING, SMALL, WITNESS, Options, Team, method
+from worker.engine.search.methods import contrast_racing, lq_cma_es
+from worker.engine.search.methods.auto import (
+    AMID_FAILURES,
+    AT_MOST,
+    COUNTED,
+    EARLY,
+    LOW,
+    OPENING,
+    SMALL,
+    WITNESS,
+    Options,
+    Team,
+    adapted,
+    method,
+)
+from worker.engine.search.parts.pycma import strategy
 
 Parts = list[tuple[str, Floats, Floats]]
 
@@ -114,6 +128,41 @@ def test_a_smooth_cost_is_solved_by_the_first_descent() -> None:
     assert early[0][0] == "sqp"
 
 
+def valley(x: Floats) -> Floats:
+    """Rosenbrock's function over [-2, 2], with its minimum 0 at 1: long, curved and smooth."""
+    z = 4.0 * x - 2.0
+    return np.asarray((100.0 * (z[:, 1:] - z[:, :-1] ** 2) ** 2 + (1.0 - z[:, :-1]) ** 2).sum(axis=1))
+
+
+def test_a_long_valley_is_descended_to_its_end() -> None:
+    first = requested(valley, 20, OPENING * 20)
+    assert counted(first)["sqp"] > 1.2 * AMID_FAILURES * 20
+    assert min(float(values.min()) for _, _, values in first) < 1e-6
+
+
+def test_cma_es_goes_on_from_where_the_model_has_come() -> None:
+    """Along a sharp ridge, where the model still improves when its share has ended."""
+
+    def ridge(x: Floats) -> Floats:
+        return np.asarray((x[:, 0] - 0.1) ** 2 + 100.0 * np.sqrt(((x[:, 1:] - 0.3) ** 2).sum(axis=1)))
+
+    parts = requested(ridge, 20, AT_MOST + 500)
+    at = [member for member, _, _ in parts].index("cma_es")
+    last = np.concatenate([points for member, points, _ in parts[:at] if member == "lq_cma_es"])[-50:]
+    centre = last.mean(axis=0)
+    away, spread = (np.linalg.norm(points - centre, axis=1).mean() for points in (parts[at][1], last))
+    assert away < 1.5 * spread < 1.0
+
+
+def test_cma_es_begins_anywhere_once_the_model_has_stopped_improving() -> None:
+    space_of, descent = space(12, 1000), lq_cma_es.Descent()
+    descent.strategy = strategy(np.full(12, 0.3), 1e-6, 11, space_of.random, 1e-9)
+    first = next(adapted(space_of, descent, lambda: True))
+    assert np.abs(first - 0.3).max() < 1e-4
+    first = next(adapted(space_of, descent, lambda: False))
+    assert np.abs(first - 0.3).max() > 0.1
+
+
 def test_the_model_makes_way_for_an_evolution_strategy() -> None:
     cheap = counted(requested(stairs, 2, 1000))
     assert cheap["differential_evolution"] > cheap["lq_cma_es"] > 0
@@ -131,6 +180,13 @@ def test_a_cost_of_few_digits_is_descended_with_larger_differences() -> None:
 
     found = requested(printed, 4, OPENING * 4)
     assert min(float(values.min()) for _, _, values in found) < 1e-3
+
+
+def test_a_first_descent_that_fails_often_ends_earlier() -> None:
+    def half(x: Floats) -> Floats:
+        return np.where(x[:, 0] < 0.6, np.nan, bowl(x))
+
+    assert AMID_FAILURES * 6 <= counted(requested(half, 6, 2 * AMID_FAILURES * 6))["sqp"] < 1.2 * AMID_FAILURES * 6
 
 
 def test_what_is_never_evaluated_is_searched_on() -> None:

@@ -12,7 +12,8 @@ from clearance.testing.searching import batch, run, space
 from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Floats
 from worker.engine.search.methods.cma_es import method
-from worker.engine.search.parts.pycma import last
+from worker.engine.search.parts.cma import Normal, Strategy
+from worker.engine.search.parts.pycma import distribution, last, strategy
 
 
 def valley(x: Floats) -> Floats:
@@ -108,3 +109,27 @@ def test_its_own_time_is_within_its_limit() -> None:
         own += time.process_time() - began
     search.close()
     assert own / asked < 20e-6  # 3 us on an idle machine; here others may be at work
+
+
+def test_a_strategy_goes_on_from_a_distribution_of_the_library() -> None:
+    """Its first generation has the mean and the covariance of the library's next one."""
+    random = np.random.default_rng(1)
+    pycma = strategy(np.full(3, 0.4), 0.05, 8, random, 1e-9)
+    for _ in range(40):
+        points = np.array(pycma.ask())
+        pycma.tell(points, ((points - 0.45) ** 2 @ [1.0, 30.0, 900.0]).tolist())
+    before = distribution(pycma)
+    drawn = Strategy.of(before, 20_000, random).ask()
+    covariance = before.deviation**2 * before.covariance
+    assert drawn.mean(axis=0) == pytest.approx(before.mean, abs=5 * np.sqrt(covariance.diagonal() / 20_000).max())
+    scales = np.sqrt(np.outer(covariance.diagonal(), covariance.diagonal()))
+    assert np.cov(drawn.T) / scales == pytest.approx(covariance / scales, abs=0.05)
+    pycmas = np.array([pycma.ask(1)[0] for _ in range(2000)])
+    assert np.cov(pycmas.T) / scales == pytest.approx(covariance / scales, abs=0.15)
+
+
+def test_an_indefinite_covariance_becomes_equal_deviations() -> None:
+    first = Normal(np.full(2, 0.5), 0.1, np.array([[1.0, 2.0], [2.0, 1.0]]))
+    made = Strategy.of(first, 6, np.random.default_rng(1))
+    assert np.array_equal(made.state.covariance, np.eye(2))
+    assert np.isfinite(made.ask()).all()

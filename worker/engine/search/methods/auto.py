@@ -4,9 +4,9 @@ Several members lead together, and each learns from what the others evaluated: d
 CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019), an evolution strategy with restarts (of
 few parameters differential evolution, SHADE, else CMA-ES, BIPOP), DIRECT for what none of them covers. The order is
 that of what each needs: a first descent takes tens of evaluations per parameter and solves what is smooth; the model
-goes on from there while it improves and evaluations are few; later, the evolution strategy and descents from the lowest
-unexplored points take turns. Up to three parameters MLSL comes first, alone: with so few evaluations nothing can be
-cleared anyway. Nothing is evaluated twice.
+goes on from there while it improves and evaluations are few; later, the evolution strategy (CMA-ES from where the model
+has come, if that still improves) and descents from the lowest unexplored points take turns. Up to three parameters MLSL
+comes first, alone: with so few evaluations nothing can be cleared anyway. Nothing is evaluated twice.
 
 The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
 and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
@@ -17,7 +17,7 @@ who requested what. No guarantee of its own.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator
+from collections.abc import Callable, Collection, Generator
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -49,8 +49,9 @@ from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.portfolio_record import Record
 from worker.engine.search.parts.turns import Member, taking_turns
 
-OPENING = 60
-"""Evaluations per parameter at most until the first descent has ended and the other members begin."""
+OPENING, AMID_FAILURES = 150, 60
+"""Evaluations per parameter at most until the first descent has ended and the other members begin: a curved valley of
+20 parameters takes more than 100. The second is for where evaluations fail, since differences tell little there."""
 MODELLED, AT_MOST = 250, 3000
 """Evaluations per parameter, and in all, up to which the model may lead where evaluations are cheap: its milliseconds
 are then the time of the search."""
@@ -59,7 +60,8 @@ STALE = 30
 COSTLY = 0.02
 """Time of an evaluation [s] from which the milliseconds of models do not count."""
 STUCK = 100
-"""Evaluations per parameter without a lower cost after which the others get no more than if the witness were equal."""
+"""Evaluations per parameter without a lower cost, of all and of the evolution strategy by itself, after which the
+others get no more than if the witness were equal."""
 FEW = 60
 """Evaluations per parameter up to which TuRBO is the witness."""
 WITNESS = {"above": 0.2, "equal": 0.4, "below": 0.6}
@@ -68,9 +70,11 @@ EQUAL = 1e-3
 """Two costs are equal if they differ by less than this fraction of the spread of the costs."""
 DESCENTS, COVER = 0.08, 0.02
 """Shares of the leading members' evaluations that descents and DIRECT get beside an evolution strategy."""
-LOW, EARLY, FAILING = 3, 95, 0.1
-"""Parameters up to which MLSL leads first, and alone; evaluations per parameter until which it does; and the fraction
-of them that may fail, since its local searches end where the others go on."""
+LOW, EARLY = 3, 95
+"""Parameters up to which MLSL leads first, and alone; evaluations per parameter until which it does."""
+FAILING = 0.1
+"""Fraction of the evaluations of MLSL or the first descent that may fail: local searches end or crawl where others go
+on."""
 COUNTED = 25
 """Evaluations per parameter that count as a search, which the witness makes next there."""
 SMALL = 6
@@ -115,6 +119,11 @@ class Running(Member):
         self.failed = 0
         self.credit = 0.0
         self.begun = False
+
+    @property
+    def failing(self) -> bool:
+        """Whether more of its evaluations fail than a local search can do with."""
+        return self.failed > FAILING * self.used
 
     def ready(self) -> bool:
         """Whether it requests points."""
@@ -192,9 +201,12 @@ class Team:
         self.space, self.costly = space, options.seconds >= COSTLY
         self.shared = Shared(space, Explored(space, options.at_once), Record(n))
         self.descents = self._member(sqp.method, descents(self.shared, self._own()))
-        self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once))
-        evolving = differential_evolution.method if n <= SMALL else cma_es.method
-        self.evolving = self._member(evolving, evolved(self.shared, self._own(), evolving))
+        descent = lq_cma_es.Descent()
+        self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once, descent))
+        if n <= SMALL:
+            self.evolving = self._member(differential_evolution.method, evolved(self.shared, self._own()))
+        else:
+            self.evolving = self._member(cma_es.method, adapted(self._own(), descent, self._modelled))
         self.cover = self._member(direct.method, direct.search(self._own(), direct.Options()))
         few = turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4)))
         self.few = self._member(turbo.method, few, apart=True)
@@ -249,15 +261,20 @@ class Team:
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share = self._share()
         first = self.first
-        if first and first.search and self.used < EARLY * n and first.failed <= FAILING * first.used:
+        if first and first.search and self.used < EARLY * n and not first.failing:
             return [(first, 1.0)]
-        if not (self.shared.opened or self.descents.search is None or self.descents.used >= OPENING * n):
+        opening = AMID_FAILURES if self.descents.failing else OPENING
+        if not (self.shared.opened or self.descents.search is None or self.descents.used >= opening * n):
             return [(self.descents, 1.0 - share), (witness, share)]
-        if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self.model.stale < STALE * n:
+        if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self._modelled():
             return [(self.model, 1.0 - share), (witness, share)]
         lead = 1.0 - share
         evolving = (self.evolving, (1.0 - DESCENTS - COVER) * lead)
         return [(self.descents, DESCENTS * lead), evolving, (self.cover, COVER * lead), (witness, share)]
+
+    def _modelled(self) -> bool:
+        """Whether the model improves."""
+        return self.model.stale < STALE * self.space.dimension
 
     def _share(self) -> float:
         """The witness's share of the coming evaluations."""
@@ -266,7 +283,7 @@ class Team:
         ours, its = self.shared.lowest, min(self.few.lowest, self.many.lowest)
         tie = EQUAL * self.shared.record.spread()
         if not np.isfinite(its) or its > ours + tie:
-            stuck = self.shared.stale >= STUCK * self.space.dimension
+            stuck = min(self.shared.stale, self.evolving.stale) >= STUCK * self.space.dimension
             return WITNESS["equal" if stuck else "above"]
         return WITNESS["equal"] if its >= ours - tie else WITNESS["below"]
 
@@ -293,18 +310,24 @@ def descents(shared: Shared, space: Space) -> Search:
         start = None
 
 
-def evolved(shared: Shared, space: Space, strategy: Method) -> Parallel:
-    """The evolution strategy; of few parameters it begins with the lowest points, away from where descents were."""
+def evolved(shared: Shared, space: Space) -> Parallel:
+    """Differential evolution; of few parameters it begins with the lowest points, away from where descents were."""
     few = space.dimension <= LOW and shared.best is not None
     points = [shared.best, *shared.record.points[: HANDED - 1]] if few else []
     starts = np.array(points).reshape(-1, space.dimension)
-    return (yield from strategy.search(replace(space, starts=starts), strategy.options()))
+    options = differential_evolution.Options()
+    return (yield from differential_evolution.search(replace(space, starts=starts), options))
 
 
-def modelled(shared: Shared, space: Space, at_once: int) -> Search:
+def adapted(space: Space, descent: lq_cma_es.Descent, improves: Callable[[], bool]) -> Search:
+    """CMA-ES; it goes on from the distribution of the model's descent if that improves to the end of its share."""
+    return (yield from cma_es.continued(space, cma_es.Options(), descent.distribution() if improves() else None))
+
+
+def modelled(shared: Shared, space: Space, at_once: int, descent: lq_cma_es.Descent) -> Search:
     """lq-CMA-ES from the lowest point of all, with what the other leading members evaluated."""
     options = lq_cma_es.Options(at_once=at_once)
-    return (yield from lq_cma_es.continued(space, options, shared.explored, shared.best))
+    return (yield from lq_cma_es.continued(space, options, shared.explored, shared.best, descent))
 
 
 def _nobody(member: str, points: int) -> None:

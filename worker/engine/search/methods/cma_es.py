@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from worker.engine.search.base import Batch, Floats, Method, MethodLook, Search, Space
-from worker.engine.search.parts.cma import Strategy, default_population
+from worker.engine.search.parts.cma import Normal, Strategy, default_population
 from worker.engine.search.parts.lowest import Reported
 
 
@@ -34,9 +34,17 @@ class Options:
 
 def search(space: Space, options: Options) -> Search:
     """One generation is one request; it restarts until the budget ends."""
+    return (yield from continued(space, options))
+
+
+def continued(space: Space, options: Options, first: Normal | None = None) -> Search:
+    """As `search`, whose first run goes on from a distribution if one is given."""
     default = max(options.population or default_population(space.dimension), 4)
     large, spent = default, {"large": 0, "small": 0}
-    spent["small"] += yield from _descend(space, default, options.deviation)
+    if first is None:
+        spent["small"] += yield from _descend(space, default, options.deviation)
+    else:
+        spent["small"] += yield from _run(space, Strategy.of(first, default, space.random))
     while True:
         if options.restarts == "bipop" and spent["small"] < spent["large"]:
             share = space.random.random() ** 2
@@ -51,8 +59,11 @@ def search(space: Space, options: Options) -> Search:
 def _descend(space: Space, population: int, deviation: float, most: float = np.inf) -> Generator[Floats, Batch, int]:
     """One run of the strategy from a random point; returns its evaluations."""
     start = space.random.random(space.dimension)
-    with Reported(space, start) as best:
-        running = Strategy(start, deviation, population, space.random)
+    return (yield from _run(space, Strategy(start, deviation, population, space.random), most))
+
+
+def _run(space: Space, running: Strategy, most: float = np.inf) -> Generator[Floats, Batch, int]:
+    with Reported(space, running.state.mean.copy()) as best:
         best.text = "used its share of the evaluations"
         while best.evaluations < most:
             points = running.ask()

@@ -31,11 +31,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
+from worker.engine.search.parts.cma import Normal
 from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.lowest import Lowest, Reported
 from worker.engine.search.parts.one_thread import one_thread
 from worker.engine.search.parts.progress import Progress
-from worker.engine.search.parts.pycma import STOPS, ending, last, strategy
+from worker.engine.search.parts.pycma import STOPS, distribution, ending, last, strategy
 
 Flags = NDArray[np.bool_]
 
@@ -82,19 +83,30 @@ class Options:
     ] = 1
 
 
+@dataclass
+class Descent:
+    """The strategy of the latest descent, for a search that goes on from it."""
+
+    strategy: Any = None
+
+    def distribution(self) -> Normal | None:
+        """What its next generation would be drawn from; None before the first descent."""
+        return None if self.strategy is None else distribution(self.strategy)
+
+
 def search(space: Space, options: Options) -> Search:
     """One request is a star, points of the sample or a part of a generation; it restarts until the budget ends."""
-    return (yield from continued(space, options, Explored(space, options.at_once)))
+    return (yield from continued(space, options, Explored(space, options.at_once), None, Descent()))
 
 
-def continued(space: Space, options: Options, explored: Explored, start: Floats | None = None) -> Search:
+def continued(space: Space, options: Options, explored: Explored, start: Floats | None, latest: Descent) -> Search:
     """As `search`, with what was explored before; the first descent begins at a point (n,) if one is given."""
     population = max(options.population or 4 + int(3 * np.log(space.dimension)), 4)
     deviation, descents = options.deviation, 0
     while True:
         if start is None:
             start = yield from _start(space, options, explored)
-        yield from _descend(space, start, deviation, population, options, explored)
+        yield from _descend(space, start, deviation, population, options, explored, latest)
         start, descents = None, descents + 1
         if options.initial:
             deviation = AGAIN * options.deviation
@@ -121,24 +133,30 @@ def _start(space: Space, options: Options, explored: Explored) -> Generator[Floa
 
 
 def _descend(
-    space: Space, start: Floats, deviation: float, population: int, options: Options, explored: Explored
+    space: Space,
+    start: Floats,
+    deviation: float,
+    population: int,
+    options: Options,
+    explored: Explored,
+    latest: Descent,
 ) -> Generator[Floats, Batch, None]:
     """One run of the strategy from a point, with a model of its own."""
     progress = Progress(LATELY * space.dimension)
     with Reported(space, start) as best:
         tested = _model(start, deviation, population, options, explored)
-        running = strategy(start, deviation, population, space.random, options.step)
+        descent = latest.strategy = strategy(start, deviation, population, space.random, options.step)
         while True:
             with _quiet():
-                generation = running.ask()
+                generation = descent.ask()
             known = len(tested.points)
             values = yield from _generation(np.clip(np.array(generation), 0.0, 1.0), tested, options.at_once, best)
             with _quiet():
-                running.tell(generation, last(values).tolist())
-                stopped = running.stop()
+                descent.tell(generation, last(values).tolist())
+                stopped = descent.stop()
             explored.add(tested.points[known:], tested.values[known:])
             progress.add(best.evaluations, best.cost)
-            narrow = options.initial > 0 and float(np.max(running.stds)) < NARROW
+            narrow = options.initial > 0 and float(np.max(descent.stds)) < NARROW
             ended = ending(stopped) if stopped else _ended(progress, explored) if narrow else None
             if ended is not None:
                 best.text = ended
@@ -146,7 +164,7 @@ def _descend(
             with _quiet():
                 lowest = tested.lowest()
                 if lowest is not None:
-                    running.inject([lowest])
+                    descent.inject([lowest])
     explored.visit(start if best.point is None else best.point)
 
 

@@ -9,6 +9,7 @@ the points as drawn. A point without a value ranks last.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -69,6 +70,14 @@ class State(NamedTuple):
     """(g,) median value of each generation"""
 
 
+class Normal(NamedTuple):
+    """A normal distribution: mean (n,), standard deviation, and covariance (n, n) relative to its square."""
+
+    mean: Floats
+    deviation: float
+    covariance: Floats
+
+
 def default_population(dimension: int) -> int:
     """The tutorial's lambda."""
     return 4 + int(3 * np.log(dimension))
@@ -81,6 +90,16 @@ class Strategy:
         self.random = random
         self.state = _state(start, deviation, population)
         self.ending: Ended | None = None
+
+    @classmethod
+    def of(cls, first: Normal, population: int, random: np.random.Generator) -> Strategy:
+        """A strategy whose first generation has this distribution, or with equal deviations where rounding made the
+        covariance indefinite."""
+        made = cls(first.mean, first.deviation, population, random)
+        with suppress(np.linalg.LinAlgError):
+            made.state.factor[:] = np.linalg.cholesky(first.covariance)
+            made.state.covariance[:] = first.covariance
+        return made
 
     def ask(self) -> Floats:
         """The next generation (lambda, n)."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from worker.engine.search.base import Ended, Floats
+from worker.engine.search.parts.cma import Normal
 
 # pycma's stopping conditions and their sentences; the first that holds is reported.
 STOPS = {
@@ -41,6 +42,13 @@ def strategy(start: Floats, deviation: float, population: int, random: np.random
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return cma.CMAEvolutionStrategy(start, deviation, options)
+
+
+def distribution(strategy: Any) -> Normal:
+    """What a strategy draws its next generation from."""
+    mean = np.clip(strategy.mean, 0.0, 1.0)
+    scales = np.broadcast_to(np.asarray(strategy.sigma_vec.scaling, dtype=np.float64), mean.shape)
+    return Normal(mean, float(strategy.sigma), scales[:, None] * np.asarray(strategy.C) * scales)
 
 
 def ending(stopped: Iterable[str]) -> str:

@@ -53,7 +53,7 @@ and 0."""
 MEMBERS = [
     Part(contrast_racing.method, contrast_racing.Options(abreast=4), 0.2, explores=True),
     Part(direct.method, direct.Options(), 0.1, explores=True, again=False),
-    Part(mlsl.method, mlsl.Options(as_published=True), 0.3, explores=True),
+    Part(mlsl.method, mlsl.Options(), 0.3, explores=True),
     Part(cma_es.method, cma_es.Options(), 0.3),
     Part(differential_evolution.method, SMALL, 0.2),
     Part(global_clustering.method, global_clustering.Options(), 0.02),
@@ -138,9 +138,9 @@ class Running(Member):
         values, record = batch.ranked(), self.record
         record.see(self.requested, values)
         self.used += len(values)
-        low = int(np.argmin(values))
-        if values[low] < self.lowest:
-            self.lowest, self.best = float(values[low]), self.requested[low].copy()
+        lowest = float(values.min())
+        if lowest < self.lowest:
+            self.lowest, self.best = lowest, self.requested[int(values.argmin())].copy()
         self.stale += len(values)
         if self.lowest < self.ever - LOWER * record.spread():
             self.ever, self.stale = self.lowest, 0

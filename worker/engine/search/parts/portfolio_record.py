@@ -27,15 +27,17 @@ class Record:
 
     def see(self, points: Floats, values: Floats) -> None:
         """Update with points (m, n) and their values (m,), infinity if there is no value."""
-        known = np.isfinite(values)
-        if not known.any():
+        lowest = float(values.min())
+        if lowest == np.inf:
             return
-        self.lowest = min(self.lowest, float(values.min()))
+        self.lowest = min(self.lowest, lowest)
         if len(self.first) < 100 * self.dimension:
-            for value in values[known].tolist():
+            for value in values[values < np.inf].tolist():
                 insort(self.first, value)
         worst = self.values[-1] if len(self.values) == KEPT else np.inf
-        some = np.flatnonzero(known & (values < worst))
+        if lowest >= worst:
+            return
+        some = np.flatnonzero(values < worst)
         if len(some):
             some = some[self._free(points[some])]
         if len(some) == 1:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from worker.engine.search.base import Ended, Floats
+from worker.engine.search.parts.one_thread import one_thread
 from worker.engine.search.racing.state import Ints, compiled, inner
 
 STEP = 1e-11
@@ -96,7 +97,7 @@ class Strategy:
         """A strategy whose first generation has this distribution, or with equal deviations where rounding made the
         covariance indefinite."""
         made = cls(first.mean, first.deviation, population, random)
-        with suppress(np.linalg.LinAlgError):
+        with suppress(np.linalg.LinAlgError), one_thread():
             made.state.factor[:] = np.linalg.cholesky(first.covariance)
             made.state.covariance[:] = first.covariance
         return made

@@ -123,7 +123,8 @@ def _file() -> Path:
     The code is that which runs: the text of this file may have been edited since.
     """
     codes = [_essence(function.__code__) for function in (meaning, _unworded, _tokens, _imports)]
-    key = hashlib.sha256(f"{sys.version} {Path(__file__).parent} {codes}".encode())
+    texts = [(called, sorted(map(str, arguments))) for called, arguments in sorted(_TEXTS.items())]
+    key = hashlib.sha256(f"{sys.version} {Path(__file__).parent} {codes} {texts}".encode())
     return cache_folder() / "meanings" / f"{key.hexdigest()[:32]}.json"
 
 

@@ -22,6 +22,12 @@ from worker.running.runs import identity, meaning, sources
 MODULE = b'"""Text."""\nX = 1.0\n\n\ndef f(x):\n    """Help."""\n    return x * X\n'
 
 
+def means_the_same(text: bytes, edit: tuple[bytes, bytes]) -> bool:
+    """Whether a module has the same meaning after an edit."""
+    assert edit[0] in text
+    return meaning.meaning(text) == meaning.meaning(text.replace(*edit))
+
+
 @pytest.fixture
 def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A package of others that adds components by an entry point."""
@@ -52,8 +58,7 @@ def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ],
 )
 def test_code_is_what_can_change_a_number(edit: tuple[bytes, bytes], same: bool) -> None:
-    assert edit[0] in MODULE
-    assert (meaning.meaning(MODULE) == meaning.meaning(MODULE.replace(*edit))) == same
+    assert means_the_same(MODULE, edit) == same
 
 
 STOP = b"""from worker.engine.search.base import Ended
@@ -72,8 +77,7 @@ def end(n):
     ],
 )
 def test_the_words_of_a_stop_rule_are_no_code(edit: tuple[bytes, bytes], same: bool) -> None:
-    assert edit[0] in STOP
-    assert (meaning.meaning(STOP) == meaning.meaning(STOP.replace(*edit))) == same
+    assert means_the_same(STOP, edit) == same
 
 
 def test_the_text_of_another_function_of_that_name_is_code() -> None:
@@ -113,8 +117,14 @@ METHOD = Method(
     ],
 )
 def test_what_a_method_shows_a_reader_is_no_code(edit: tuple[bytes, bytes], same: bool) -> None:
-    assert edit[0] in METHOD
-    assert (meaning.meaning(METHOD).digest == meaning.meaning(METHOD.replace(*edit)).digest) == same
+    assert means_the_same(METHOD, edit) == same
+
+
+def test_meanings_by_another_rule_of_texts_are_stored_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = meaning._file()
+    assert meaning._file() == before
+    monkeypatch.setitem(meaning._TEXTS, ("own.rules", "Rule"), frozenset({"text"}))
+    assert meaning._file() != before
 
 
 EVERY = {

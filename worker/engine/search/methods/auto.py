@@ -5,8 +5,9 @@ CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019),
 few parameters differential evolution, SHADE, else CMA-ES, BIPOP), DIRECT for what none of them covers. The order is
 that of what each needs: a first descent takes tens of evaluations per parameter and solves what is smooth; the model
 goes on from there while it improves and evaluations are few; later, the evolution strategy (CMA-ES from where the model
-has come, if that still improves) and descents from the lowest unexplored points take turns. Up to three parameters MLSL
-comes first, alone: with so few evaluations nothing can be cleared anyway. Nothing is evaluated twice.
+has come, if that still improves) and descents from the lowest unexplored points take turns. Once the evolution strategy
+of few parameters has converged, most of its share goes to MLSL, which begins all over the box. Up to three parameters
+MLSL comes first, alone: with so few evaluations nothing can be cleared anyway. Nothing is evaluated twice.
 
 The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
 and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
@@ -70,6 +71,8 @@ EQUAL = 1e-3
 """Two costs are equal if they differ by less than this fraction of the spread of the costs."""
 DESCENTS, COVER = 0.08, 0.02
 """Shares of the leading members' evaluations that descents and DIRECT get beside an evolution strategy."""
+SEVERAL, WIDE_COVER = 0.6, 0.1
+"""Those that MLSL and DIRECT get once the evolution strategy has converged; up to `SMALL` parameters."""
 LOW, EARLY = 3, 95
 """Parameters up to which MLSL leads first, and alone; evaluations per parameter until which it does."""
 FAILING = 0.1
@@ -203,24 +206,32 @@ class Team:
         self.descents = self._member(sqp.method, descents(self.shared, self._own()))
         descent = lq_cma_es.Descent()
         self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once, descent))
+        self.converged = False
+        """Whether the evolution strategy of few parameters has converged once."""
         if n <= SMALL:
-            self.evolving = self._member(differential_evolution.method, evolved(self.shared, self._own()))
+            own = replace(self._own(), report=self._converge)
+            self.evolving = self._member(differential_evolution.method, evolved(self.shared, own))
         else:
-            self.evolving = self._member(cma_es.method, adapted(self._own(), descent, self._modelled))
+            self.evolving = self._member(cma_es.method, adapted(self._own(), descent, self._improves))
         self.cover = self._member(direct.method, direct.search(self._own(), direct.Options()))
         few = turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4)))
         self.few = self._member(turbo.method, few, apart=True)
         many = contrast_racing.search(self._own(), contrast_racing.Options())
         self.many = self._member(contrast_racing.method, many, apart=True)
         self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many]
-        self.first: Running | None = None
-        if n <= LOW and not self.costly:
-            several = replace(self._own(), report=self.shared.report)
-            self.first = self._member(mlsl.method, mlsl.search(several, mlsl.Options()))
-            self.members.append(self.first)
+        self.low = n <= LOW and not self.costly
+        """Whether MLSL comes first."""
+        self.several = self._several() if self.low else None
 
     def _member(self, of: Method, search: Parallel, apart: bool = False) -> Running:
         return Running(of.name, search, self.space, apart)
+
+    def _several(self) -> Running:
+        """MLSL; a further member."""
+        own = replace(self._own(), report=self.shared.report)
+        several = self._member(mlsl.method, mlsl.search(own, mlsl.Options()))
+        self.members.append(several)
+        return several
 
     def _own(self) -> Space:
         """The space of a member: with random numbers of its own."""
@@ -259,26 +270,33 @@ class Team:
         """The shares of the coming evaluations."""
         n = self.space.dimension
         witness = self.few if self.costly and self.used < FEW * n else self.many
-        share = self._share()
-        first = self.first
-        if first and first.search and self.used < EARLY * n and not first.failing:
-            return [(first, 1.0)]
+        share, several = self._share(), self.several
+        if self.low and several and several.search and self.used < EARLY * n and not several.failing:
+            return [(several, 1.0)]
         opening = AMID_FAILURES if self.descents.failing else OPENING
         if not (self.shared.opened or self.descents.search is None or self.descents.used >= opening * n):
             return [(self.descents, 1.0 - share), (witness, share)]
-        if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self._modelled():
+        if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self._improves():
             return [(self.model, 1.0 - share), (witness, share)]
         lead = 1.0 - share
-        evolving = (self.evolving, (1.0 - DESCENTS - COVER) * lead)
-        return [(self.descents, DESCENTS * lead), evolving, (self.cover, COVER * lead), (witness, share)]
+        beside, most, cover = self.descents, DESCENTS, COVER
+        if self.converged and several and several.search:
+            beside, most, cover = several, SEVERAL, WIDE_COVER
+        evolving = (self.evolving, (1.0 - most - cover) * lead)
+        return [(beside, most * lead), evolving, (self.cover, cover * lead), (witness, share)]
 
-    def _modelled(self) -> bool:
+    def _converge(self, minimum: Minimum) -> None:
+        """A run of the evolution strategy has ended."""
+        self.space.report(minimum)
+        self.converged, self.several = True, self.several or self._several()
+
+    def _improves(self) -> bool:
         """Whether the model improves."""
         return self.model.stale < STALE * self.space.dimension
 
     def _share(self) -> float:
         """The witness's share of the coming evaluations."""
-        if self.first and self.many.used < COUNTED * self.space.dimension:
+        if self.low and self.many.used < COUNTED * self.space.dimension:
             return 1.0
         ours, its = self.shared.lowest, min(self.few.lowest, self.many.lowest)
         tie = EQUAL * self.shared.record.spread()

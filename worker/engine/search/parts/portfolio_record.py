@@ -38,8 +38,7 @@ class Record:
         if lowest >= worst:
             return
         some = np.flatnonzero(values < worst)
-        if len(some):
-            some = some[self._free(points[some])]
+        some = some[self._free(points[some])]
         if len(some) == 1:
             self._insert(points[some], values[some])
         elif len(some):

@@ -23,14 +23,13 @@ from worker.running.catalogue.installed import methods
 from worker.running.runs.identity import code_parts
 
 ROOT = Path(__file__).parents[3]
-BOARD = (
-    "tests/bench/scoreboard", "clearance/testing", "tests/given/landscapes.py", "tests/given/falsification",
-    "tests/given/niching",
-)  # fmt: skip
+HERE = "tests/bench/scoreboard"
+BOARD = (HERE, "clearance/testing", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching")
 LIBRARY = ("campaigns/library", "tests/golden/library_verdicts.json")
-RUNS = ("worker", "campaigns", "clearance/function")
-PRESENTATION = ("__main__.py", "bars.py", "page.py")
-"""Modules of the board that change no figure of a cell."""
+WHOLE_RUNS = tuple(f"{HERE}/{name}" for name in ("niching.py", "sureness.py", "verdicts.py"))
+RUNS = ("worker", "campaigns", "clearance/function", *WHOLE_RUNS)
+PRESENTATION = tuple(f"{HERE}/{name}" for name in ("__main__.py", "bars.py", "fitted.py", "page.py"))
+"""Modules of the board that change no figure of a cell; those before change only figures of whole runs."""
 
 
 class Cell(NamedTuple):
@@ -72,15 +71,20 @@ Measure = Callable[[Cell], dict[str, Any]]
 
 
 def code(names: Iterable[str]) -> str:
-    """A digest of the source files of these folders."""
+    """A digest of these source files and of those of these folders."""
     digest = hashlib.sha256()
     for name in names:
         path = ROOT / name
-        files = sorted(path.rglob("*")) if path.is_dir() else [path] * path.exists()
+        files = _of_folder(path) if path.is_dir() else [path] * path.exists()
         for file in files:
-            if file.suffix in (".py", ".yaml", ".npz", ".json") and file.name not in PRESENTATION:
-                digest.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
+            digest.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _of_folder(path: Path) -> list[Path]:
+    without = {ROOT / name for name in (*WHOLE_RUNS, *PRESENTATION)}
+    files = (file for file in path.rglob("*") if file.suffix in (".py", ".yaml", ".npz", ".json"))
+    return sorted(file for file in files if file not in without)
 
 
 def versions(names: Iterable[str], reach: Reach) -> dict[str, str]:

@@ -16,7 +16,7 @@ from tests.bench.scoreboard.cells import measured, versions
 from tests.bench.scoreboard.parts import Request
 from tests.bench.scoreboard.sureness import PART, statements
 from worker.engine.search.base import Floats
-from worker.evidence.verdicts.sureness import FEW
+from worker.evidence.verdicts.sureness import FEW, LOW, MODEL
 
 
 def main() -> None:
@@ -24,10 +24,11 @@ def main() -> None:
     asked = parser().parse_args()
     cells, file = PART.cells(Request("setting", (JUDGED,), asked.seeds)), BUILD / "scoreboard" / "setting.jsonl"
     rows = measured(cells, PART.measure, file, asked.processes or os.cpu_count() or 1, versions([JUDGED], PART.reach))
-    for of, few in (("few", True), ("more", False)):
-        chosen = [row for row in rows if (row.cell.dimension <= FEW) == few]
+    for of, enough in (("few", LOW.enough), ("more", MODEL.enough)):
+        chosen = [row for row in rows if (row.cell.dimension <= FEW) == (of == "few")]
         made = statements(chosen)
-        constant, near = coefficients(np.array([one.near for one in made]), np.array([one.lower for one in made]))
+        counts = np.minimum([one.as_low for one in made], enough)
+        constant, near = coefficients(np.log10(counts), np.array([one.lower for one in made]))
         print(f"{of} parameters, {len(chosen)} landscapes, {len(made)} statements: {constant:.3f}, near {near:.3f}")
 
 

@@ -20,7 +20,7 @@ from tests.bench.scoreboard.contestants import Contestant
 from tests.bench.scoreboard.parts import Part, Request, Table
 from tests.bench.scoreboard.searches import Trace
 from tests.given.landscapes import KINDS, Half, landscape
-from worker.evidence.verdicts.sureness import chance, model, near
+from worker.evidence.verdicts.sureness import as_low, chance, model
 
 BUDGETS = (50, 100, 200, 500, 1000, 2000)
 LARGEST = (200, 500, 200, 500, 1000, 500, 200, 500, 200, 500, 1000, 2000)
@@ -40,7 +40,7 @@ class Statement(NamedTuple):
 
     cell: Cell
     budget: int
-    near: float
+    as_low: int
     chance: float
     lower: bool
 
@@ -81,7 +81,7 @@ def measure(cell: Cell) -> dict[str, Any]:
     return {"statements": made}
 
 
-def _statement(one: Trace, other: Trace, nominal: float, budget: int, n: int) -> tuple[float, float, bool] | None:
+def _statement(one: Trace, other: Trace, nominal: float, budget: int, n: int) -> tuple[int, float, bool] | None:
     """What a search states and on what, and whether the other one was lower by more than 1 % of nominal minus worst;
     None where no case is lower than the nominal one."""
     evaluations = budget * n
@@ -91,7 +91,7 @@ def _statement(one: Trace, other: Trace, nominal: float, budget: int, n: int) ->
     values = one.values[:evaluations]
     ranked = np.where(np.isnan(values), np.inf, values)
     lower = bool(other.lowest(evaluations) < lowest - SAME_COST.value * (nominal - lowest))
-    return near(ranked, nominal), chance(ranked, nominal, model(n)), lower
+    return as_low(ranked, nominal), chance(ranked, nominal, model(n)), lower
 
 
 def _table(rows: Sequence[Row]) -> Table:

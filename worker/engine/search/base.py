@@ -168,7 +168,7 @@ class Method:
     `parallel`, `at_once`: how many points it requests at a time, in a few words; the option that states this number.
     `takes`: the option that states the time of an evaluation [s].
     `suits`: what it is for, in a few words.
-    `drawback`: of a method that no problem of the score board prefers, by how much others are better, in figures.
+    `drawback`: of a method that few problems of the score board prefer, by how much others are better, in figures.
     `proposed`: its rank among the methods that are proposed, from 1; 0 for one that never is.
     `confirms`: evaluations per parameter from which its parts that are apart can confirm each other.
     `sampling`: of a random method, what so many points with these options support at a confidence.

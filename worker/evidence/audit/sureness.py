@@ -14,8 +14,10 @@ from campaigns.results.base import OK
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 
-MODEL, LOW, FEW, ENOUGH = (321, -0.297, -1.325), (434, -0.898, -1.586), 3, 100
-"""Landscapes, constant and coefficient; and of so many parameters and fewer."""
+MODEL, LOW, FEW = (696, -0.466, -1.231, 100), (324, -0.689, -3.026, 10), 3
+"""Landscapes, constant, coefficient, and evaluations that are enough; and of so many parameters and fewer."""
+FORMER, FORMER_LOW = (321, -0.297, -1.325, 100), (434, -0.898, -1.586, 100)
+"""Those that earlier versions stated."""
 FEWEST, MOST = (2, 50), (20, 2500)
 """Parameters, and evaluations for each of them."""
 
@@ -40,10 +42,10 @@ def sureness(run: Run) -> Tree | None:
     if not lower > limits.ROUNDING * max(abs(run.nominal), abs(best)):
         return None
     as_low = np.sum((costs[ok] - best) / fall <= limits.SAME_COST)
-    # Records of before `LOW` was set have the coefficients of all others, which state more.
-    former = (run.claims.get("sureness") or {}).get("landscapes") == MODEL[0]
-    landscapes, constant, near = LOW if n <= FEW and not former else MODEL
-    z = constant + near * math.log10(min(as_low, ENOUGH))
+    stated = (run.claims.get("sureness") or {}).get("landscapes")
+    accepted = (LOW, FORMER, FORMER_LOW) if n <= FEW else (MODEL, FORMER)
+    landscapes, constant, near, enough = next((one for one in accepted if one[0] == stated), accepted[0])
+    z = constant + near * math.log10(min(as_low, enough))
     return {
         "chance": 1.0 / (1.0 + math.exp(-z)),
         "lower": lower,

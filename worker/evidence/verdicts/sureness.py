@@ -26,30 +26,34 @@ Floats = NDArray[np.float64]
 
 
 class Model(NamedTuple):
-    """The coefficients, and the landscapes on which they were set."""
+    """The coefficients, and the landscapes on which they were set.
+
+    enough: evaluations as low as the lowest beyond which more of them say nothing more.
+    """
 
     landscapes: int
     constant: float
     near: float
+    enough: int = 100
 
 
-MODEL = Model(landscapes=321, constant=-0.297, near=-1.325)
-"""Set by maximum likelihood on 2,916 statements: of two searches on landscapes 0 to 162 and 170 to 327 of the half for
-setting of `tests/given/landscapes.py`, at 50 to 2,000 evaluations per parameter. Standard deviations 0.11 and 0.09, by
-bootstrap over landscapes. `python -m tests.bench.scoreboard.fitted` sets them anew; docs/methods.md states how they
-were judged."""
+MODEL = Model(landscapes=696, constant=-0.466, near=-1.231)
+"""Set by maximum likelihood on 5,496 statements: of two searches on those of the first 1,020 landscapes of the score
+board's half for setting (`tests/bench/scoreboard/sureness.py`) that have more than three parameters, at 50 to 2,000
+evaluations per parameter. `python -m tests.bench.scoreboard.fitted` sets them; docs/methods.md states how they were
+judged."""
 
-LOW, FEW = Model(landscapes=434, constant=-0.898, near=-1.586), 3
-"""The same up to so many parameters, where `auto` begins in another way: on 3,478 statements on the landscapes with 3
-parameters among 0 to 1,574."""
+LOW, FEW = Model(landscapes=324, constant=-0.689, near=-3.026, enough=10), 3
+"""The same up to so many parameters, where `auto` begins in another way: on 2,598 statements."""
+
+FORMER, FORMER_LOW = Model(321, -0.297, -1.325), Model(434, -0.898, -1.586)
+"""Of records of earlier versions, whose `auto` was another one."""
 
 PARAMETERS, EVALUATIONS = (2, 20), (50, 2500)
 """Parameters, and evaluations for each of them, outside of which there is no number. It was set on 3 to 18 parameters
 and judged on 2 to 20, on 50 to 2,000 evaluations; the usual budget of two parameters is 2,500 for each."""
 SECONDS = 0.02
 """Time of an evaluation [s] from which `auto` searches in another way, on which nothing was set."""
-ENOUGH = 100
-"""Evaluations as low as the lowest beyond which more of them say nothing more."""
 
 
 class Stored(NamedTuple):
@@ -69,7 +73,7 @@ def sureness(
 ) -> Sureness | None:
     """The estimate from the evaluations of the stages by position; None where nothing is known.
 
-    landscapes: on how many that of a record was set, which may have been before there was `LOW`.
+    landscapes: on how many that of a record was set, which may be of an earlier version.
     """
     position = _searched(problem, stored)
     nominal = next((r.at_nominal.cost for r in results if r.at_nominal is not None), None)
@@ -81,7 +85,7 @@ def sureness(
     lower = rules.SAME_COST.value * (nominal - lowest)
     if not rules.ROUNDING.value * max(abs(nominal), abs(lowest)) < lower < np.inf:
         return None
-    coefficients = MODEL if landscapes == MODEL.landscapes else model(problem.dimension)
+    coefficients = model(problem.dimension, landscapes)
     probability = chance(ranked, nominal, coefficients)
     statement = templates.sureness(probability, lower, problem.unit, coefficients.landscapes)
     return Sureness(chance=probability, lower=lower, landscapes=coefficients.landscapes, statement=statement)
@@ -107,21 +111,23 @@ def _repeats(problem: Problem, results: Sequence[StageResult]) -> bool:
     return simulator is None or (simulator.calls == 1 and measured is not None and measured.repeats)
 
 
-def model(parameters: int) -> Model:
-    """The coefficients for so many parameters."""
-    return LOW if parameters <= FEW else MODEL
+def model(parameters: int, landscapes: int | None = None) -> Model:
+    """The coefficients for so many parameters; those of an earlier version if it set them on so many landscapes."""
+    few = parameters <= FEW
+    former = {one.landscapes: one for one in ((FORMER, FORMER_LOW) if few else (FORMER,))}
+    return former.get(landscapes or 0, LOW if few else MODEL)
 
 
 def chance(ranked: Floats, nominal: float, coefficients: Model) -> float:
     """The chance from costs (m,) of a search, infinite where there is none; at least one is below nominal."""
-    return 1.0 / (1.0 + math.exp(-coefficients.constant - coefficients.near * near(ranked, nominal)))
+    _, constant, near, enough = coefficients
+    return 1.0 / (1.0 + math.exp(-constant - near * math.log10(min(as_low(ranked, nominal), enough))))
 
 
-def near(ranked: Floats, nominal: float) -> float:
-    """The logarithm of the number of evaluations that are as low as the lowest, up to a hundred.
+def as_low(ranked: Floats, nominal: float) -> int:
+    """The number of evaluations that are as low as the lowest.
 
     As Good and Turing judge by what was seen once (Good 1953): a lowest cost that one evaluation has can be undercut.
     """
     lowest = float(ranked.min())
-    as_low = np.count_nonzero((ranked - lowest) / (nominal - lowest) <= rules.SAME_COST.value)
-    return math.log10(min(int(as_low), ENOUGH))
+    return int(np.count_nonzero((ranked - lowest) / (nominal - lowest) <= rules.SAME_COST.value))

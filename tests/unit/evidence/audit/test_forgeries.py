@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -14,13 +13,14 @@ import pytest
 from campaigns import CampaignError
 from campaigns.claims import sureness as templates
 from campaigns.claims.spans import words
+from campaigns.rules import SAME_COST
 from tests.given.corrupted_records import CALLS, CORRUPTIONS, Folder, write_called, written
 from tests.given.forgeries import FORGERIES, Forgery, changed, places
 from worker.evidence.audit.judge import closing
 from worker.evidence.audit.record import SEAL, UnreadableError
 from worker.evidence.audit.sentences import SPANS
 from worker.evidence.audit.trusted import TRUSTED
-from worker.evidence.verdicts.sureness import LOW, MODEL
+from worker.evidence.verdicts.sureness import FORMER, FORMER_LOW, LOW, Model, chance
 
 
 def accepted(folder: Folder) -> bool:
@@ -133,18 +133,19 @@ def test_a_record_of_an_earlier_version_states_no_chance_of_a_lower_case(tmp_pat
     assert accepted(folder)
 
 
-def test_a_chance_by_the_coefficients_of_before_is_accepted(tmp_path: Path) -> None:
-    """Few parameters once had those of all others, which state more."""
+@pytest.mark.parametrize("by", [FORMER, FORMER_LOW])
+def test_a_chance_by_the_coefficients_of_an_earlier_version_is_accepted(tmp_path: Path, by: Model) -> None:
     folder = Folder(written(tmp_path / "out", "alone"))
-    stated = folder.result["sureness"]
-    assert stated["landscapes"] == LOW.landscapes
-    near = (math.log(stated["chance"] / (1.0 - stated["chance"])) - LOW.constant) / LOW.near
-    earlier = 1.0 / (1.0 + math.exp(-MODEL.constant - MODEL.near * near))
-    assert earlier > stated["chance"]
-    sentence = templates.sureness(earlier, stated["lower"], "m", MODEL.landscapes)
-    stated |= {"chance": earlier, "landscapes": MODEL.landscapes}
+    stated, costs = folder.result["sureness"], folder.arrays["costs_2"][:, 0]
+    nominal = float(costs.min()) + stated["lower"] / SAME_COST.value
+    assert stated["chance"] == pytest.approx(chance(costs, nominal, LOW))
+    former = chance(costs, nominal, by)
+    sentence = templates.sureness(former, stated["lower"], "m", by.landscapes)
+    stated |= {"chance": former, "landscapes": by.landscapes}
     stated |= {"statement": SPANS.dump_python(sentence, mode="json"), "text": words(sentence)}
     assert accepted(folder)
+    stated |= {"landscapes": LOW.landscapes}
+    assert not accepted(folder)
 
 
 @pytest.mark.parametrize("count", [25, pytest.param(2000, marks=[pytest.mark.nightly, pytest.mark.timeout(3600)])])

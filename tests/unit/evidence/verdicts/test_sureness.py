@@ -18,7 +18,7 @@ from tests.given.stated_facts import facts
 from tests.given.verdict_evidence import NOMINAL, concluded, nominal
 from worker.evidence.audit import sureness as audited
 from worker.evidence.verdicts import sureness as module
-from worker.evidence.verdicts.sureness import FEW, LOW, MODEL, Model, Stored, chance, sureness
+from worker.evidence.verdicts.sureness import FEW, FORMER, FORMER_LOW, LOW, MODEL, Model, Stored, chance, sureness
 
 BUDGET = 400
 AUTO = {"method": "auto", "evaluations": BUDGET}
@@ -51,15 +51,35 @@ def test_the_estimate_and_its_sentence() -> None:
 
 @pytest.mark.parametrize("by", [LOW, MODEL])
 def test_the_more_evaluations_are_as_low_as_the_lowest_the_surer_it_is(by: Model) -> None:
-    stated = [chance(costs(as_low), NOMINAL, by) for as_low in (1, 3, 10, 30, 100, 300)]
-    assert stated[:5] == sorted(set(stated[:5]), reverse=True)
-    assert stated[4] == stated[5]
+    counts = (1, 3, 10, 30, 100, 300)
+    stated = [chance(costs(as_low), NOMINAL, by) for as_low in counts]
+    told = 1 + counts.index(by.enough)
+    assert stated[:told] == sorted(set(stated[:told]), reverse=True)
+    assert set(stated[told:]) == {stated[told - 1]}
     assert stated[0] == pytest.approx(1 / (1 + np.exp(-by.constant)))
     assert 0.07 < chance(costs(30), NOMINAL, MODEL) < 0.13
 
 
 def test_few_parameters_have_coefficients_of_their_own() -> None:
     assert [module.model(n) for n in (2, FEW, FEW + 1, 20)] == [LOW, LOW, MODEL, MODEL]
+
+
+@pytest.mark.parametrize(
+    ("parameters", "landscapes", "expected"),
+    [
+        (2, None, LOW),
+        (2, FORMER.landscapes, FORMER),
+        (2, FORMER_LOW.landscapes, FORMER_LOW),
+        (4, FORMER.landscapes, FORMER),
+        (4, FORMER_LOW.landscapes, MODEL),
+        (4, LOW.landscapes, MODEL),
+        (2, MODEL.landscapes, LOW),
+    ],
+)
+def test_records_of_earlier_versions_keep_their_coefficients(
+    parameters: int, landscapes: int | None, expected: Model
+) -> None:
+    assert module.model(parameters, landscapes) == expected
 
 
 def test_failed_evaluations_are_never_the_lowest() -> None:
@@ -120,5 +140,6 @@ def test_it_enters_no_verdict() -> None:
 
 def test_the_audit_has_the_same_coefficients() -> None:
     assert (audited.MODEL, audited.LOW, audited.FEW) == (MODEL, LOW, FEW)
+    assert (audited.FORMER, audited.FORMER_LOW) == (FORMER, FORMER_LOW)
     ends = tuple(zip(module.PARAMETERS, module.EVALUATIONS, strict=True))
-    assert (*ends, module.ENOUGH) == (audited.FEWEST, audited.MOST, audited.ENOUGH)
+    assert ends == (audited.FEWEST, audited.MOST)

@@ -19,7 +19,9 @@ from worker.engine.search.methods.auto import (
     EARLY,
     LOW,
     OPENING,
+    SEVERAL,
     SMALL,
+    WIDE_COVER,
     WITNESS,
     Options,
     Team,
@@ -39,6 +41,11 @@ def bowl(x: Floats) -> Floats:
 def stairs(x: Floats) -> Floats:
     """Of plateaus, on which descents along gradients stay where they begin."""
     return np.asarray(np.round(8 * np.abs(x - 0.3)).sum(axis=1))
+
+
+def rugged(x: Floats) -> Floats:
+    """Of many valleys, each of which a population can converge to."""
+    return np.asarray((10 * (x - 0.3) ** 2 - np.cos(6 * np.pi * (x - 0.3))).sum(axis=1))
 
 
 def requested(function: Function, dimension: int, budget: int, options: Options | None = None) -> Parts:
@@ -167,6 +174,23 @@ def test_the_model_makes_way_for_an_evolution_strategy() -> None:
     cheap = counted(requested(stairs, 2, 1000))
     assert cheap["differential_evolution"] > cheap["lq_cma_es"] > 0
     assert cheap["cma_es"] == 0 < counted(requested(stairs, SMALL + 1, 200 * SMALL))["cma_es"]
+
+
+@pytest.mark.parametrize("dimension", [LOW - 1, LOW + 1, SMALL])
+def test_mlsl_searches_the_box_once_differential_evolution_has_converged(dimension: int) -> None:
+    parts = requested(rugged, dimension, 2000 * dimension)
+    by = [member for member, _, _ in parts]
+    late = next(k for k in range(len(by)) if by[k] == "mlsl" and k > by.index("differential_evolution"))
+    counts = counted(parts[late:])
+    leading = sum(counts.values()) - counts["contrast_racing"]
+    assert counts["mlsl"] == pytest.approx(SEVERAL * leading, rel=0.1)
+    assert counts["direct"] == pytest.approx(WIDE_COVER * leading, rel=0.2)
+    assert counts["sqp"] == 0
+
+
+def test_beyond_that_cma_es_begins_again() -> None:
+    count = counted(requested(rugged, SMALL + 1, 2000 * (SMALL + 1)))
+    assert count["mlsl"] == 0 < count["cma_es"]
 
 
 def test_the_witness_of_few_costly_evaluations_is_turbo() -> None:

@@ -37,6 +37,13 @@ class Allowance(NamedTuple):
     starts: int
 
 
+class Evidence(NamedTuple):
+    """Evaluations around one worst case: its neighbours and slices; those of a violation besides."""
+
+    around: int
+    boundary: int
+
+
 def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
     """At most so many evaluations, and never fewer than confirming the nominal case and one finding takes (`least`):
     where the searches or the stated number are smaller, that is the bound, and the estimate says so.
@@ -48,7 +55,7 @@ def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
     confirming, needed = _confirming(campaign, noisy), least(campaign, noisy)
     requested = findings.evaluations if findings.evaluations != FINDINGS else 0
     total = max(searches(campaign), requested) if stated is None else stated
-    each = campaign.stages.validate_.neighbours + SLICE * len(campaign.uncertain) + boundary(campaign)
+    each = sum(evidence(campaign))
     most = findings.evaluations + 2 * findings.at_most * each
     total = max(needed, min(total, most + confirming + CASE * VIOLATIONS))
     stored = max(0, min(most, total - max(needed, min(confirming, total // 2))))
@@ -64,6 +71,11 @@ def per_finding(usual: int, at_most: int) -> int:
 def searches(campaign: Campaign) -> int:
     """The budget of all searches."""
     return sum(search.evaluations for search in campaign.stages.search)
+
+
+def evidence(campaign: Campaign) -> Evidence:
+    """What is evaluated around each worst case."""
+    return Evidence(campaign.stages.validate_.neighbours + SLICE * len(campaign.uncertain), boundary(campaign))
 
 
 def boundary(campaign: Campaign) -> int:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from campaigns.asked.allowance import SLICE, validation
+from campaigns.asked.allowance import SLICE, USUAL, validation
 from campaigns.asked.proposal import Cost, lasting
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Search
@@ -153,6 +153,8 @@ def _validate(campaign: Campaign) -> Range:
     each = POLISH * (2 * dimension + 1) + 2 * POLL * dimension + neighbours + SLICE * dimension
     usual = round(DESCENTS * (dimension + 1) + _cases(campaign) * each)
     most = validation(campaign, noisy=False).stored
+    if campaign.stages.findings.at_most > USUAL:  # what is left is spent in search of further ones
+        usual = most
     return min(most, neighbours + FRESH * dimension), min(most, usual)
 
 

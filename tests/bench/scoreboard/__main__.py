@@ -3,7 +3,8 @@
 `python -m tests.bench.scoreboard [--only PART[,PART]] [--methods A,B] [--seeds N] [--budgets 100,200] [--half setting]
 [--processes N]` measures less, or the other half. With --functions, --dimension or --instance it prints only the chosen
 cells, line by line, and leaves the files as they are; --again measures them although they are stored. A finished cell
-is stored, so that an interrupted board continues with the same command.
+is stored, so that an interrupted board continues with the same command. --stored measures nothing; --keep puts the
+cells with the code (`kept/`) and the page into docs/scoreboard.md.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ from typing import Any, get_args
 
 from tests.bench.scoreboard import bbob, niching, page, reaching, sureness, verdicts
 from tests.bench.scoreboard.bars import bars
-from tests.bench.scoreboard.cells import Cell, Row, measured, versions
+from tests.bench.scoreboard.cells import KEPT, Cell, Row, keep, kept, lines, measured, stored, versions
 from tests.bench.scoreboard.contestants import names, own_names
 from tests.bench.scoreboard.parts import Part, Request
 from tests.bench.scoreboard.peers import INSTALL, PEERS
 from tests.given.landscapes import Half
 
-BUILD = Path("build")
+BUILD, DOCS = Path("build"), Path("docs")
 SEEDS = 30
 IN_ORDER = (
     bbob.PART, reaching.LANDSCAPES, niching.PART, reaching.LOOPS, reaching.FALSIFICATION, verdicts.PART, sureness.PART,
@@ -34,7 +35,9 @@ IN_ORDER = (
 PARTS: dict[str, Part] = {part.name: part for part in IN_ORDER}
 
 
-def main(arguments: Sequence[str] | None = None, build: Path = BUILD) -> dict[str, Any]:
+def main(
+    arguments: Sequence[str] | None = None, build: Path = BUILD, kept_in: Path = KEPT, docs: Path = DOCS
+) -> dict[str, Any]:
     """Measure, write, print; returns what it wrote."""
     given = parser()
     asked = given.parse_args(arguments)
@@ -53,20 +56,29 @@ def main(arguments: Sequence[str] | None = None, build: Path = BUILD) -> dict[st
     }
     chosen = bool(asked.functions or asked.dimension or asked.instance)
     for name in asked.only:
-        cells = [cell for cell in PARTS[name].cells(request) if _is_chosen(cell, asked)]
+        part = PARTS[name]
+        cells, valid = (
+            [cell for cell in part.cells(request) if _is_chosen(cell, asked)],
+            versions({*installed}, part.reach),
+        )
         file = build / "scoreboard" / ("again.jsonl" if asked.again else "cells.jsonl")
+        known = {} if asked.again else stored(lines(kept(name, kept_in)), valid)
         if asked.again:
             file.unlink(missing_ok=True)
-        rows = measured(cells, PARTS[name].measure, file, asked.processes, versions({*installed}, PARTS[name].reach))
+        rows = measured(cells, None if asked.stored else part.measure, file, asked.processes, valid, known)
         if chosen:
             print("\n".join(json.dumps({**row.cell._asdict(), **row.figures, "error": row.error}) for row in rows))
-        found["parts"][name] = _summary(PARTS[name], rows)
+        if asked.keep:
+            keep(rows, kept(name, kept_in), valid)
+        found["parts"][name] = _summary(part, rows)
     _finish(found, list(found["parts"].values()), time.perf_counter() - began)
     if not chosen:
         build.mkdir(exist_ok=True)
         (build / "scoreboard.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
         (build / "scoreboard.md").write_text(page.markdown(found), encoding="utf-8")
         print(page.markdown(found))
+    if asked.keep:
+        (docs / "scoreboard.md").write_text(page.markdown(found), encoding="utf-8")
     return found
 
 
@@ -81,6 +93,7 @@ def _summary(part: Part, rows: Sequence[Row]) -> dict[str, Any]:
         "shown": part.shown,
         "table": part.table(rows),
         "cells": len(rows),
+        "missing": sum(not row.figures and not row.error for row in rows),
         "seconds": sum(row.seconds for row in rows),
         "errors": errors,
         "example": rows[0].cell.command if rows else "",
@@ -124,6 +137,8 @@ def parser() -> argparse.ArgumentParser:
     given.add_argument("--dimension", type=numbers, default=[])
     given.add_argument("--instance", type=numbers, default=[], help="instances, numbers or seeds of the part")
     given.add_argument("--again", action="store_true", help="measure although stored")
+    given.add_argument("--stored", action="store_true", help="measure nothing: what is missing has no figure")
+    given.add_argument("--keep", action="store_true", help="keep the cells with the code, and write docs/scoreboard.md")
     return given
 
 
@@ -134,6 +149,10 @@ def _refuse(given: argparse.ArgumentParser, asked: argparse.Namespace) -> None:
             given.error(f"there is no {what} {', '.join(wrong)}; give some of {', '.join(known)}")
     if min(asked.seeds, asked.processes, *(asked.budgets or [1])) < 1:
         given.error("seeds, processes and budgets must be at least 1")
+    if asked.keep and (asked.half != "judging" or asked.functions or asked.dimension or asked.instance):
+        given.error(
+            "only the judging half as a whole is kept; leave --half, --functions, --dimension and --instance out"
+        )
     if "bbob" in asked.only and not bbob.available():
         given.error(f"BBOB needs the package ioh: {INSTALL}; or name other parts with --only")
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from tests.bench.scoreboard import peers
 from tests.bench.scoreboard.cells import Cell, Row
-from tests.bench.scoreboard.contestants import Contestant
+from tests.bench.scoreboard.contestants import LIMITS, Contestant
 from tests.bench.scoreboard.parts import Part, Request, Table, averaged
 from tests.bench.scoreboard.searches import Trace
 from tests.given.landscapes import Half
@@ -25,6 +25,8 @@ from worker.engine.search.base import Floats
 TARGETS = 10.0 ** (2.0 - 0.2 * np.arange(51))
 FUNCTIONS = tuple(range(1, 25))
 DIMENSIONS = (2, 5, 10, 20)
+SLOW = 10
+"""Dimensions up to which those with a limit (`contestants.LIMITS`) take part, in the first instance."""
 BUDGETS = (100, 200, 1000)
 """Evaluations per parameter."""
 INSTANCES: dict[Half, tuple[int, ...]] = {"setting": (1, 2, 3), "judging": (101, 102, 103)}
@@ -110,7 +112,8 @@ def _cells(request: Request) -> list[Cell]:
         Cell("bbob", request.half, method, str(function), dimension, instance, budgets)
         for dimension in DIMENSIONS
         for method in request.methods
-        for instance in INSTANCES[request.half]
+        if method not in LIMITS or dimension <= SLOW
+        for instance in INSTANCES[request.half][: 1 if method in LIMITS else None]
         for function in FUNCTIONS
     ]
 

@@ -1,14 +1,15 @@
 """Cells of the score board: one search on one problem with one seed; measured in processes, stored line by line.
 
-A finished cell is a line of `build/scoreboard/cells.jsonl`, so that an interrupted board continues. A line counts only
-for the code that measured it: the board, the method or the version of the peer, and what it searched: nothing of ours,
-closed loops, or all that makes a run.
+A finished cell is a line of `build/scoreboard/cells.jsonl`, so that an interrupted board continues; those that are kept
+with the code are lines of `kept/PART.jsonl.xz`. A line counts only for the code that measured it: the board, the method
+or the version of the peer, and what it searched: nothing of ours, closed loops, or all that makes a run.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import lzma
 import os
 import shlex
 import sys
@@ -25,6 +26,7 @@ from worker.running.runs.identity import code_parts
 ROOT = Path(__file__).parents[3]
 HERE = "tests/bench/scoreboard"
 BOARD = (HERE, "clearance/testing", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching")
+KEPT = Path(__file__).with_name("kept")
 LIBRARY = ("campaigns/library", "tests/golden/library_verdicts.json")
 WHOLE_RUNS = tuple(f"{HERE}/{name}" for name in ("niching.py", "sureness.py", "verdicts.py"))
 RUNS = ("worker", "campaigns", "clearance/function", *WHOLE_RUNS)
@@ -99,35 +101,67 @@ def _digest(parts: Mapping[str, str]) -> str:
     return hashlib.sha256(repr(sorted(parts.items())).encode()).hexdigest()[:16]
 
 
-def stored(file: Path, versions_of: dict[str, str]) -> dict[Cell, Row]:
-    """The valid cells of a file. A line that an interruption cut off is left out, and a cell that failed altogether."""
+def stored(lines: Iterable[str], versions_of: Mapping[str, str] | None = None) -> dict[Cell, Row]:
+    """The cells of these lines, valid for these versions if some are given. A line that an interruption cut off is left
+    out, and a cell that failed altogether."""
     found: dict[Cell, Row] = {}
-    for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else []:
+    for line in lines:
         try:
             entry = json.loads(line)
         except json.JSONDecodeError:
             continue
         cell = Cell(**{**entry["cell"], "budgets": tuple(entry["cell"]["budgets"])})
-        if versions_of.get(cell.method) == entry["code"] and entry["figures"]:
+        valid = versions_of is None or versions_of.get(cell.method) == entry["code"]
+        if valid and entry["figures"]:
             found[cell] = Row(cell, entry["figures"], entry["error"], entry["seconds"])
     return found
 
 
+def lines(file: Path) -> list[str]:
+    """The lines of a file of cells, packed or not; none if there is no file."""
+    if not file.exists():
+        return []
+    packed = file.suffix == ".xz"
+    return (lzma.decompress(file.read_bytes()) if packed else file.read_bytes()).decode().splitlines()
+
+
+def kept(part: str, folder: Path) -> Path:
+    """The file of the cells of a part that are kept with the code."""
+    return folder / f"{part}.jsonl.xz"
+
+
+def keep(rows: Iterable[Row], file: Path, versions_of: Mapping[str, str]) -> None:
+    """Write these cells to the file; those of other code that it had are dropped."""
+    text = "".join(
+        f"{_line(row._replace(seconds=round(row.seconds, 2)), versions_of)}\n" for row in rows if row.figures
+    )
+    file.parent.mkdir(exist_ok=True)
+    file.write_bytes(lzma.compress(text.encode(), preset=9))
+
+
 def measured(
-    cells: Sequence[Cell], measure: Measure, file: Path, processes: int, versions_of: dict[str, str]
-) -> list[Row]:
-    """Every cell in the given order, from the file or measured now and added to it."""
-    known = stored(file, versions_of)
-    missing = [cell for cell in cells if cell not in known]
-    if missing:
+    cells: Sequence[Cell], measure: Measure | None, file: Path, processes: int, versions_of: dict[str, str],
+    known: Mapping[Cell, Row] | None = None,
+) -> list[Row]:  # fmt: skip
+    """Every cell in the given order, known, from the file, or measured now and added to it; without a measure a missing
+    one has no figures."""
+    found = {**(known or {}), **stored(lines(file), versions_of)}
+    missing = [cell for cell in cells if cell not in found]
+    if measure is None:
+        found |= {cell: Row(cell, {}, "", 0.0) for cell in missing}
+    elif missing:
         file.parent.mkdir(parents=True, exist_ok=True)
         with file.open("a", encoding="utf-8") as out:
             for row in _run(missing, measure, processes):
-                known[row.cell] = row
-                entry = row._asdict() | {"cell": row.cell._asdict(), "code": versions_of[row.cell.method]}
-                out.write(json.dumps(entry, allow_nan=False) + "\n")
+                found[row.cell] = row
+                out.write(f"{_line(row, versions_of)}\n")
                 out.flush()
-    return [known[cell] for cell in cells]
+    return [found[cell] for cell in cells]
+
+
+def _line(row: Row, versions_of: Mapping[str, str]) -> str:
+    entry = row._asdict() | {"cell": row.cell._asdict(), "code": versions_of[row.cell.method]}
+    return json.dumps(entry, allow_nan=False)
 
 
 def _run(cells: Sequence[Cell], measure: Measure, processes: int) -> Iterable[Row]:

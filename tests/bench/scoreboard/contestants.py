@@ -13,7 +13,7 @@ from tests.bench.scoreboard.searches import Trace, own_trace, peer_trace
 from worker.engine.search.base import Method
 from worker.running.catalogue.installed import methods
 
-LIMITS = {"turbo": 1000, "nevergrad": 5000, "optuna_tpe": 1000, "optuna_gp": 300}
+LIMITS = {"turbo": 500, "nevergrad": 5000, "optuna_tpe": 1000, "optuna_gp": 300}
 """Evaluations beyond which a contestant's own time grows to minutes a run; such a budget is left out for it."""
 SHORT = 200
 """Evaluations per parameter up to which costly methods take part."""

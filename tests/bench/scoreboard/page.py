@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from tests.bench.scoreboard.bbob import SLOW
 from tests.bench.scoreboard.contestants import LIMITS, SHORT, Contestant
 from tests.bench.scoreboard.parts import Table
 from tests.bench.scoreboard.peers import PEERS
@@ -18,8 +19,13 @@ def markdown(found: Mapping[str, Any]) -> str:
     lines = ["# Score board of the search methods", "", *_about(found), "", "## Bars", "", *_bars(found["bars"])]
     for part in found["parts"].values():
         lines += ["", f"## {part['title']}", "", part["text"], "", *_tables(part["table"], part["shown"])]
-        lines += ["", f"{part['cells']} cells, {part['seconds']:.0f} s of processes.", *_errors(part["errors"])]
+        lines += ["", f"{_cells(part)}, {part['seconds']:.0f} s of processes.", *_errors(part["errors"])]
     return "\n".join([*lines, "", *_repeat(found), ""])
+
+
+def _cells(part: Mapping[str, Any]) -> str:
+    missing = f", {part['missing']:,} of them not measured" if part["missing"] else ""
+    return f"{part['cells']:,} cells{missing}"
 
 
 def _about(found: Mapping[str, Any]) -> list[str]:
@@ -30,8 +36,9 @@ def _about(found: Mapping[str, Any]) -> list[str]:
         f"{found['machine']}, {found['processes']} processes, {found['seconds']:.0f} s.",
         "",
         "Every figure is a mean over all seeds or instances; - means that a method takes no part there or that a cell "
-        "of it failed; bold is the best. n is the number of parameters. "
-        f"Costly methods take at most {SHORT} n evaluations; evaluations of a run are at most: {limits}. "
+        "of it failed or is not measured; bold is the best. n is the number of parameters. "
+        f"Costly methods take at most {SHORT} n evaluations; evaluations of a run are at most: {limits}; these take "
+        f"part in one instance of BBOB, in up to {SLOW} dimensions. "
         "A method whose points depend on its budget has a run for each budget. A failed evaluation has no value for "
         "our methods; a peer is given the highest value so far. Peers that spend tens of milliseconds of their own on "
         "an evaluation take part in BBOB only.",

@@ -44,12 +44,16 @@ class Part:
 def averaged(rows: Sequence[Row], figures: Callable[[Row], Mapping[str, float | None]]) -> Table:
     """The mean of each figure by column and method.
 
-    A method has no figure in a column where one of its rows failed or has none: the mean of the rest would flatter it.
+    A method has no figure in a column in which one of its rows failed, is missing or has none: the mean of the rest
+    would flatter it. Such a row counts in the columns that others have of its problem.
     """
+    made = [(row, figures(row) if row.figures else None) for row in rows]
+    columns: dict[tuple[str, int], dict[str, None]] = {}
+    for row, of in made:
+        columns.setdefault(row.cell[3:5], {}).update(dict.fromkeys(of or ()))
     found: dict[str, dict[str, list[float | None]]] = {}
-    failed = {row.cell.method for row in rows if not row.figures}
-    for row in rows:
-        for column, value in (figures(row) if row.cell.method not in failed else {}).items():
+    for row, of in made:
+        for column, value in (dict.fromkeys(columns[row.cell[3:5]]) if of is None else of).items():
             found.setdefault(column, {}).setdefault(row.cell.method, []).append(value)
     return {
         column: {method: mean for method, values in by.items() if (mean := _mean(values)) is not None}

@@ -8,22 +8,12 @@ import numpy as np
 import pytest
 
 from clearance.testing.searching import Function, batch
+from tests.given.wells import wells
 from worker.engine.search.base import Floats
-from worker.engine.search.parts.basins import Basin, Rules, distinct, downhill, promising, spread
+from worker.engine.search.parts.basin import Basin, Rules
+from worker.engine.search.parts.basins import distinct, downhill, promising, spread
 
 RULES = Rules(distance=0.03, barrier=0.05, at_most=8)
-
-
-def wells(*places: tuple[float, float, float]) -> Function:
-    """Gaussian wells in the plane: x, y, depth."""
-
-    def value(x: Floats) -> Floats:
-        found = np.zeros(len(x))
-        for a, b, depth in places:
-            found -= depth * np.exp(-((x - [a, b]) ** 2).sum(axis=1) / 0.02)
-        return found
-
-    return value
 
 
 def evaluations(function: Function, points: Floats, rules: Rules = RULES) -> int:
@@ -41,7 +31,7 @@ def evaluations(function: Function, points: Floats, rules: Rules = RULES) -> int
 def told_from(function: Function, points: Floats, rules: Rules = RULES) -> list[Basin]:
     """The basins found from these candidates."""
     found: list[Basin] = []
-    search = distinct(points, function(points), rules, found)
+    search = distinct(points, function(points), rules, found, np.random.default_rng(0))
     try:
         asked = next(search)
         while True:
@@ -56,7 +46,7 @@ def told(function: Function, dimension: int, samples: int, rules: Rules = RULES,
     values = function(points)
     rows = promising(points, np.where(np.isnan(values), np.inf, values), 24)
     found: list[Basin] = []
-    search = distinct(points[rows], values[rows], rules, found)
+    search = distinct(points[rows], values[rows], rules, found, np.random.default_rng(0))
     try:
         asked = next(search)
         while budget >= len(asked):

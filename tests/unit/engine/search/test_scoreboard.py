@@ -18,6 +18,7 @@ from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant, names, own_names
 from tests.bench.scoreboard.fitted import coefficients
 from tests.bench.scoreboard.parts import Request, averaged
+from tests.given import landscapes
 from worker.engine.search.base import Floats
 
 SHORT = ["--only", "landscapes", "--half", "setting", "--seeds", "1", "--processes", "1", "--budgets", "2,4"]
@@ -63,8 +64,42 @@ def test_a_cell_of_other_code_is_measured_again(tmp_path: Path) -> None:
     for version in ("old", "new"):
         cells.measured([cell], lambda _: {"value": 1.0}, file, 1, {"direct": version})
     assert len(file.read_text().splitlines()) == 2
-    assert cells.stored(file, {"direct": "new"})[cell].figures == {"value": 1.0}
-    assert not cells.stored(file, {"direct": "newer"})
+    assert cells.stored(cells.lines(file), {"direct": "new"})[cell].figures == {"value": 1.0}
+    assert not cells.stored(cells.lines(file), {"direct": "newer"})
+
+
+def test_cells_kept_with_the_code_need_not_be_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file, versions = cells.kept("p", tmp_path / "kept"), {"a": "one", "b": "one"}
+    rows = [Row(Cell("p", "judging", m, "f", 2, i, (10,)), {"v": 0.25 * i}, "", 0.125) for m in "ab" for i in (1, 2)]
+    failed = Row(Cell("p", "judging", "a", "f", 2, 3, (10,)), {}, "ValueError: no value", 0.5)
+    cells.keep([*rows, failed], file, versions)
+    known = cells.stored(cells.lines(file), versions)
+    assert [*known] == [row.cell for row in rows]
+    asked = [rows[0].cell, failed.cell]
+    found = cells.measured(asked, None, tmp_path / "cells.jsonl", 1, versions, known)
+    assert [row.figures for row in found] == [{"v": 0.25}, {}]
+    assert not cells.stored(cells.lines(file), {"a": "two"})
+
+
+def test_what_is_stored_is_shown_without_what_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    short(tmp_path, "direct,nlopt_crs", ["--functions", "plateaus"])
+    short(tmp_path, "direct")
+    found = board.main([*SHORT, "--methods", "direct,nlopt_crs", "--stored"], tmp_path, tmp_path / "kept", tmp_path)
+    part = found["parts"]["landscapes"]
+    assert (part["cells"], part["missing"]) == (20, 9)
+    assert {column for column, by in part["table"].items() if "nlopt_crs" in by} == {"plateaus @ 2", "plateaus @ 4"}
+    assert all("direct" in by for by in part["table"].values())
+    assert ", 9 of them" in page.markdown(found)
+
+
+def test_only_the_judging_half_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        board.main([*SHORT, "--keep"], tmp_path, tmp_path / "kept", tmp_path)
+    assert "judging half" in capsys.readouterr().err
+    shorter = [word for word in SHORT if word not in ("--half", "setting")]
+    found = board.main([*shorter, "--methods", "direct", "--keep"], tmp_path, tmp_path / "kept", tmp_path)
+    assert (tmp_path / "scoreboard.md").read_text() == page.markdown(found)
+    assert len(cells.lines(tmp_path / "kept" / "landscapes.jsonl.xz")) == 10
 
 
 def test_a_cell_is_valid_for_its_method_and_what_it_searched() -> None:
@@ -109,7 +144,11 @@ def test_an_error_is_stated_and_no_mean_is_taken_over_the_rest(tmp_path: Path, m
     monkeypatch.setitem(board.PARTS, "landscapes", replace(part, measure=fails))
     found = short(tmp_path)
     assert found["parts"]["landscapes"]["errors"] == {"direct": [1, "ValueError: no value"]}
-    assert all(set(by) == {"nlopt_crs"} for by in found["parts"]["landscapes"]["table"].values())
+    table, kind = found["parts"]["landscapes"]["table"], [*landscapes.KINDS][3]
+    assert {column for column, by in table.items() if "direct" not in by} == {
+        f"{group} @ {budget}" for group in ("all", kind) for budget in (2, 4)
+    }
+    assert all("nlopt_crs" in by for by in table.values())
     assert "- direct: 1 " in page.markdown(found)
 
 
@@ -151,8 +190,8 @@ def test_a_budget_is_a_run_of_its_own_only_where_points_depend_on_it() -> None:
 
 
 def test_costly_methods_and_limits_leave_budgets_out() -> None:
-    assert Contestant("turbo").takes(1000, 5)
-    assert not Contestant("turbo").takes(2000, 10)
+    assert Contestant("turbo").takes(500, 5)
+    assert not Contestant("turbo").takes(1000, 10)
     assert not Contestant("lq_cma_es").takes(1000, 2)
     assert Contestant("cma_es").takes(20_000, 20)
 

@@ -12,7 +12,7 @@ from campaigns.stages.nominal import NominalResult
 from campaigns.stored.records import StagePlan
 from clearance.testing.searching import Function, batch
 from tests.given.case_campaigns import case1, searching
-from worker.engine.search.parts.basins import Basin
+from worker.engine.search.parts.basin import Basin
 from worker.engine.stages import search
 from worker.engine.stages.parts import findings
 from worker.engine.stages.parts.base import drive
@@ -171,6 +171,33 @@ def test_where_more_findings_are_requested_descents_begin_from_more_points() -> 
         counts.append(len(findings.gather(made, 2, Found())))
     few, usual, many = counts
     assert few == usual < many
+
+
+def many(most: int) -> tuple[Context, Found, Driven]:
+    """The findings of twelve wells of which a small search has seen few."""
+    grid = np.array([[x, y] for x in (0.12, 0.38, 0.64, 0.9) for y in (0.15, 0.5, 0.85)])
+
+    def wells(x: Floats) -> Floats:
+        apart = ((x[:, None, :] - grid) ** 2).sum(axis=2)
+        return np.asarray(1.0 - 0.7 * np.exp(-apart / WELL).sum(axis=1) + 0.05 * ((x - 0.5) ** 2).sum(axis=1))
+
+    stages = {"stages__findings": {"at_most": most}, "stages__validate": {"evaluations": 60_000}}
+    return found_by(searching({"method": "monte_carlo", "evaluations": 6}, **stages), wells, budget=60_000)
+
+
+def test_where_more_findings_are_requested_what_is_left_looks_for_further_ones() -> None:
+    made, found, driven = many(24)
+    _, usual, few = many(8)
+    assert len(usual.basins) < 8
+    assert len(found.basins) == 12
+    assert few.tally.evaluations < driven.tally.evaluations <= 60_000
+    assert driven.stop == "rule"
+    assert all(found.of(basin).neighbours is not None for basin in found.basins)
+    again = many(24)[0].store.evaluations(2)
+    columns = made.store.evaluations(2)
+    assert columns is not None
+    assert again is not None
+    assert np.array_equal(columns.points, again.points)
 
 
 def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:

@@ -7,13 +7,14 @@ nearest-better clustering (GECCO 2010), for the choice of points to descend from
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.engine.search.base import Batch, Floats, Search, side_by_side
-from worker.engine.search.parts.descent import Settings, descend
+from worker.engine.search.base import Batch, Floats
+from worker.engine.search.parts.basin import GAIN, ROUGH, Basin, Rules, close, lower
+from worker.engine.search.parts.polish import polished
 
 BETWEEN = np.array([0.5, 0.25, 0.75])
 """Positions on the straight line between two minima at which a barrier is tested."""
@@ -23,35 +24,6 @@ NEAREST = 3
 """Number of nearest minima that each minimum is compared with."""
 LOOKED_AT = 2000
 """The lowest evaluations among which points to descend from are chosen: the choice compares every pair."""
-ROUGH = Settings(differences="forward", iterations=25, apart=True)
-"""Settings of the descents that assign points to basins."""
-GAIN, SMALL = 0.02, 1e-9
-"""Fractions of the barrier: by less, two steps of a descent together no longer count when it assigns points to basins,
-and when it polishes."""
-FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60, apart=True)
-"""Settings of the descents that polish the minimum of a basin."""
-
-
-@dataclass(frozen=True)
-class Rules:
-    """Two minima are merged if they are closer than `distance` (largest fraction of any range) or have no barrier above
-    `barrier` (in the cost's unit) between them; at most `at_most` are retained, and those of the candidates
-    `followed` (by index). Those that are `alone` have nothing lower near: they may be of valleys of their own."""
-
-    distance: float
-    barrier: float
-    at_most: int
-    followed: frozenset[int] = frozenset()
-    alone: frozenset[int] = frozenset()
-
-
-@dataclass
-class Basin:
-    """A distinct minimum: its lowest point (n,) and cost, and the candidates (by index) that ended in it."""
-
-    point: Floats
-    cost: float
-    members: list[int]
 
 
 def promising(points: Floats, ranked: Floats, at_most: int, further: float = np.inf) -> NDArray[np.int64]:
@@ -99,50 +71,20 @@ def downhill(basin: Basin, points: Floats, ranked: Floats, distance: float) -> f
         basin.point, basin.cost = points[low].copy(), float(ranked[low])
 
 
-def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) -> Generator[Floats, Batch, str]:
+def distinct(
+    points: Floats, costs: Floats, rules: Rules, found: list[Basin], random: np.random.Generator
+) -> Generator[Floats, Batch, str]:
     """Descend from candidate points (c, n) of known costs (c,), merge ends in the same basin, and polish each basin.
 
     `found` contains the current basins after every step, lowest first, so that none is lost when the budget ends.
     """
     ends = [Basin(p.copy(), float(c), [i]) for i, (p, c) in enumerate(zip(points, costs, strict=True))]
-    found[:] = _close(ends, rules.distance / 3)
+    found[:] = close(ends, rules.distance / 3)
     yield from _assigned(found, rules)
     found[rules.at_most :] = [b for b in found[rules.at_most :] if not rules.followed.isdisjoint(b.members)]
-    yield from _descend(found, replace(FINE, gain=SMALL * rules.barrier))
-    yield from _poll(found, SMALL * rules.barrier)
+    yield from polished(found, rules, random)
     yield from _merge(found, list(found), [], rules)
     return "polished every distinct minimum"
-
-
-def descended(basins: list[Basin]) -> Generator[Floats, Batch, None]:
-    """Move basins to where rough descents from them end."""
-    yield from _descend(basins, ROUGH)
-
-
-def _close(basins: list[Basin], distance: float) -> list[Basin]:
-    """The basins, lowest first; those closer than `distance` to a lower one are merged into it."""
-    kept: list[Basin] = []
-    for basin in sorted(basins, key=lambda b: b.cost):
-        near = next((k for k in kept if np.abs(k.point - basin.point).max() < distance), None)
-        if near is None:
-            kept.append(basin)
-        else:
-            near.members += basin.members
-    return kept
-
-
-def _descend(basins: list[Basin], settings: Settings) -> Generator[Floats, Batch, None]:
-    """SQP from every basin in parallel; a descent that ends no lower than it started changes nothing."""
-    if basins:
-        yield from side_by_side([_lowered(basin, settings) for basin in basins])
-    basins.sort(key=lambda b: b.cost)
-
-
-def _lowered(basin: Basin, settings: Settings) -> Search:
-    end = yield from descend(basin.point, settings)
-    if end.cost < basin.cost:
-        basin.point, basin.cost = end.point.copy(), end.cost
-    return end.text
 
 
 def _assigned(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
@@ -168,7 +110,7 @@ def _settled(
     and merged. `found` has both and the others at any time."""
     if not descents:
         yield from _joined(found, settled, fresh, rules)
-    yield from _descend(fresh, replace(ROUGH, gain=GAIN * rules.barrier))
+    yield from lower(fresh, replace(ROUGH, gain=GAIN * rules.barrier))
     settled += fresh
     rest = [b for b in found if not any(b is s for s in settled)]
     yield from _merge(found, settled, rest, rules)
@@ -218,7 +160,7 @@ def _rise(values: Floats) -> Floats:
 def _merge(found: list[Basin], ends: list[Basin], rest: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
     """Merge the ends of descents, lowest first: each joins one of the nearest lower ones unless there is a barrier in
     between. `found` has them, and the rest."""
-    waiting = _close(ends, rules.distance)
+    waiting = close(ends, rules.distance)
     kept: list[Basin] = []
     while waiting:
         basin = waiting.pop(0)
@@ -237,32 +179,3 @@ def _merge(found: list[Basin], ends: list[Basin], rest: list[Basin], rules: Rule
             joined.members += basin.members
         ends[:] = sorted(kept + waiting, key=lambda b: b.cost)
         found[:] = sorted(ends + rest, key=lambda b: b.cost)
-
-
-def _poll(
-    basins: list[Basin], small: float, step: float = 1e-3, smallest: float = 1e-9
-) -> Generator[Floats, Batch, None]:
-    """Compass search around every basin in parallel, for edges and kinks where gradients fail.
-
-    It ends where no step changes the cost by more than `small`.
-    """
-    steps = np.full(len(basins), step)
-    for _ in range(200):
-        active = np.flatnonzero(steps >= smallest)
-        if len(active) == 0:
-            break
-        polls = [_compass(basins[i].point, steps[i]) for i in active]
-        ranked = (yield np.concatenate(polls)).ranked().reshape(len(active), -1)
-        for i, poll, values in zip(active, polls, ranked, strict=True):
-            low = int(np.argmin(values))
-            if values[low] < basins[i].cost:
-                basins[i].point, basins[i].cost = poll[low].copy(), float(values[low])
-            else:
-                flat = values.max(initial=-np.inf) - basins[i].cost <= small
-                steps[i] = 0.0 if flat else steps[i] / 4.0
-    basins.sort(key=lambda b: b.cost)
-
-
-def _compass(point: Floats, step: float) -> Floats:
-    arms = step * np.concatenate([np.eye(len(point)), -np.eye(len(point))])
-    return np.clip(point + arms, 0.0, 1.0)

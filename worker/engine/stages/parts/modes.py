@@ -16,7 +16,7 @@ from campaigns.results import Finding
 from campaigns.results.base import OK
 from campaigns.results.estimate import Estimation, NamedModes
 from worker.engine.search.base import Batch, Floats
-from worker.engine.search.parts.basins import Basin
+from worker.engine.search.parts.basin import Basin
 from worker.engine.stages.parts.context import Context
 
 Lines = dict[tuple[int, bytes], bool]

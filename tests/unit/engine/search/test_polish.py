@@ -1,0 +1,105 @@
+"""Polishing a minimum where gradients and a compass end in dips, and finding further ones from random points."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from clearance.testing.searching import Function, batch
+from tests.given.wells import wells
+from worker.engine.search.base import Batch, Floats
+from worker.engine.search.parts.basin import Basin, Rules
+from worker.engine.search.parts.polish import LEAST, WAVE, explored, polished
+
+RULES = Rules(distance=0.03, barrier=0.05, at_most=20, rugged=1e-6)
+WELLS = ((0.2, 0.2, 1.0), (0.8, 0.8, 1.0), (0.8, 0.2, 0.9))
+
+
+TURNED = np.array([[0.8, 0.6], [-0.6, 0.8]])
+
+
+def rugged(x: Floats) -> Floats:
+    """Weierstrass's function about 0.3, turned: a cusp among dips of every size, none as low as 0."""
+    k = np.arange(14)
+    along = (x - 0.3) @ TURNED
+    return np.asarray((0.6**k * (1.0 - np.cos(2.0 * np.pi * 3.0**k * along[:, :, None]))).sum(axis=(1, 2)))
+
+
+def evaluated(part: Generator[Floats, Batch, Any], function: Function) -> tuple[Any, int]:
+    """What a part returns, and its evaluations."""
+    made = 0
+    try:
+        points = next(part)
+        while True:
+            made += len(points)
+            points = part.send(batch(function(points)))
+    except StopIteration as end:
+        return end.value, made
+
+
+def after_polish(function: Function, starts: list[list[float]], rules: Rules) -> tuple[list[Basin], int]:
+    """The basins of these starts, polished, and the evaluations that this took."""
+    found = [Basin(np.array(p), float(function(np.array([p]))[0]), [i]) for i, p in enumerate(starts)]
+    _, made = evaluated(polished(found, rules, np.random.default_rng(1)), function)
+    return found, made
+
+
+def test_a_minimum_among_dips_is_polished_by_a_strategy() -> None:
+    reached = {0: 0, 20_000: 0}
+    for start in 0.3 + np.random.default_rng(3).uniform(-0.03, 0.03, (12, 2)):
+        costs = {}
+        for evolving in reached:
+            (found,), _ = after_polish(rugged, [start.tolist()], replace(RULES, evolving=evolving))
+            costs[evolving] = found.cost
+            reached[evolving] += found.cost < 1e-9
+        assert costs[20_000] < costs[0]
+    assert reached[0] == 0
+    assert reached[20_000] >= 5
+
+
+def test_a_smooth_minimum_takes_no_strategy() -> None:
+    function, starts = wells(*WELLS), [[0.21, 0.22], [0.79, 0.8]]
+    _, without = after_polish(function, starts, RULES)
+    found, made = after_polish(function, starts, replace(RULES, evolving=20_000))
+    assert made == without
+    assert [b.cost for b in found] == pytest.approx([-1.0, -1.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("evolving", [100, 1000])
+def test_strategies_take_no_more_than_they_may(evolving: int) -> None:
+    starts = [[0.312, 0.291], [0.9, 0.31], [0.6, 0.62]]
+    _, without = after_polish(rugged, starts, RULES)
+    _, made = after_polish(rugged, starts, replace(RULES, evolving=evolving))
+    assert made <= without + evolving
+
+
+def test_minima_that_end_at_one_place_are_one() -> None:
+    found, _ = after_polish(rugged, [[0.312, 0.291], [0.36, 0.291]], replace(RULES, evolving=50_000))
+    lowest = [b for b in found if np.abs(b.point - 0.3).max() < RULES.distance]
+    assert len(lowest) == 1
+    assert sorted(m for b in found for m in b.members) == [0, 1]
+
+
+def test_the_same_seed_gives_the_same_polish() -> None:
+    one, other = (after_polish(rugged, [[0.312, 0.291]], replace(RULES, evolving=5_000)) for _ in range(2))
+    assert one[1] == other[1]
+    assert np.array_equal(one[0][0].point, other[0][0].point)
+
+
+def test_random_points_lead_to_the_minima_that_are_not_known() -> None:
+    known = [Basin(np.array([0.2, 0.2]), -1.0, [0])]
+    fresh, made = evaluated(explored(known, RULES, 20_000, np.random.default_rng(1)), wells(*WELLS))
+    ends = sorted(tuple(np.round(b.point, 2).tolist()) for b in fresh if b.cost < -0.5)
+    assert ends == [(0.8, 0.2), (0.8, 0.8)]
+    assert made <= 20_000
+
+
+def test_none_begins_with_too_few_evaluations() -> None:
+    known = [Basin(np.array([0.2, 0.2]), -1.0, [0])]
+    room = WAVE * LEAST * 2 - 1
+    fresh, made = evaluated(explored(known, RULES, room, np.random.default_rng(1)), wells(*WELLS))
+    assert (fresh, made) == ([], 0)

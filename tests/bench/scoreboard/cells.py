@@ -21,7 +21,7 @@ from typing import Any, Literal, NamedTuple
 
 from tests.bench.scoreboard.peers import PEERS
 from worker.running.catalogue.installed import methods
-from worker.running.runs.identity import code_parts
+from worker.running.runs.identity import code_parts, installation
 
 ROOT = Path(__file__).parents[3]
 HERE = "tests/bench/scoreboard"
@@ -29,8 +29,11 @@ BOARD = (HERE, "clearance/testing", "tests/given/landscapes.py", "tests/given/fa
 KEPT = Path(__file__).with_name("kept")
 LIBRARY = ("campaigns/library", "tests/golden/library_verdicts.json")
 WHOLE_RUNS = tuple(f"{HERE}/{name}" for name in ("niching.py", "sureness.py", "verdicts.py"))
-RUNS = ("worker", "campaigns", "clearance/function", *WHOLE_RUNS)
-PRESENTATION = tuple(f"{HERE}/{name}" for name in ("__main__.py", "bars.py", "fitted.py", "page.py"))
+RUNS = ("worker/evidence/verdicts", "campaigns/rules.py", "clearance/function", *WHOLE_RUNS)
+"""Besides the engine (`installation`), what decides the figures of whole runs."""
+PRESENTATION = tuple(
+    f"{HERE}/{name}" for name in ("__main__.py", "bars.py", "cells.py", "fitted.py", "page.py", "parts.py")
+)
 """Modules of the board that change no figure of a cell; those before change only figures of whole runs."""
 
 
@@ -92,7 +95,11 @@ def _of_folder(path: Path) -> list[Path]:
 def versions(names: Iterable[str], reach: Reach) -> dict[str, str]:
     """What each method's cells are valid for."""
     board, parts = code(BOARD), code_parts()
-    searched = {"method": [], "loops": [code(LIBRARY), _digest(parts.systems | parts.components)], "runs": [code(RUNS)]}
+    searched = {
+        "method": [],
+        "loops": [code(LIBRARY), _digest(parts.systems | parts.components)],
+        "runs": [code(RUNS), installation().digest[:16]],
+    }
     by = {name: PEERS[name].version() if name in PEERS else parts.methods[name] for name in names}
     return {name: " ".join([board, version, *searched[reach]]) for name, version in by.items()}
 

@@ -113,11 +113,11 @@ def test_a_cell_is_valid_for_its_method_and_what_it_searched() -> None:
 
 def test_what_only_whole_runs_have_counts_for_them_alone() -> None:
     files = cells._of_folder(cells.ROOT / cells.HERE)
-    assert {file.name for file in files} >= {"bbob.py", "cells.py", "searches.py"}
-    assert not {file.name for file in files} & {"sureness.py", "niching.py", "verdicts.py", "page.py"}
+    assert {file.name for file in files} >= {"bbob.py", "peers.py", "searches.py"}
+    assert not {file.name for file in files} & {"sureness.py", "niching.py", "verdicts.py", "page.py", "cells.py"}
     assert all((cells.ROOT / name).is_file() for name in (*cells.WHOLE_RUNS, *cells.PRESENTATION))
-    whole = cells._of_folder(cells.ROOT / "worker")
-    assert cells.ROOT / "worker/evidence/verdicts/sureness.py" in whole
+    assert all((cells.ROOT / name).exists() for name in cells.RUNS)
+    assert cells.ROOT / "worker/evidence/verdicts/sureness.py" in cells._of_folder(cells.ROOT / cells.RUNS[0])
 
 
 def test_chosen_cells_are_printed_and_repeated_by_their_command(

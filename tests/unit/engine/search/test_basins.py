@@ -31,7 +31,7 @@ def evaluations(function: Function, points: Floats, rules: Rules = RULES) -> int
 def told_from(function: Function, points: Floats, rules: Rules = RULES) -> list[Basin]:
     """The basins found from these candidates."""
     found: list[Basin] = []
-    search = distinct(points, function(points), rules, found, np.random.default_rng(0))
+    search = distinct(points, function(points), rules, found, lambda: 0, np.random.default_rng(0))
     try:
         asked = next(search)
         while True:
@@ -46,7 +46,7 @@ def told(function: Function, dimension: int, samples: int, rules: Rules = RULES,
     values = function(points)
     rows = promising(points, np.where(np.isnan(values), np.inf, values), 24)
     found: list[Basin] = []
-    search = distinct(points[rows], values[rows], rules, found, np.random.default_rng(0))
+    search = distinct(points[rows], values[rows], rules, found, lambda: 0, np.random.default_rng(0))
     try:
         asked = next(search)
         while budget >= len(asked):

@@ -200,6 +200,25 @@ def test_where_more_findings_are_requested_what_is_left_looks_for_further_ones()
     assert np.array_equal(columns.points, again.points)
 
 
+@pytest.mark.parametrize("allowed", [6_000, 40_000, 60_000])
+def test_of_many_minima_no_more_are_listed_than_have_their_evidence(allowed: int) -> None:
+    def rugged(x: Floats) -> Floats:
+        dips = (np.cos(60.0 * x) + 0.6 * np.cos(199.0 * x) + 0.3 * np.cos(701.0 * x)).sum(axis=1)
+        return np.asarray(2.0 + 0.2 * dips + ((x - 0.4) ** 2).sum(axis=1))
+
+    stages = {"stages__findings": {"at_most": 250}, "stages__validate": {"evaluations": allowed}}
+    campaign = searching({"method": "monte_carlo", "evaluations": 3000}, **stages)
+    _, found, driven = found_by(campaign, rugged, budget=findings.validation(campaign).stored)
+    assert len(found.basins) >= 8
+    if allowed > 6_000:  # which is spent before the descents have ended
+        assert driven.stop == "rule"
+        assert found.left_out > 0
+        assert all(found.of(b).neighbours is not None and found.of(b).after is not None for b in found.basins)
+    points = [b.point for b in found.basins]
+    distance = campaign.stages.findings.distance
+    assert all(np.abs(a - b).max() >= distance for i, a in enumerate(points) for b in points[:i])
+
+
 def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:
     def three(x: Floats) -> Floats:
         bump = 0.3 * np.exp(-((x - [0.8, 0.2]) ** 2).sum(axis=1) / WELL)

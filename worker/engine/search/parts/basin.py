@@ -22,8 +22,7 @@ class Rules:
     """Two minima are merged if they are closer than `distance` (largest fraction of any range) or have no barrier above
     `barrier` (in the cost's unit) between them; at most `at_most` are retained, and those of the candidates
     `followed` (by index). Those that are `alone` have nothing lower near: they may be of valleys of their own.
-    Where a compass search still gains more than `rugged` (in the cost's unit), evolution strategies may take about
-    `evolving` evaluations."""
+    Where a compass search still gains more than `rugged` (in the cost's unit), evolution strategies may follow."""
 
     distance: float
     barrier: float
@@ -31,7 +30,6 @@ class Rules:
     followed: frozenset[int] = frozenset()
     alone: frozenset[int] = frozenset()
     rugged: float = 0.0
-    evolving: int = 0
 
 
 @dataclass

@@ -6,7 +6,7 @@ use, and the compass ends in any small dip: an evolution strategy follows (`cma`
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import replace
 
 import numpy as np
@@ -26,20 +26,25 @@ WIDE, WAVE, LEAST = 0.1, 8, 100
 """Deviation of the strategies from random points, how many are side by side, and what each may take per parameter."""
 
 Part = Generator[Floats, Batch, None]
+Room = Callable[[], int]
+"""How many evaluations may be made, asked when it matters."""
 
 
-def polished(found: list[Basin], rules: Rules, random: np.random.Generator) -> Part:
-    """Polish every basin. `found` is up to date after every step; two that end at one place are one."""
+def polished(found: list[Basin], rules: Rules, room: Room, random: np.random.Generator) -> Part:
+    """Polish every basin. `found` is up to date after every step; two that end at one place are one.
+
+    room: what strategies may take then.
+    """
     yield from lower(found, replace(FINE, gain=SMALL * rules.barrier))
     before = [(basin, basin.cost) for basin in found]
     yield from _poll(found, SMALL * rules.barrier)
     rugged = [basin for basin in found for b, cost in before if b is basin and cost - b.cost > rules.rugged]
-    room = rules.evolving
-    while rugged and room > 0:
+    left = room() if rugged else 0
+    while rugged and left > 0:
         few = [basin for basin in rugged[:FEW] if any(basin is b for b in found)]
         del rugged[:FEW]
-        each, parts = room // max(len(few), 1), zip(few, random.spawn(len(few)), strict=True)
-        room -= yield from _counted([_evolved(basin, found, STEP, each, rules, own) for basin, own in parts])
+        each, parts = left // max(len(few), 1), zip(few, random.spawn(len(few)), strict=True)
+        left -= yield from _counted([_evolved(basin, found, STEP, each, rules, own) for basin, own in parts])
         found[:] = close(found, rules.distance)
 
 

@@ -20,7 +20,7 @@ from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
 from campaigns.stored.records import Columns
 from worker.engine.search.base import Batch, Search
-from worker.engine.search.parts.basin import ROUGH, Basin, Rules, lower
+from worker.engine.search.parts.basin import ROUGH, Basin, Rules, close, lower
 from worker.engine.search.parts.basins import LOOKED_AT, distinct, downhill, promising, spread
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.search.parts.polish import explored
@@ -41,7 +41,7 @@ ALONE = 0.1
 """Fraction of every range: a candidate with no lower evaluation closer than this may be of a valley of its own."""
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
-EVOLVING = 3
+EVOLVING = 2
 """Where more findings are listed than usual, one of so many evaluations that are left may polish them where the cost is
 rugged. In closed loops this takes several times the evaluations, for less than 0.2 % of the worst case."""
 ROUNDS = 20
@@ -191,7 +191,9 @@ def _search(context: Context, position: int, found: Found) -> Search:
     alone = walked(context, position, found, starts)
     yield from _followed(context, found, starts)
     yield from _distinguished(context, found, starts, random, alone)
+    _afforded(context, found)
     yield from _further(context, position, found, random)
+    _afforded(context, found)
     yield from _evidence(context, found, random)
     compared = True
     while compared:
@@ -334,15 +336,19 @@ def _distinguished(
     """Descend from these starts and merge; the end of a descent takes over what its start represented."""
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
     basins: list[Basin] = []
-    evolving = _room(context, found) // EVOLVING if _thorough(context) else 0
-    rules = replace(_rules(context, float(costs.min())), alone=alone, evolving=evolving)
+    rules = replace(_rules(context, float(costs.min())), alone=alone)
     followed = (i for i, b in enumerate(starts) if any(found.candidates[m].followed for m in b.members))
     distinguished = False
+
+    def room() -> int:
+        return _room(context, found) // EVOLVING if _thorough(context) else 0
+
     try:
-        yield from distinct(points, costs, replace(rules, followed=frozenset(followed)), basins, random)
+        yield from distinct(points, costs, replace(rules, followed=frozenset(followed)), basins, room, random)
         found.descended = distinguished = True
     finally:  # when the budget ends, none is lost
-        known = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]
+        apart = basins if distinguished else close(basins, rules.distance)
+        known = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in apart]
         listed = rules.at_most if distinguished else len(known)
         found.keep(known[:listed], known[listed:])
         _keep_the_worst(context, found)
@@ -351,7 +357,7 @@ def _distinguished(
 def _further(context: Context, position: int, found: Found, random: np.random.Generator) -> Part:
     """Where more findings are listed than usual: spend what the evidence of the known ones leaves on further ones."""
     while _thorough(context) and len(found.basins) < context.campaign.stages.findings.at_most:
-        room = (_room(context, found) - _needed(context, found)) // 2
+        room = (_room(context, found) - _needed(context, found.basins)) // 2
         before = found.seen.evaluations
         fresh = yield from explored(found.basins, _rules(context, found.basins[0].cost), room, random)
         if found.seen.evaluations == before:
@@ -367,11 +373,20 @@ def _thorough(context: Context) -> bool:
     return context.campaign.stages.findings.at_most > USUAL
 
 
-def _needed(context: Context, found: Found) -> int:
-    """What the evidence of the worst cases takes."""
+def _afforded(context: Context, found: Found) -> None:
+    """Where more findings are listed than usual: leave out the highest of those whose evidence is not affordable."""
+    kept = len(found.basins)
+    while _thorough(context) and kept > USUAL and _needed(context, found.basins[:kept]) > _room(context, found):
+        kept -= 1
+    found.left_out += len(found.basins) - kept
+    found.keep(found.basins[:kept], found.basins[kept:])
+
+
+def _needed(context: Context, basins: Sequence[Basin]) -> int:
+    """What the evidence of these worst cases takes."""
     each = evidence(context.campaign)
-    violating = sum(b.cost <= context.problem.threshold for b in found.basins)
-    return each.around * len(found.basins) + each.boundary * violating
+    violating = sum(b.cost <= context.problem.threshold for b in basins)
+    return each.around * len(basins) + each.boundary * violating
 
 
 def _evidence(context: Context, found: Found, random: np.random.Generator) -> Part:

@@ -33,7 +33,7 @@ from tests.given.refused_commands import refused
 from tests.migrated import migrated
 from worker.engine.search.base import Floats
 from worker.engine.stages import baseline
-from worker.engine.stages.parts import findings, offered
+from worker.engine.stages.parts import candidates, findings, offered
 from worker.engine.stages.parts.base import drive
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.left import Left
@@ -178,7 +178,7 @@ def test_more_cases_than_candidates_are_all_followed() -> None:
     ]
     made = context(against(*many), two_wells)
     ran(made)
-    gathered = findings.gather(made, 2, findings.Found())
+    gathered, _ = candidates.gather(made, 2)
     assert len(gathered) == len(many) > STARTS
 
 

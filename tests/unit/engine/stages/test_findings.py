@@ -14,7 +14,7 @@ from clearance.testing.searching import Function, batch
 from tests.given.case_campaigns import case1, searching
 from worker.engine.search.parts.basin import Basin
 from worker.engine.stages import search
-from worker.engine.stages.parts import findings
+from worker.engine.stages.parts import candidates, findings
 from worker.engine.stages.parts.base import drive
 from worker.engine.stages.parts.comparison import compare
 from worker.engine.stages.parts.context import Context, Driven
@@ -149,9 +149,9 @@ def test_starts_walk_down_what_is_stored_but_for_the_best_of_a_stage() -> None:
     campaign = searching({"method": "direct", "evaluations": 500}, {"method": "monte_carlo", "evaluations": 300})
     made, _, _ = found_by(campaign, two_failures)
     state = Found()
-    state.candidates = findings.gather(made, 3, state)
+    state.candidates, _ = candidates.gather(made, 3)
     starts = [Basin(c.point, c.cost, [i]) for i, c in enumerate(state.candidates)]
-    alone = findings.walked(made, 3, state, starts)
+    alone = candidates.walked(made, 3, state.candidates, starts)
     bests = {(at, result.best.cost) for at, result in made.searched.items() if result.best is not None}
     moved = [s.cost < c.cost for s, c in zip(starts, state.candidates, strict=True)]
     claimed = [(c.position, c.cost) in bests for c in state.candidates]
@@ -168,7 +168,7 @@ def test_where_more_findings_are_requested_descents_begin_from_more_points() -> 
         stages = {"stages__findings": {"at_most": most}, "stages__validate": {"evaluations": 100_000}}
         campaign = searching({"method": "monte_carlo", "evaluations": 3000}, **stages)
         made, _, _ = found_by(campaign, lambda x: np.cos(25 * x).sum(axis=1), budget=1)
-        counts.append(len(findings.gather(made, 2, Found())))
+        counts.append(len(candidates.gather(made, 2)[0]))
     few, usual, many = counts
     assert few == usual < many
 

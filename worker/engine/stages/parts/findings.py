@@ -11,9 +11,8 @@ from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from campaigns.asked.allowance import STARTS, USUAL, evidence, per_finding, validation
+from campaigns.asked.allowance import USUAL, evidence, validation
 from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
@@ -21,11 +20,12 @@ from campaigns.results.finding import Neighbours
 from campaigns.stored.records import Columns
 from worker.engine.search.base import Batch, Search
 from worker.engine.search.parts.basin import ROUGH, Basin, Rules, close, lower
-from worker.engine.search.parts.basins import LOOKED_AT, distinct, downhill, promising, spread
+from worker.engine.search.parts.basins import distinct
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.search.parts.polish import explored
 from worker.engine.stages.parts import modes, seeds
 from worker.engine.stages.parts.boundary import Around, after
+from worker.engine.stages.parts.candidates import Candidate, gather, promising_rows, ranked_of, walked
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.falls import Falls, begun, fall
 from worker.engine.stages.parts.left import Left
@@ -33,12 +33,6 @@ from worker.engine.stages.parts.noise import noisy
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 
-EACH = 12
-"""Limit on the points to descend from, per stage."""
-CELL = 0.03
-"""Fraction of every range: candidates are chosen from the lowest evaluation of every cell of this size."""
-ALONE = 0.1
-"""Fraction of every range: a candidate with no lower evaluation closer than this may be of a valley of its own."""
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
 EVOLVING = 2
@@ -49,19 +43,6 @@ ROUNDS = 20
 
 Part = Generator[Floats, Batch, None]
 """A part of the search."""
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A point (n,) to descend from, its cost, and the stage that evaluated it."""
-
-    point: Floats
-    cost: float
-    position: int
-    minimum: int | None = None
-    """Which of the stage's own minima it is; None if it is another evaluation."""
-    followed: bool = False
-    """Whether it is a case of the baseline, whose basin is reported even if it is not listed."""
 
 
 @dataclass
@@ -182,13 +163,13 @@ def settle(context: Context, position: int, found: Found, left: Left) -> bool:
 
 
 def _search(context: Context, position: int, found: Found) -> Search:
-    found.candidates = gather(context, position, found)
+    found.candidates, found.skipped = gather(context, position)
     yield from _drawn(context, position, found)
     if not found.candidates:
         return ends.NOTHING
     random = stream(context.campaign.seed, FINDINGS_STREAM)
     starts = [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)]
-    alone = walked(context, position, found, starts)
+    alone = walked(context, position, found.candidates, starts)
     yield from _followed(context, found, starts)
     yield from _distinguished(context, found, starts, random, alone)
     _afforded(context, found)
@@ -206,28 +187,6 @@ def _search(context: Context, position: int, found: Found) -> Search:
 def _room(context: Context, found: Found) -> int:
     """The evaluations that are left of the allowance."""
     return validation(context.campaign, noisy(context)).stored - found.seen.evaluations
-
-
-def walked(context: Context, position: int, found: Found, starts: Sequence[Basin]) -> frozenset[int]:
-    """Move starts downhill along what is stored, in steps within which minima count as one. Returns those with nothing
-    lower near.
-
-    Not the best of a stage, nor cases of the baseline: in which basin they are is a claim, shown by lines and descents.
-    """
-    low = [(c, np.argsort(_ranked(c), kind="stable")[:LOOKED_AT]) for _, c in seeds.stated(context, range(position))]
-    points = np.concatenate([np.empty((0, context.problem.dimension)), *(c.points[rows] for c, rows in low)])
-    ranked = np.concatenate([np.empty(0), *(_ranked(c)[rows] for c, rows in low)])
-    searched = context.searched.items()
-    bests = {(at, part.best) for at, result in searched for part in result.apart}
-    bests |= {(at, result.best.cost) for at, result in searched if result.best is not None}
-    alone = set()
-    for i, (start, candidate) in enumerate(zip(starts, found.candidates, strict=True)):
-        if not candidate.followed:
-            claimed = (candidate.position, candidate.cost) in bests
-            moved = replace(start) if claimed else start
-            if downhill(moved, points, ranked, context.campaign.stages.findings.distance) > ALONE:
-                alone.add(i)
-    return frozenset(alone)
 
 
 def _followed(context: Context, found: Found, starts: Sequence[Basin]) -> Part:
@@ -262,40 +221,6 @@ def _polished(context: Context, position: int, found: Found, random: np.random.G
         yield from _evidence(context, found, random)
 
 
-def gather(context: Context, position: int, state: Found) -> list[Candidate]:
-    """The candidates of all stages before this one, the lowest first; among them the best of every stage, and of every
-    part of it that was apart, and every evaluation of a stage that is followed. A small allowance is spent on few."""
-    found: list[Candidate] = []
-    best: list[Candidate] = []
-    searched = context.searched
-    for at, columns in seeds.stated(context, range(position)):
-        ranked = _ranked(columns)
-        result = context.results.get(at)
-        known = result is not None and result.followed
-        rows = np.flatnonzero(np.isfinite(ranked)) if known else _promising(context, columns)
-        mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at, followed=known) for i in map(int, rows)]
-        best += mine if known else mine[:1]
-        found += mine
-        if at in searched:
-            alone = [Candidate(columns.points[part.index].copy(), part.best, at) for part in searched[at].apart]
-            alone = [next((m for m in mine if np.array_equal(m.point, part.point)), part) for part in alone]
-            best += [part for part in alone if part is not mine[0]]
-            found += [part for part in alone if not any(part is m for m in mine)]
-            found += [Candidate(np.array(m.point), m.cost, at, i) for i, m in enumerate(searched[at].minima)]
-    kept = sorted(found, key=lambda c: c.cost)[: validation(context.campaign, noisy(context)).starts]
-    state.skipped = min(len(found), per_finding(STARTS, context.campaign.stages.findings.at_most)) - len(kept)
-    return sorted(kept + [b for b in best if not any(b is k for k in kept)], key=lambda c: c.cost)
-
-
-def _promising(context: Context, columns: Columns) -> NDArray[np.int64]:
-    """Rows of a stage to descend from; where more findings are listed than usual, more of them, of which some are low
-    although something lower is near."""
-    most, ranked = context.campaign.stages.findings.at_most, _ranked(columns)
-    rows = spread(columns.points, ranked, CELL)
-    further = CELL if most > USUAL else np.inf
-    return rows[promising(columns.points[rows], ranked[rows], per_finding(EACH, most), further)]
-
-
 def reached(context: Context, columns: Columns, basin: Basin) -> int | None:
     """The evaluations that a stage needed to come close to this worst case; None if it never did."""
     near = SAME_COST * scale(context, basin.cost)
@@ -316,7 +241,7 @@ def _drawn(context: Context, position: int, found: Found) -> Part:
     for at, columns, _ in seeds.drawn(context, range(position)):
         result = context.results.get(at)
         known = result is not None and result.followed
-        points = columns.points[_promising(context, columns)]
+        points = columns.points[promising_rows(context, columns)]
         ranked = (yield points).ranked() if len(points) else np.empty(0)
         found.candidates += [
             Candidate(p.copy(), float(c), position, followed=known)
@@ -417,14 +342,10 @@ def _lower(context: Context, position: int, found: Found, settled: bool = False)
     if found.seen.point is not None:
         candidates.append(Candidate(found.seen.point, found.seen.cost, position))
     for at, columns in seeds.stated(context, range(position + settled)):
-        row = int(np.argmin(_ranked(columns)))
-        candidates.append(Candidate(columns.points[row].copy(), float(_ranked(columns)[row]), at))
+        row = int(np.argmin(ranked_of(columns)))
+        candidates.append(Candidate(columns.points[row].copy(), float(ranked_of(columns)[row]), at))
     low = min(candidates, key=lambda c: c.cost, default=None)
     return low if low is not None and low.cost < known else None
-
-
-def _ranked(columns: Columns) -> Floats:
-    return np.where(columns.status == OK, columns.costs[:, 0], np.inf)
 
 
 def _rules(context: Context, worst: float) -> Rules:

@@ -212,7 +212,7 @@ def test_of_many_minima_no_more_are_listed_than_have_their_evidence(allowed: int
     assert len(found.basins) >= 8
     if allowed > 6_000:  # which is spent before the descents have ended
         assert driven.stop == "rule"
-        assert found.left_out > 0
+        assert found.unlisted > 0
         assert all(found.of(b).neighbours is not None and found.of(b).after is not None for b in found.basins)
     points = [b.point for b in found.basins]
     distance = campaign.stages.findings.distance

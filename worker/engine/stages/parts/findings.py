@@ -62,6 +62,9 @@ class Found:
     besides: list[Basin] = field(default_factory=list)
     """Basins of followed candidates that are not listed."""
     left_out: int = 0
+    """Minima no worse than the nominal case."""
+    unlisted: int = 0
+    """Worse ones whose evidence or confirmation is not affordable."""
     unconfirmed: int = 0
     skipped: int = 0
     """Points that the allowance was too small to descend from."""
@@ -156,7 +159,7 @@ def settle(context: Context, position: int, found: Found, left: Left) -> bool:
         found.basins.insert(0, Basin(lower.point, lower.cost, [len(found.candidates) - 1]))
     kept = min(context.campaign.stages.findings.at_most, len(found.basins))
     confirmed = left.findings(kept)
-    found.left_out += len(found.basins) - confirmed
+    found.unlisted += len(found.basins) - confirmed
     found.keep(found.basins[:confirmed], found.basins[confirmed:])
     found.unconfirmed = kept - confirmed
     return lower is not None or confirmed < kept
@@ -303,7 +306,7 @@ def _afforded(context: Context, found: Found) -> None:
     kept = len(found.basins)
     while _thorough(context) and kept > USUAL and _needed(context, found.basins[:kept]) > _room(context, found):
         kept -= 1
-    found.left_out += len(found.basins) - kept
+    found.unlisted += len(found.basins) - kept
     found.keep(found.basins[:kept], found.basins[kept:])
 
 

@@ -22,8 +22,6 @@ class Gathered(Described):
     candidates: int
     left_out: int
     """Local minima no worse than the nominal case."""
-    unlisted: int = 0
-    """Worse ones for which validation had no evaluations left; of earlier versions they are among those left out."""
     rounds: int = 0
     complete: bool
 

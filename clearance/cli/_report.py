@@ -249,8 +249,6 @@ def _how_found(store: MemoryStore) -> list[str]:
     gathered = None if validated is None else validated.findings
     if gathered is not None and gathered.left_out:
         lines.append(f"{count(gathered.left_out)} local minima no worse than the nominal case are omitted")
-    if gathered is not None and gathered.unlisted:
-        lines.append(words(gathered.statement))
     if any(f.at_bounds for f in store.findings):
         lines.append("↓ ↑ at its lower or upper bound")
     return lines

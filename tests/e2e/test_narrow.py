@@ -58,6 +58,7 @@ GUIDES = (
     "recipes-px4-nav2",
     "cluster",
     "methods",
+    "scoreboard",
     "evidence",
     "requirements",
     "ci",

@@ -30,12 +30,6 @@ def skipped(points: int, at_most: int) -> Spans:
     return say(of, ", because validation is limited to ", count(at_most, "at_most"), " evaluations")
 
 
-def unlisted(cases: int, at_most: int) -> Spans:
-    """Worst cases that are not among the findings."""
-    of = say(count(cases, "unlisted"), " more worst case is" if cases == 1 else " more worst cases are")
-    return say(of, " not listed, because validation is limited to ", count(at_most, "at_most"), " evaluations")
-
-
 def gathered(ended: Spans, complete: bool) -> Spans:
     """How the findings were distinguished."""
     return ended if complete else say("some findings may be duplicates, or not fully polished: ", ended)

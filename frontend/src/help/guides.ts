@@ -10,6 +10,7 @@ export const GUIDES = [
   { name: 'recipes-px4-nav2', title: 'Recipes: PX4 and Nav2' },
   { name: 'cluster', title: 'Cluster' },
   { name: 'methods', title: 'Methods' },
+  { name: 'scoreboard', title: 'Score board' },
   { name: 'evidence', title: 'Evidence' },
   { name: 'requirements', title: 'Requirements' },
   { name: 'ci', title: 'Continuous integration' },

@@ -16,9 +16,9 @@ WIDEST = 12
 
 def markdown(found: Mapping[str, Any]) -> str:
     """The whole page."""
-    lines = ["# Score board of the search methods", "", *_about(found), "", "## Bars", "", *_bars(found["bars"])]
+    lines = ["# Score board", "", *_about(found), "", "## Bars", "", *_bars(found["bars"])]
     for part in found["parts"].values():
-        lines += ["", f"## {part['title']}", "", part["text"], "", *_tables(part["table"], part["shown"])]
+        lines += ["", f"## {part['title']}", "", part["text"], "", *tables(part["table"], part["shown"])]
         lines += ["", f"{_cells(part)}, {part['seconds']:.0f} s of processes.", *_errors(part["errors"])]
     return "\n".join([*lines, "", *_repeat(found), ""])
 
@@ -64,7 +64,8 @@ def _demanded(bar: Mapping[str, Any]) -> str:
     return f"{bar['least']:.3f}" + (f" to {bar['most']:.3f}" if bar["most"] is not None else "")
 
 
-def _tables(table: Table, shown: str) -> list[str]:
+def tables(table: Table, shown: str) -> list[str]:
+    """The columns that begin with `shown`, as one table or, if they are many, one for each budget."""
     columns = [column for column in table if column.startswith(shown)]
     if len(columns) <= WIDEST:
         return _table(table, columns)

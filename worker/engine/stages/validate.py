@@ -174,15 +174,12 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
         ended = ends.confirmed(len(found.basins), validation(context.campaign, noise.noisy(context)).total)
     elif found.skipped:
         ended = ends.skipped(found.skipped, validation(context.campaign, noise.noisy(context)).total)
-    elif found.unlisted:
-        ended = ends.unlisted(found.unlisted, validation(context.campaign, noise.noisy(context)).total)
     return Gathered(
         distance=request.distance,
         barrier=request.barrier,
         at_most=request.at_most,
         candidates=len(found.candidates),
         left_out=found.left_out,
-        unlisted=found.unlisted,
         rounds=found.rounds,
         complete=complete,
         statement=ends.gathered(ended, complete),

@@ -272,7 +272,7 @@ function Boundary({ data, statement }: { data: RunData; statement: readonly Span
 function Gathering({ gathered, kept }: { gathered: Gathered; kept: number }) {
   return (
     <>
-      {(!gathered.complete || gathered.unlisted > 0) && <Spans spans={[...sentence(gathered.statement), words(' ')]} />}
+      {!gathered.complete && <Spans spans={[...sentence(gathered.statement), words(' ')]} />}
       Local searches began at {count(gathered.candidates)} low points. Two results are one finding if no parameter differs by more
       than {percent(gathered.distance)} of its range, or if no barrier higher than {percent(gathered.barrier)} of nominal minus worst
       separates them.

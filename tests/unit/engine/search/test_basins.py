@@ -12,6 +12,7 @@ from tests.given.wells import wells
 from worker.engine.search.base import Floats
 from worker.engine.search.parts.basin import Basin, Rules
 from worker.engine.search.parts.basins import distinct, downhill, promising, spread
+from worker.engine.search.parts.polish import Polish
 
 RULES = Rules(distance=0.03, barrier=0.05, at_most=8)
 
@@ -31,7 +32,7 @@ def evaluations(function: Function, points: Floats, rules: Rules = RULES) -> int
 def told_from(function: Function, points: Floats, rules: Rules = RULES) -> list[Basin]:
     """The basins found from these candidates."""
     found: list[Basin] = []
-    search = distinct(points, function(points), rules, found, lambda: 0, np.random.default_rng(0))
+    search = distinct(points, function(points), rules, found, Polish(lambda: 0, np.random.default_rng(0)))
     try:
         asked = next(search)
         while True:
@@ -46,7 +47,7 @@ def told(function: Function, dimension: int, samples: int, rules: Rules = RULES,
     values = function(points)
     rows = promising(points, np.where(np.isnan(values), np.inf, values), 24)
     found: list[Basin] = []
-    search = distinct(points[rows], values[rows], rules, found, lambda: 0, np.random.default_rng(0))
+    search = distinct(points[rows], values[rows], rules, found, Polish(lambda: 0, np.random.default_rng(0)))
     try:
         asked = next(search)
         while budget >= len(asked):

@@ -12,7 +12,7 @@ from clearance.testing.searching import Function, batch
 from tests.given.wells import wells
 from worker.engine.search.base import Batch, Floats
 from worker.engine.search.parts.basin import Basin, Rules
-from worker.engine.search.parts.polish import LEAST, WAVE, explored, polished
+from worker.engine.search.parts.polish import LEAST, WAVE, Polish, explored, polished
 
 RULES = Rules(distance=0.03, barrier=0.05, at_most=20, rugged=1e-6)
 WELLS = ((0.2, 0.2, 1.0), (0.8, 0.8, 1.0), (0.8, 0.2, 0.9))
@@ -43,7 +43,7 @@ def evaluated(part: Generator[Floats, Batch, Any], function: Function) -> tuple[
 def after_polish(function: Function, starts: list[list[float]], room: int = 0) -> tuple[list[Basin], int]:
     """The basins of these starts, polished, and the evaluations that this took."""
     found = [Basin(np.array(p), float(function(np.array([p]))[0]), [i]) for i, p in enumerate(starts)]
-    _, made = evaluated(polished(found, RULES, lambda: room, np.random.default_rng(1)), function)
+    _, made = evaluated(polished(found, RULES, Polish(lambda: room, np.random.default_rng(1))), function)
     return found, made
 
 
@@ -102,3 +102,22 @@ def test_none_begins_with_too_few_evaluations() -> None:
     room = WAVE * LEAST * 2 - 1
     fresh, made = evaluated(explored(known, RULES, room, np.random.default_rng(1)), wells(*WELLS))
     assert (fresh, made) == ([], 0)
+
+
+def test_a_start_without_a_value_leads_nowhere() -> None:
+    known = [Basin(np.array([0.2, 0.2]), -1.0, [0])]
+
+    def fails(x: Floats) -> Floats:
+        return np.where(x[:, 0] + x[:, 1] > 0.5, np.nan, wells(*WELLS)(x))
+
+    fresh, made = evaluated(explored(known, RULES, 20_000, np.random.default_rng(1)), fails)
+    assert made <= 20_000
+    assert all(np.isfinite(b.cost) for b in fresh)
+    evaluations = {"failed": 0}
+
+    def nothing(x: Floats) -> Floats:
+        evaluations["failed"] += len(x)
+        return np.full(len(x), np.nan)
+
+    fresh, made = evaluated(explored(known, RULES, 1_700, np.random.default_rng(1)), nothing)
+    assert (fresh, made) == ([], evaluations["failed"])

@@ -17,7 +17,7 @@ from tests.bench.scoreboard.bars import ABOUT, BBOB, bars
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant, names, own_names
 from tests.bench.scoreboard.fitted import coefficients
-from tests.bench.scoreboard.parts import Request, averaged
+from tests.bench.scoreboard.parts import Part, Request, averaged
 from tests.given import landscapes
 from worker.engine.search.base import Floats
 
@@ -90,6 +90,41 @@ def test_what_is_stored_is_shown_without_what_is_missing(tmp_path: Path, capsys:
     assert {column for column, by in part["table"].items() if "nlopt_crs" in by} == {"plateaus @ 2", "plateaus @ 4"}
     assert all("direct" in by for by in part["table"].values())
     assert ", 9 of them" in page.markdown(found)
+
+
+def kept_rows(part: Part) -> list[Row]:
+    """The cells of a part of the whole board, without figures where they are not kept."""
+    known = cells.stored(cells.lines(cells.kept(part.name, cells.KEPT)))
+    return [
+        known.get(cell, Row(cell, {}, "", 0.0)) for cell in part.cells(Request("judging", tuple(names()), board.SEEDS))
+    ]
+
+
+def test_the_guide_shows_what_the_kept_cells_say() -> None:
+    guide = (cells.ROOT / "docs" / "scoreboard.md").read_text(encoding="utf-8")
+    for part in board.PARTS.values():
+        rows = kept_rows(part)
+        if any(row.figures for row in rows):
+            section = guide.split(f"## {part.title}\n")[1].split("\n## ")[0]
+            assert "\n".join(page.tables(part.table(rows), part.shown)) in section
+
+
+def test_the_guide_on_methods_has_the_figures_of_the_board() -> None:
+    """The table of `auto`: its figures, and the best of the other methods of ours in brackets."""
+    table, others = bbob.PART.table(kept_rows(bbob.PART)), [name for name in own_names() if name != "auto"]
+    guide = (cells.ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    for dimension in bbob.DIMENSIONS:
+        stated = []
+        for budget in bbob.BUDGETS:
+            by = table[f"{dimension} parameters @ {budget}"]
+            best = max((name for name in others if name in by), key=lambda name: by[name])
+            stated.append(f"{by['auto']:.3f} ({_named(best)} {by[best]:.3f})")
+        assert f"| {dimension} | {' | '.join(stated)} |" in guide
+
+
+def _named(method: str) -> str:
+    title = Contestant(method).title
+    return title if title.isupper() or "-" in title else title[0].lower() + title[1:]
 
 
 def test_only_the_judging_half_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,13 +18,8 @@ import clearance
 from campaigns import Campaign, library, load_file
 from campaigns.asked import allowance
 from campaigns.asked.load import load_document
-from campaigns.claims.spans import Quantity, words
 from campaigns.results.validate import ValidateResult
 from campaigns.stages.plan import bound, most
-from clearance.cli._report import _how_found
-from clearance.function.request import _document, _request_of
-from clearance.function.running import run
-from clearance.function.searches import searches, stages
 from tests.faults.processes import REPOSITORY
 from tests.given.case_campaigns import document
 from tests.given.made_evaluations import flights, requests
@@ -143,30 +138,6 @@ def test_a_function_is_called_no_more_often_than_stated(vectorized: bool, settin
     within(found.origin.campaign, store, made[0])
     searches, validated = 2 * given["budget"], int((found.stage == "validate").sum())
     assert validated <= given.get("validation", searches)
-
-
-def test_what_the_allowance_leaves_unlisted_is_stated() -> None:
-    made = [0]
-
-    def rugged(**values: Any) -> Any:
-        x = np.stack([np.asarray(values[name]) for name in ("a", "b")], axis=1)
-        made[0] += len(x)
-        dips = (np.cos(60.0 * x) + 0.6 * np.cos(199.0 * x) + 0.3 * np.cos(701.0 * x)).sum(axis=1)
-        return 2.0 + 0.2 * dips + ((x - 0.4) ** 2).sum(axis=1)
-
-    ranges = {"a": (0.0, 1.0), "b": (0.0, 1.0)}
-    request = _request_of(rugged, ranges, {"a": 0.9, "b": 0.9}, True, "", "", "", ())
-    stated = dict(stages(searches(["monte_carlo"], 5_000, None, None, request.ranges), 0, 40_000))
-    stated["findings"] = {"at_most": 250}
-    found = run(request, _document(request, -1.0, "rugged", stated, 1), False, None, None)
-    store = found.origin.store
-    gathered = within(found.origin.campaign, store, made[0]).findings
-    assert gathered is not None
-    assert gathered.complete
-    assert len(found.findings) >= 8
-    numbers = {part.name: part.value for part in gathered.statement if isinstance(part, Quantity)}
-    assert numbers == {"unlisted": gathered.unlisted, "at_most": 40_000}
-    assert words(gathered.statement) in _how_found(store)
 
 
 @pytest.mark.parametrize("example", ["mass_spring", pytest.param("jsbsim_intruder", marks=pytest.mark.nightly)])

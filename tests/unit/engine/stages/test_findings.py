@@ -200,23 +200,50 @@ def test_where_more_findings_are_requested_what_is_left_looks_for_further_ones()
     assert np.array_equal(columns.points, again.points)
 
 
-@pytest.mark.parametrize("allowed", [6_000, 40_000, 60_000])
-def test_of_many_minima_no_more_are_listed_than_have_their_evidence(allowed: int) -> None:
-    def rugged(x: Floats) -> Floats:
-        dips = (np.cos(60.0 * x) + 0.6 * np.cos(199.0 * x) + 0.3 * np.cos(701.0 * x)).sum(axis=1)
-        return np.asarray(2.0 + 0.2 * dips + ((x - 0.4) ** 2).sum(axis=1))
+def rugged(x: Floats) -> Floats:
+    """Many minima, with dips of every size."""
+    dips = (np.cos(60.0 * x) + 0.6 * np.cos(199.0 * x) + 0.3 * np.cos(701.0 * x)).sum(axis=1)
+    return np.asarray(2.0 + 0.2 * dips + ((x - 0.4) ** 2).sum(axis=1))
 
-    stages = {"stages__findings": {"at_most": 250}, "stages__validate": {"evaluations": allowed}}
-    campaign = searching({"method": "monte_carlo", "evaluations": 3000}, **stages)
-    _, found, driven = found_by(campaign, rugged, budget=findings.validation(campaign).stored)
-    assert len(found.basins) >= 8
-    if allowed > 6_000:  # which is spent before the descents have ended
-        assert driven.stop == "rule"
-        assert found.unlisted > 0
-        assert all(found.of(b).neighbours is not None and found.of(b).after is not None for b in found.basins)
-    points = [b.point for b in found.basins]
-    distance = campaign.stages.findings.distance
-    assert all(np.abs(a - b).max() >= distance for i, a in enumerate(points) for b in points[:i])
+
+def smooth(x: Floats) -> Floats:
+    """Some 16 minima, most of them violations."""
+    return np.asarray(0.9 + 0.3 * np.cos(25.0 * x).sum(axis=1) + 0.5 * ((x - 0.4) ** 2).sum(axis=1))
+
+
+@pytest.mark.parametrize("function", [rugged, smooth, two_failures])
+@pytest.mark.parametrize("allowed", [700, 3_000, 6_000, 12_000, 40_000])
+def test_who_requests_more_findings_gets_no_less(function: Function, allowed: int) -> None:
+    ends = []
+    for most in (8, 9):
+        stages = {"stages__findings": {"at_most": most}, "stages__validate": {"evaluations": allowed}}
+        campaign = searching({"method": "monte_carlo", "evaluations": 3000}, **stages)
+        _, found, driven = found_by(campaign, function, budget=findings.validation(campaign).stored)
+        complete = [b for b in found.basins if found.of(b).neighbours is not None and found.of(b).after is not None]
+        assert driven.stop == "budget" or len(complete) == len(found.basins)
+        ends.append((driven.stop == "rule", len(complete), -found.basins[0].cost))
+        points, distance = [b.point for b in found.basins], campaign.stages.findings.distance
+        assert all(np.abs(a - b).max() >= distance for i, a in enumerate(points) for b in points[:i])
+    (rule, many, deep), (rule_of_more, more, deeper) = ends
+    assert rule_of_more >= rule
+    assert not rule or (more >= many and deeper >= deep - 1e-6)
+
+
+def test_minima_no_worse_than_nominal_are_counted_once() -> None:
+    def wells(x: Floats) -> Floats:
+        high = [([0.9, 0.1], 0.2), ([0.1, 0.9], 0.2), ([0.5, 0.9], 0.2), ([0.9, 0.5], 0.2)]
+        return np.asarray(
+            two_failures(x)
+            + 3.0 * (1 - np.exp(-((x - 0.5) ** 2).sum(axis=1) / 0.08))
+            - sum(d * np.exp(-((x - p) ** 2).sum(axis=1) / WELL) for p, d in high)
+        )
+
+    out = []
+    for most in (8, 9):
+        stages = {"stages__findings": {"at_most": most}, "stages__validate": {"evaluations": 30_000}}
+        _, found, _ = found_by(searching({"method": "direct", "evaluations": 300}, **stages), wells, budget=30_000)
+        out.append(found.left_out)
+    assert out[1] == out[0]
 
 
 def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from worker.engine.search.base import Batch, Floats
 from worker.engine.search.parts.basin import GAIN, ROUGH, Basin, Rules, close, lower
-from worker.engine.search.parts.polish import Room, polished
+from worker.engine.search.parts.polish import Polish, polished
 
 BETWEEN = np.array([0.5, 0.25, 0.75])
 """Positions on the straight line between two minima at which a barrier is tested."""
@@ -72,20 +72,25 @@ def downhill(basin: Basin, points: Floats, ranked: Floats, distance: float) -> f
 
 
 def distinct(
-    points: Floats, costs: Floats, rules: Rules, found: list[Basin], room: Room, random: np.random.Generator
+    points: Floats, costs: Floats, rules: Rules, found: list[Basin], polish: Polish
 ) -> Generator[Floats, Batch, str]:
     """Descend from candidate points (c, n) of known costs (c,), merge ends in the same basin, and polish each basin.
 
     `found` contains the current basins after every step, lowest first, so that none is lost when the budget ends.
-    room: what the polish may take where the cost is rugged.
     """
     ends = [Basin(p.copy(), float(c), [i]) for i, (p, c) in enumerate(zip(points, costs, strict=True))]
     found[:] = close(ends, rules.distance / 3)
     yield from _assigned(found, rules)
     found[rules.at_most :] = [b for b in found[rules.at_most :] if not rules.followed.isdisjoint(b.members)]
-    yield from polished(found, rules, room, random)
+    yield from polished(found, rules, polish)
     yield from _merge(found, list(found), [], rules)
     return "polished every distinct minimum"
+
+
+def added(found: list[Basin], fresh: list[Basin], rules: Rules, polish: Polish) -> Generator[Floats, Batch, None]:
+    """Polish fresh basins, and add those that are of no valley known."""
+    yield from polished(fresh, rules, polish)
+    yield from _merge(found, [*found, *fresh], [], rules)
 
 
 def _assigned(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:

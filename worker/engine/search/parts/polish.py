@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,24 +27,26 @@ WIDE, WAVE, LEAST = 0.1, 8, 100
 """Deviation of the strategies from random points, how many are side by side, and what each may take per parameter."""
 
 Part = Generator[Floats, Batch, None]
-Room = Callable[[], int]
-"""How many evaluations may be made, asked when it matters."""
 
 
-def polished(found: list[Basin], rules: Rules, room: Room, random: np.random.Generator) -> Part:
-    """Polish every basin. `found` is up to date after every step; two that end at one place are one.
+class Polish(NamedTuple):
+    """room: how many evaluations strategies may take, asked when it matters; random: their numbers."""
 
-    room: what strategies may take then.
-    """
+    room: Callable[[], int]
+    random: np.random.Generator
+
+
+def polished(found: list[Basin], rules: Rules, polish: Polish) -> Part:
+    """Polish every basin. `found` is up to date after every step; two that end at one place are one."""
     yield from lower(found, replace(FINE, gain=SMALL * rules.barrier))
     before = [(basin, basin.cost) for basin in found]
     yield from _poll(found, SMALL * rules.barrier)
     rugged = [basin for basin in found for b, cost in before if b is basin and cost - b.cost > rules.rugged]
-    left = room() if rugged else 0
+    left = polish.room() if rugged else 0
     while rugged and left > 0:
         few = [basin for basin in rugged[:FEW] if any(basin is b for b in found)]
         del rugged[:FEW]
-        each, parts = left // max(len(few), 1), zip(few, random.spawn(len(few)), strict=True)
+        each, parts = left // max(len(few), 1), zip(few, polish.random.spawn(len(few)), strict=True)
         left -= yield from _counted([_evolved(basin, found, STEP, each, rules, own) for basin, own in parts])
         found[:] = close(found, rules.distance)
 
@@ -52,7 +55,8 @@ def explored(
     known: list[Basin], rules: Rules, room: int, random: np.random.Generator
 ) -> Generator[Floats, Batch, list[Basin]]:
     """Minima that are not among the known ones: where descents from random points, and strategies from their ends, end.
-    Takes about `room` evaluations, and begins none with fewer than `LEAST` per parameter for each start."""
+    Takes about `room` evaluations, and begins none with fewer than `LEAST` per parameter for each start. A start that
+    has no value leads nowhere."""
     fresh: list[Basin] = []
     least = LEAST * len(known[0].point)
     while room >= WAVE * least:
@@ -92,11 +96,10 @@ def _anywhere(known: list[Basin], fresh: list[Basin], most: int, rules: Rules, r
     """Descend from a random point; add the end to the fresh ones if it is close to no other."""
     basin = Basin(random.random(len(known[0].point)), np.inf, [])
     yield from lowered(basin, replace(ROUGH, gain=GAIN * rules.barrier))
-    others = [*known, *fresh]
-    if not _close_to(basin, others, rules):
-        yield from _evolved(basin, others, WIDE, most, rules, random)
-    if not _close_to(basin, [*known, *fresh], rules):
-        fresh.append(basin)
+    if np.isfinite(basin.cost) and not _close_to(basin, [*known, *fresh], rules):
+        yield from _evolved(basin, [*known, *fresh], WIDE, most, rules, random)
+        if not _close_to(basin, [*known, *fresh], rules):
+            fresh.append(basin)
     return ""
 
 
@@ -114,7 +117,7 @@ def _evolved(
         low = int(np.argmin(ranked))
         if ranked[low] < basin.cost:
             basin.point, basin.cost = points[low].copy(), float(ranked[low])
-        if ranked.max() - ranked[low] <= SMALL * rules.barrier:
+        if not np.isfinite(ranked[low]) or ranked.max() - ranked[low] <= SMALL * rules.barrier:
             break
         strategy.tell(ranked)
     return ""

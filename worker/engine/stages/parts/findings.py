@@ -7,7 +7,7 @@ until the run has no lower stored evaluation. `worker.engine.search.parts.basins
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,9 +20,9 @@ from campaigns.results.finding import Neighbours
 from campaigns.stored.records import Columns
 from worker.engine.search.base import Batch, Search
 from worker.engine.search.parts.basin import ROUGH, Basin, Rules, close, lower
-from worker.engine.search.parts.basins import distinct
+from worker.engine.search.parts.basins import added, distinct
 from worker.engine.search.parts.lowest import Lowest
-from worker.engine.search.parts.polish import explored
+from worker.engine.search.parts.polish import Polish, explored
 from worker.engine.stages.parts import modes, seeds
 from worker.engine.stages.parts.boundary import Around, after
 from worker.engine.stages.parts.candidates import Candidate, gather, promising_rows, ranked_of, walked
@@ -35,9 +35,6 @@ from worker.engine.systems.base import Floats
 
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
-EVOLVING = 2
-"""Where more findings are listed than usual, one of so many evaluations that are left may polish them where the cost is
-rugged. In closed loops this takes several times the evaluations, for less than 0.2 % of the worst case."""
 ROUNDS = 20
 """The largest number of rounds in which lower evaluations become candidates."""
 
@@ -63,8 +60,6 @@ class Found:
     """Basins of followed candidates that are not listed."""
     left_out: int = 0
     """Minima no worse than the nominal case."""
-    unlisted: int = 0
-    """Worse ones whose evidence or confirmation is not affordable."""
     unconfirmed: int = 0
     skipped: int = 0
     """Points that the allowance was too small to descend from."""
@@ -159,7 +154,6 @@ def settle(context: Context, position: int, found: Found, left: Left) -> bool:
         found.basins.insert(0, Basin(lower.point, lower.cost, [len(found.candidates) - 1]))
     kept = min(context.campaign.stages.findings.at_most, len(found.basins))
     confirmed = left.findings(kept)
-    found.unlisted += len(found.basins) - confirmed
     found.keep(found.basins[:confirmed], found.basins[confirmed:])
     found.unconfirmed = kept - confirmed
     return lower is not None or confirmed < kept
@@ -174,10 +168,8 @@ def _search(context: Context, position: int, found: Found) -> Search:
     starts = [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)]
     alone = walked(context, position, found.candidates, starts)
     yield from _followed(context, found, starts)
-    yield from _distinguished(context, found, starts, random, alone)
-    _afforded(context, found)
+    yield from _distinguished(context, found, starts, random, alone, lambda of: _spare(context, found, of) // 2)
     yield from _further(context, position, found, random)
-    _afforded(context, found)
     yield from _evidence(context, found, random)
     compared = True
     while compared:
@@ -260,6 +252,7 @@ def _distinguished(
     starts: list[Basin],
     random: np.random.Generator,
     alone: frozenset[int] = frozenset(),
+    room: Callable[[Sequence[Basin]], int] = lambda basins: 0,
 ) -> Part:
     """Descend from these starts and merge; the end of a descent takes over what its start represented."""
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
@@ -267,12 +260,9 @@ def _distinguished(
     rules = replace(_rules(context, float(costs.min())), alone=alone)
     followed = (i for i, b in enumerate(starts) if any(found.candidates[m].followed for m in b.members))
     distinguished = False
-
-    def room() -> int:
-        return _room(context, found) // EVOLVING if _thorough(context) else 0
-
     try:
-        yield from distinct(points, costs, replace(rules, followed=frozenset(followed)), basins, room, random)
+        polish = Polish(lambda: room(basins), random)
+        yield from distinct(points, costs, replace(rules, followed=frozenset(followed)), basins, polish)
         found.descended = distinguished = True
     finally:  # when the budget ends, none is lost
         apart = basins if distinguished else close(basins, rules.distance)
@@ -283,38 +273,32 @@ def _distinguished(
 
 
 def _further(context: Context, position: int, found: Found, random: np.random.Generator) -> Part:
-    """Where more findings are listed than usual: spend what the evidence of the known ones leaves on further ones."""
-    while _thorough(context) and len(found.basins) < context.campaign.stages.findings.at_most:
-        room = (_room(context, found) - _needed(context, found.basins)) // 2
-        before = found.seen.evaluations
-        fresh = yield from explored(found.basins, _rules(context, found.basins[0].cost), room, random)
-        if found.seen.evaluations == before:
+    """Look for further worst cases from random points, with what the evidence of the known ones leaves, until a round
+    finds none."""
+    most, ends = context.campaign.stages.findings.at_most, list[Basin]()
+    while len(found.basins) < most and (room := _spare(context, found, found.basins) // 3) > 0:
+        rules = _rules(context, found.basins[0].cost)
+        fresh = yield from explored([*found.basins, *ends], rules, room, random)
+        ends += fresh
+        affordable = _spare(context, found, found.basins) // (2 * sum(evidence(context.campaign)))
+        worse = sorted((b for b in fresh if b.cost < _limit(context)), key=lambda b: b.cost)[:affordable]
+        if not worse:
             return
         first = len(found.candidates)
-        found.candidates += [Candidate(b.point, b.cost, position) for b in fresh]
-        if fresh:
-            starts = [Basin(b.point, b.cost, [first + i]) for i, b in enumerate(fresh)]
-            yield from _distinguished(context, found, [*found.basins, *starts], random)
+        found.candidates += [Candidate(b.point.copy(), b.cost, position) for b in worse]
+        starts = [Basin(b.point, b.cost, [first + i]) for i, b in enumerate(worse)]
+        polish = Polish(lambda: _spare(context, found, found.basins) // 3, random)
+        yield from added(found.basins, starts, rules, polish)
+        del found.basins[most:]
 
 
-def _thorough(context: Context) -> bool:
-    return context.campaign.stages.findings.at_most > USUAL
-
-
-def _afforded(context: Context, found: Found) -> None:
-    """Where more findings are listed than usual: leave out the highest of those whose evidence is not affordable."""
-    kept = len(found.basins)
-    while _thorough(context) and kept > USUAL and _needed(context, found.basins[:kept]) > _room(context, found):
-        kept -= 1
-    found.unlisted += len(found.basins) - kept
-    found.keep(found.basins[:kept], found.basins[kept:])
-
-
-def _needed(context: Context, basins: Sequence[Basin]) -> int:
-    """What the evidence of these worst cases takes."""
+def _spare(context: Context, found: Found, basins: Sequence[Basin]) -> int:
+    """What the evidence of these worst cases leaves, where more are listed than usual; cases of a baseline need it."""
+    if context.campaign.stages.findings.at_most <= USUAL or found.falls.cases:
+        return 0
     each = evidence(context.campaign)
     violating = sum(b.cost <= context.problem.threshold for b in basins)
-    return each.around * len(basins) + each.boundary * violating
+    return max(0, _room(context, found) - each.around * len(basins) - each.boundary * violating)
 
 
 def _evidence(context: Context, found: Found, random: np.random.Generator) -> Part:
@@ -359,12 +343,17 @@ def _rules(context: Context, worst: float) -> Rules:
 
 def _keep_the_worst(context: Context, found: Found) -> None:
     """Keep the minima that are worst cases: worse than the nominal case, violating, or the lowest."""
-    nominal = context.nominal_cost
-    limit = max(np.inf if nominal is None else nominal, context.problem.threshold)
+    limit = _limit(context)
     kept = [b for i, b in enumerate(found.basins) if i == 0 or b.cost < limit]
     dropped = [b for b in found.basins if not any(b is k for k in kept)]
     found.left_out += len(dropped)
     found.keep(kept, dropped)
+
+
+def _limit(context: Context) -> float:
+    """What a worst case is below: the nominal case, or the threshold if that is higher."""
+    nominal = context.nominal_cost
+    return max(np.inf if nominal is None else nominal, context.problem.threshold)
 
 
 def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.Generator) -> Part:

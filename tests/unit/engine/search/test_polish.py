@@ -91,7 +91,7 @@ def test_the_same_seed_gives_the_same_polish() -> None:
 
 def test_random_points_lead_to_the_minima_that_are_not_known() -> None:
     known = [Basin(np.array([0.2, 0.2]), -1.0, [0])]
-    fresh, made = evaluated(explored(known, RULES, 20_000, np.random.default_rng(1)), wells(*WELLS))
+    fresh, made = evaluated(explored(known, 0.0, RULES, 20_000, np.random.default_rng(1)), wells(*WELLS))
     ends = sorted(tuple(np.round(b.point, 2).tolist()) for b in fresh if b.cost < -0.5)
     assert ends == [(0.8, 0.2), (0.8, 0.8)]
     assert made <= 20_000
@@ -100,7 +100,7 @@ def test_random_points_lead_to_the_minima_that_are_not_known() -> None:
 def test_none_begins_with_too_few_evaluations() -> None:
     known = [Basin(np.array([0.2, 0.2]), -1.0, [0])]
     room = WAVE * LEAST * 2 - 1
-    fresh, made = evaluated(explored(known, RULES, room, np.random.default_rng(1)), wells(*WELLS))
+    fresh, made = evaluated(explored(known, 0.0, RULES, room, np.random.default_rng(1)), wells(*WELLS))
     assert (fresh, made) == ([], 0)
 
 
@@ -110,7 +110,7 @@ def test_a_start_without_a_value_leads_nowhere() -> None:
     def fails(x: Floats) -> Floats:
         return np.where(x[:, 0] + x[:, 1] > 0.5, np.nan, wells(*WELLS)(x))
 
-    fresh, made = evaluated(explored(known, RULES, 20_000, np.random.default_rng(1)), fails)
+    fresh, made = evaluated(explored(known, 0.0, RULES, 20_000, np.random.default_rng(1)), fails)
     assert made <= 20_000
     assert all(np.isfinite(b.cost) for b in fresh)
     evaluations = {"failed": 0}
@@ -119,5 +119,5 @@ def test_a_start_without_a_value_leads_nowhere() -> None:
         evaluations["failed"] += len(x)
         return np.full(len(x), np.nan)
 
-    fresh, made = evaluated(explored(known, RULES, 1_700, np.random.default_rng(1)), nothing)
+    fresh, made = evaluated(explored(known, 0.0, RULES, 1_700, np.random.default_rng(1)), nothing)
     assert (fresh, made) == ([], evaluations["failed"])

@@ -52,16 +52,16 @@ def polished(found: list[Basin], rules: Rules, polish: Polish) -> Part:
 
 
 def explored(
-    known: list[Basin], rules: Rules, room: int, random: np.random.Generator
+    known: list[Basin], below: float, rules: Rules, room: int, random: np.random.Generator
 ) -> Generator[Floats, Batch, list[Basin]]:
-    """Minima that are not among the known ones: where descents from random points, and strategies from their ends, end.
-    Takes about `room` evaluations, and begins none with fewer than `LEAST` per parameter for each start. A start that
-    has no value leads nowhere."""
+    """Minima that are not known, of costs below `below`: where descents from random points, and strategies from their
+    ends, end. Takes about `room` evaluations, and begins none with fewer than `LEAST` per parameter for each start. A
+    start that has no value leads nowhere."""
     fresh: list[Basin] = []
     least = LEAST * len(known[0].point)
     while room >= WAVE * least:
         each, streams = room // WAVE, random.spawn(WAVE)
-        room -= yield from _counted([_anywhere(known, fresh, each, rules, own) for own in streams])
+        room -= yield from _counted([_anywhere(known, fresh, below, each, rules, own) for own in streams])
     return fresh
 
 
@@ -92,13 +92,15 @@ def _compass(point: Floats, step: float) -> Floats:
     return np.clip(point + arms, 0.0, 1.0)
 
 
-def _anywhere(known: list[Basin], fresh: list[Basin], most: int, rules: Rules, random: np.random.Generator) -> Search:
-    """Descend from a random point; add the end to the fresh ones if it is close to no other."""
+def _anywhere(
+    known: list[Basin], fresh: list[Basin], below: float, most: int, rules: Rules, random: np.random.Generator
+) -> Search:
+    """Descend from a random point; add the end to the fresh ones if it is low and close to no other."""
     basin = Basin(random.random(len(known[0].point)), np.inf, [])
     yield from lowered(basin, replace(ROUGH, gain=GAIN * rules.barrier))
     if np.isfinite(basin.cost) and not _close_to(basin, [*known, *fresh], rules):
         yield from _evolved(basin, [*known, *fresh], WIDE, most, rules, random)
-        if not _close_to(basin, [*known, *fresh], rules):
+        if basin.cost < below and not _close_to(basin, [*known, *fresh], rules):
             fresh.append(basin)
     return ""
 

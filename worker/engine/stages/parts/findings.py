@@ -278,10 +278,10 @@ def _further(context: Context, position: int, found: Found, random: np.random.Ge
     most, ends = context.campaign.stages.findings.at_most, list[Basin]()
     while len(found.basins) < most and (room := _spare(context, found, found.basins) // 3) > 0:
         rules = _rules(context, found.basins[0].cost)
-        fresh = yield from explored([*found.basins, *ends], rules, room, random)
+        fresh = yield from explored([*found.basins, *ends], _limit(context), rules, room, random)
         ends += fresh
         affordable = _spare(context, found, found.basins) // (2 * sum(evidence(context.campaign)))
-        worse = sorted((b for b in fresh if b.cost < _limit(context)), key=lambda b: b.cost)[:affordable]
+        worse = sorted(fresh, key=lambda b: b.cost)[:affordable]
         if not worse:
             return
         first = len(found.candidates)

@@ -36,6 +36,7 @@ from worker.engine.stages import baseline
 from worker.engine.stages.parts import candidates, findings, offered
 from worker.engine.stages.parts.base import drive
 from worker.engine.stages.parts.context import Context
+from worker.engine.stages.parts.falls import not_compared
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.validate import _since
 from worker.evidence.audit import judge
@@ -169,6 +170,30 @@ def test_every_case_is_followed_to_its_basin() -> None:
     assert np.allclose(where[first], WELLS[0], atol=0.01)
     assert np.allclose(where[second], WELLS[1], atol=0.01)
     assert third == first
+
+
+@pytest.mark.parametrize("most", [8, 24])
+def test_cases_are_followed_however_many_findings_are_listed(most: int) -> None:
+    turned, k = np.array([[0.8, 0.6], [-0.6, 0.8]]), np.arange(12)
+
+    def rugged(points: Floats) -> Floats:
+        along = ((points - 0.3) @ turned)[..., None]
+        dips = (0.5**k * (1.0 - np.cos(2.0 * np.pi * 3.0**k * along))).sum(axis=(-1, -2))
+        waves = 0.2 * np.cos(25.0 * points).sum(axis=-1) + 0.3 * ((points - 0.4) ** 2).sum(axis=-1)
+        return np.asarray(0.45 + 0.02 * dips + waves)
+
+    problem = Problem(campaign())
+    cases = [{"parameters": problem.named(p), "cost": 0.3} for p in np.random.default_rng(5).random((12, 2))]
+    stages = {"stages__findings": {"at_most": most}, "stages__validate": {"evaluations": 40_000, "neighbours": 20}}
+    made = context(against(*cases, **stages), rugged)
+    ran(made)
+    found = findings.Found()
+    allowed = findings.validation(made.campaign).stored
+    driven = drive(made, 2, findings.search(made, 2, found), allowed, repeats=True)
+    assert not findings.settle(made, 2, found, Left(made.campaign, False, driven.tally.evaluations))
+    labels = [f"F{i}" for i in range(1, len(found.basins) + 1)]
+    assert None not in _since(made, [], found, labels)
+    assert not any(not_compared(made, 2, found.falls, index) for index in range(len(cases)))
 
 
 def test_more_cases_than_candidates_are_all_followed() -> None:

@@ -87,9 +87,8 @@ def distinct(
     return "polished every distinct minimum"
 
 
-def added(found: list[Basin], fresh: list[Basin], rules: Rules, polish: Polish) -> Generator[Floats, Batch, None]:
-    """Polish fresh basins, and add those that are of no valley known."""
-    yield from polished(fresh, rules, polish)
+def added(found: list[Basin], fresh: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
+    """Add fresh basins, polished ones, that are of no valley known."""
     yield from _merge(found, [*found, *fresh], [], rules)
 
 

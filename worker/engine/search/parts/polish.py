@@ -99,8 +99,8 @@ def _anywhere(
     basin = Basin(random.random(len(known[0].point)), np.inf, [])
     yield from lowered(basin, replace(ROUGH, gain=GAIN * rules.barrier))
     if np.isfinite(basin.cost) and not _close_to(basin, [*known, *fresh], rules):
-        yield from _evolved(basin, [*known, *fresh], WIDE, most, rules, random)
-        if basin.cost < below and not _close_to(basin, [*known, *fresh], rules):
+        settled = yield from _evolved(basin, [*known, *fresh], WIDE, most, rules, random)
+        if settled and basin.cost < below and not _close_to(basin, [*known, *fresh], rules):
             fresh.append(basin)
     return ""
 
@@ -108,20 +108,23 @@ def _anywhere(
 def _evolved(
     basin: Basin, others: list[Basin], deviation: float, most: int, rules: Rules, random: np.random.Generator
 ) -> Search:
-    """Lower a basin by a strategy until the costs of a generation are the same, or a lower basin is close."""
+    """Lower a basin by a strategy until the costs of a generation are the same; the sentence is empty if it ends before
+    that, because a lower basin is close or `most` evaluations are made."""
     population = 2 * default_population(len(basin.point))
     strategy = Strategy(basin.point, deviation, population, random)
     for _ in range(most // population):
-        if strategy.ending is not None or _close_to(basin, [b for b in others if b.cost < basin.cost], rules):
-            break
+        if _close_to(basin, [b for b in others if b.cost < basin.cost], rules):
+            return ""
         points = strategy.ask()
         ranked = (yield points.copy()).ranked()
         low = int(np.argmin(ranked))
         if ranked[low] < basin.cost:
             basin.point, basin.cost = points[low].copy(), float(ranked[low])
-        if not np.isfinite(ranked[low]) or ranked.max() - ranked[low] <= SMALL * rules.barrier:
-            break
         strategy.tell(ranked)
+        if not np.isfinite(ranked[low]):
+            return ""
+        if strategy.ending is not None or ranked.max() - ranked[low] <= SMALL * rules.barrier:
+            return "the costs of a generation are the same"
     return ""
 
 

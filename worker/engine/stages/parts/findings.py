@@ -276,7 +276,7 @@ def _further(context: Context, position: int, found: Found, random: np.random.Ge
     """Look for further worst cases from random points, with what the evidence of the known ones leaves, until a round
     finds none."""
     most, ends = context.campaign.stages.findings.at_most, list[Basin]()
-    while len(found.basins) < most and (room := _spare(context, found, found.basins) // 3) > 0:
+    while len(found.basins) < most and (room := _spare(context, found, found.basins) // 2) > 0:
         rules = _rules(context, found.basins[0].cost)
         fresh = yield from explored([*found.basins, *ends], _limit(context), rules, room, random)
         ends += fresh
@@ -287,8 +287,7 @@ def _further(context: Context, position: int, found: Found, random: np.random.Ge
         first = len(found.candidates)
         found.candidates += [Candidate(b.point.copy(), b.cost, position) for b in worse]
         starts = [Basin(b.point, b.cost, [first + i]) for i, b in enumerate(worse)]
-        polish = Polish(lambda: _spare(context, found, found.basins) // 3, random)
-        yield from added(found.basins, starts, rules, polish)
+        yield from added(found.basins, starts, rules)
         del found.basins[most:]
 
 

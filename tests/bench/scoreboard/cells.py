@@ -32,7 +32,8 @@ WHOLE_RUNS = tuple(f"{HERE}/{name}" for name in ("niching.py", "sureness.py", "v
 RUNS = ("worker/evidence/verdicts", "campaigns/rules.py", "clearance/function", *WHOLE_RUNS)
 """Besides the engine (`installation`), what decides the figures of whole runs."""
 PRESENTATION = tuple(
-    f"{HERE}/{name}" for name in ("__main__.py", "bars.py", "cells.py", "fitted.py", "page.py", "parts.py")
+    f"{HERE}/{name}"
+    for name in ("__main__.py", "bars.py", "cells.py", "fitted.py", "page.py", "parts.py", "published.py")
 )
 """Modules of the board that change no figure of a cell; those before change only figures of whole runs."""
 

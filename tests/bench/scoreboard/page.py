@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from tests.bench.scoreboard import published
 from tests.bench.scoreboard.bbob import SLOW
 from tests.bench.scoreboard.contestants import LIMITS, SHORT, Contestant
 from tests.bench.scoreboard.parts import Table
@@ -17,8 +18,9 @@ WIDEST = 12
 def markdown(found: Mapping[str, Any]) -> str:
     """The whole page."""
     lines = ["# Score board", "", *_about(found), "", "## Bars", "", *_bars(found["bars"])]
-    for part in found["parts"].values():
+    for name, part in found["parts"].items():
         lines += ["", f"## {part['title']}", "", part["text"], "", *tables(part["table"], part["shown"])]
+        lines += ["", published.TEXT, "", *published.table()] * (name == "bbob")
         lines += ["", f"{_cells(part)}, {part['seconds']:.0f} s of processes.", *_errors(part["errors"])]
     return "\n".join([*lines, "", *_repeat(found), ""])
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.bench.scoreboard import __main__ as board
-from tests.bench.scoreboard import bbob, cells, page, peers, searches
+from tests.bench.scoreboard import bbob, cells, page, peers, published, searches
 from tests.bench.scoreboard.bars import ABOUT, BBOB, bars
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant, names, own_names
@@ -125,6 +125,13 @@ def test_the_guide_on_methods_has_the_figures_of_the_board() -> None:
 def _named(method: str) -> str:
     title = Contestant(method).title
     return title if title.isupper() or "-" in title else title[0].lower() + title[1:]
+
+
+@pytest.mark.parametrize("name", published.ORACLES)
+def test_published_figures_are_those_of_the_package(name: str) -> None:
+    if not (peers.FOLDER / "cocopp").exists():
+        pytest.skip("cocopp is not installed")
+    assert published.shares(name) == published.FIGURES[name]
 
 
 def test_only_the_judging_half_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

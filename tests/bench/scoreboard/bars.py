@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
+from tests.bench.scoreboard.contestants import Contestant
 from tests.bench.scoreboard.parts import Table
 
 JUDGED = "auto"
@@ -60,7 +61,9 @@ def _own(tables: Mapping[str, Table], part: str, column: str) -> float | None:
 
 
 def _best(by_method: Mapping[str, float], singles: list[str]) -> tuple[float, str] | None:
-    return max(((by_method[m], m) for m in singles if m in by_method), default=None)
+    """The highest figure of these methods, and whose it is."""
+    found = max(((by_method[m], m) for m in singles if m in by_method), default=None)
+    return found and (found[0], Contestant(found[1]).title)
 
 
 def _bbob(table: Table, singles: list[str]) -> Iterator[Bar]:

@@ -139,12 +139,14 @@ def kept(part: str, folder: Path) -> Path:
 
 
 def keep(rows: Iterable[Row], file: Path, versions_of: Mapping[str, str]) -> None:
-    """Write these cells to the file; those of other code that it had are dropped."""
+    """Write these cells to the file; those of other code that it had are dropped. Without any there is no file."""
     text = "".join(
         f"{_line(row._replace(seconds=round(row.seconds, 2)), versions_of)}\n" for row in rows if row.figures
     )
     file.parent.mkdir(exist_ok=True)
-    file.write_bytes(lzma.compress(text.encode(), preset=9))
+    file.unlink(missing_ok=True)
+    if text:
+        file.write_bytes(lzma.compress(text.encode(), preset=9))
 
 
 def measured(

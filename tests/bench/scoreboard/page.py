@@ -68,7 +68,9 @@ def _demanded(bar: Mapping[str, Any]) -> str:
 
 def tables(table: Table, shown: str) -> list[str]:
     """The columns that begin with `shown`, as one table or, if they are many, one for each budget."""
-    columns = [column for column in table if column.startswith(shown)]
+    columns = [column for column in table if column.startswith(shown) and table[column]]
+    if not columns:
+        return ["Not measured."]
     if len(columns) <= WIDEST:
         return _table(table, columns)
     lines: list[str] = []

@@ -79,6 +79,8 @@ def test_cells_kept_with_the_code_need_not_be_measured(tmp_path: Path, monkeypat
     found = cells.measured(asked, None, tmp_path / "cells.jsonl", 1, versions, known)
     assert [row.figures for row in found] == [{"v": 0.25}, {}]
     assert not cells.stored(cells.lines(file), {"a": "two"})
+    cells.keep([failed], file, versions)
+    assert not file.exists()
 
 
 def test_what_is_stored_is_shown_without_what_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,7 +11,7 @@ from tests.bench.scoreboard.contestants import LIMITS, SHORT, Contestant
 from tests.bench.scoreboard.parts import Table
 from tests.bench.scoreboard.peers import PEERS
 
-WIDEST = 12
+WIDEST = 8
 """Columns of a table; more are divided by budget."""
 
 
@@ -20,7 +20,7 @@ def markdown(found: Mapping[str, Any]) -> str:
     lines = ["# Score board", "", *_about(found), "", "## Bars", "", *_bars(found["bars"])]
     for name, part in found["parts"].items():
         lines += ["", f"## {part['title']}", "", part["text"], "", *tables(part["table"], part["shown"])]
-        lines += ["", published.TEXT, "", *published.table()] * (name == "bbob")
+        lines += ["", published.TEXT, "", *tables(published.TABLE, "")] * (name == "bbob")
         lines += ["", f"{_cells(part)}, {part['seconds']:.0f} s of processes.", *_errors(part["errors"])]
     return "\n".join([*lines, "", *_repeat(found), ""])
 
@@ -34,7 +34,7 @@ def _about(found: Mapping[str, Any]) -> list[str]:
     limits = ", ".join(f"{Contestant(name).title} {most}" for name, most in LIMITS.items())
     peers = [f"| {PEERS[name].title} | {text or 'not installed'} |" for name, text in found["peers"].items()]
     return [
-        f"Half: {found['half']}. Commit {found['commit']}. {found['seeds']} seeds where a part has no instances. "
+        f"The half for {found['half']}. Commit {found['commit']}. {found['seeds']} seeds where a part has no instances. "
         f"{found['machine']}, {found['processes']} processes, {found['seconds']:.0f} s.",
         "",
         "Every figure is a mean over all seeds or instances; - means that a method takes no part there or that a cell "
@@ -81,13 +81,14 @@ def tables(table: Table, shown: str) -> list[str]:
 
 def _table(table: Table, columns: Sequence[str]) -> list[str]:
     names = list(dict.fromkeys(method for column in columns for method in table[column]))
+    names.sort(key=lambda name: -table[columns[-1]].get(name, -1.0))
     ends = {column.split(" @ ")[1] for column in columns if " @ " in column}
     heads = [c.split(" @ ")[0] if len(ends) == 1 else f"{c.replace(' @ ', ', ')}{' n' * (' @ ' in c)}" for c in columns]
     lines = [f"| method | {' | '.join(heads)} |", f"|---|{'---|' * len(columns)}"]
     best = {column: max(table[column].values(), default=0.0) for column in columns}
     for name in names:
         cells = [_figure(table[c].get(name), best[c]) for c in columns]
-        lines.append(f"| {Contestant(name).title} | {' | '.join(cells)} |")
+        lines.append(f"| {name if name in published.TITLES else Contestant(name).title} | {' | '.join(cells)} |")
     return lines
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.bench.scoreboard.bbob import BUDGETS, DIMENSIONS, FUNCTIONS, TARGETS
+from tests.bench.scoreboard.parts import Table
 from tests.bench.scoreboard.peers import FOLDER
 
 ORACLES = {"best2009-bbob": "Best of 2009 for each target", "best09-16-bbob": "Best until 2016 for each target"}
@@ -31,16 +32,12 @@ FIGURES = {
     },
 }  # fmt: skip
 """Share of the targets by dimension, at `BUDGETS`."""
-
-
-def table() -> list[str]:
-    """The figures as a table of the page."""
-    columns = [f"{dimension} parameters, {budget} n" for dimension in DIMENSIONS for budget in BUDGETS]
-    rows = [
-        f"| {title} | {' | '.join(f'{x:.3f}' for d in DIMENSIONS for x in FIGURES[name][d])} |"
-        for name, title in ORACLES.items()
-    ]
-    return [f"| published | {' | '.join(columns)} |", f"|---|{'---|' * len(columns)}", *rows]
+TITLES = tuple(ORACLES.values())
+TABLE: Table = {
+    f"{dimension} parameters @ {budget}": {ORACLES[name]: by[dimension][k] for name, by in FIGURES.items()}
+    for dimension in DIMENSIONS
+    for k, budget in enumerate(BUDGETS)
+}
 
 
 def shares(name: str, folder: Path = FOLDER / "cocopp" / "refalgs") -> dict[int, tuple[float, ...]]:

@@ -34,7 +34,7 @@ def _about(found: Mapping[str, Any]) -> list[str]:
     limits = ", ".join(f"{Contestant(name).title} {most}" for name, most in LIMITS.items())
     peers = [f"| {PEERS[name].title} | {text or 'not installed'} |" for name, text in found["peers"].items()]
     return [
-        f"The half for {found['half']}. Commit {found['commit']}. {found['seeds']} seeds where a part has no instances. "
+        f"Half for {found['half']}. Commit {found['commit']}. {found['seeds']} seeds where a part has no instances. "
         f"{found['machine']}, {found['processes']} processes, {found['seconds']:.0f} s.",
         "",
         "Every figure is a mean over all seeds or instances; - means that a method takes no part there or that a cell "

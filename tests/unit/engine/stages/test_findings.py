@@ -314,9 +314,11 @@ def test_whatever_is_evaluated_and_lower_becomes_a_finding(seed: int) -> None:
 def test_a_budget_that_ends_at_once_leaves_the_lowest_evaluation_as_the_finding() -> None:
     for budget in (1, 7, 60, 400):
         made, found, _ = found_by(searching({"method": "direct", "evaluations": 100}), two_failures, budget)
+        omitted = found.left_out
         findings.settle(made, 2, found, Left(made.campaign, False, 0))
         assert found.basins[0].cost == lowest_stored(made)
         assert len(found.basins) <= made.campaign.stages.findings.at_most
+        assert found.left_out == omitted, "these are no worse than nominal"
 
 
 def test_without_any_cost_there_is_no_finding() -> None:

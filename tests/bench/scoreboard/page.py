@@ -81,7 +81,8 @@ def tables(table: Table, shown: str) -> list[str]:
 
 def _table(table: Table, columns: Sequence[str]) -> list[str]:
     names = list(dict.fromkeys(method for column in columns for method in table[column]))
-    names.sort(key=lambda name: -table[columns[-1]].get(name, -1.0))
+    decides = next((column for column in reversed(columns) if column.startswith("all")), columns[-1])
+    names.sort(key=lambda name: -table[decides].get(name, -1.0))
     ends = {column.split(" @ ")[1] for column in columns if " @ " in column}
     heads = [c.split(" @ ")[0] if len(ends) == 1 else f"{c.replace(' @ ', ', ')}{' n' * (' @ ' in c)}" for c in columns]
     lines = [f"| method | {' | '.join(heads)} |", f"|---|{'---|' * len(columns)}"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.bench.scoreboard import __main__ as board
-from tests.bench.scoreboard import bbob, cells, page, peers, published, searches
+from tests.bench.scoreboard import bbob, cells, page, peers, published, reaching, searches
 from tests.bench.scoreboard.bars import ABOUT, BBOB, bars
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant, names, own_names
@@ -20,6 +21,7 @@ from tests.bench.scoreboard.fitted import coefficients
 from tests.bench.scoreboard.parts import Part, Request, averaged
 from tests.given import landscapes
 from worker.engine.search.base import Floats
+from worker.running.catalogue.installed import methods
 
 SHORT = ["--only", "landscapes", "--half", "setting", "--seeds", "1", "--processes", "1", "--budgets", "2,4"]
 
@@ -122,6 +124,16 @@ def test_the_guide_on_methods_has_the_figures_of_the_board() -> None:
             best = max((name for name in others if name in by), key=lambda name: by[name])
             stated.append(f"{by['auto']:.3f} ({_named(best)} {by[best]:.3f})")
         assert f"| {dimension} | {' | '.join(stated)} |" in guide
+
+
+def test_the_figures_that_methods_state_are_those_of_the_board() -> None:
+    known = bbob.PART.table(kept_rows(bbob.PART)) | reaching.LANDSCAPES.table(kept_rows(reaching.LANDSCAPES))
+    figures = {f"{x:.2f}" for column in ("5 parameters @ 1000", "all @ 1000") for x in known[column].values()}
+    stated = {
+        name: set(re.findall(r"0\.\d\d", f"{method.suits} {method.drawback}")) for name, method in methods().items()
+    }
+    assert set().union(*stated.values()) > {"0.72"}
+    assert {name: of - figures for name, of in stated.items() if of - figures} == {}
 
 
 def _named(method: str) -> str:

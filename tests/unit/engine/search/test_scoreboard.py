@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.bench.scoreboard import __main__ as board
-from tests.bench.scoreboard import bbob, cells, page, peers, published, reaching, searches
+from tests.bench.scoreboard import bbob, cells, page, peers, published, reaching, searches, sureness
 from tests.bench.scoreboard.bars import ABOUT, BBOB, bars
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant, names, own_names
@@ -124,6 +124,18 @@ def test_the_guide_on_methods_has_the_figures_of_the_board() -> None:
             best = max((name for name in others if name in by), key=lambda name: by[name])
             stated.append(f"{by['auto']:.3f} ({_named(best)} {by[best]:.3f})")
         assert f"| {dimension} | {' | '.join(stated)} |" in guide
+
+
+def test_the_guide_on_methods_says_how_often_statements_come_true_as_the_board_does() -> None:
+    table = {column: by["auto"] for column, by in sureness.PART.table(kept_rows(sureness.PART)).items() if by}
+    guide = (cells.ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    for low, high in [(0.05, 0.07), (0.07, 0.13), (0.13, 0.3), (0.3, 0.6)]:
+        group = f"{100 * low:g} to {100 * high:g} %"
+        row = next(line for line in guide.splitlines() if line.startswith(f"| {group} |"))
+        _, count, _, stated, true = (part.strip() for part in row.strip("| ").split("|"))
+        assert count == f"{table[f'{group}, statements']:,.0f}"
+        assert stated == f"{100 * table[f'{group}, stated']:.1f} %"
+        assert true.startswith(f"{100 * table[f'{group}, came true']:.1f} % [")
 
 
 def test_the_figures_that_methods_state_are_those_of_the_board() -> None:

@@ -24,7 +24,7 @@ FEWEST = 10
 """Evaluations per parameter, and as many more, after which a method may end by its own rule: 60, 200 and 219
 evaluations of 4000 were observed on two parameters."""
 
-FRESH = 12
+FRESH = 10
 """Evaluations per parameter of the slices through a worst case, at least: others are known from the searches."""
 DESCENTS, POLISH, POLL = 15, 3, 3
 """Gradients of all descents, usually, as most evaluations that they need are known; gradients that polish a worst case,

@@ -21,7 +21,7 @@ from typing import Any, Literal, NamedTuple
 
 from tests.bench.scoreboard.peers import PEERS
 from worker.running.catalogue.installed import methods
-from worker.running.runs.identity import code_parts, installation
+from worker.running.runs.identity import code_parts
 
 ROOT = Path(__file__).parents[3]
 HERE = "tests/bench/scoreboard"
@@ -30,7 +30,7 @@ KEPT = Path(__file__).with_name("kept")
 LIBRARY = ("campaigns/library", "tests/golden/library_verdicts.json")
 WHOLE_RUNS = tuple(f"{HERE}/{name}" for name in ("niching.py", "sureness.py", "verdicts.py"))
 RUNS = ("worker/evidence/verdicts", "campaigns/rules.py", "clearance/function", *WHOLE_RUNS)
-"""Besides the engine (`installation`), what decides the figures of whole runs."""
+"""Besides the code that a run uses, what decides the figures of whole runs."""
 PRESENTATION = tuple(
     f"{HERE}/{name}"
     for name in ("__main__.py", "bars.py", "cells.py", "fitted.py", "page.py", "parts.py", "published.py")
@@ -99,7 +99,7 @@ def versions(names: Iterable[str], reach: Reach) -> dict[str, str]:
     searched = {
         "method": [],
         "loops": [code(LIBRARY), _digest(parts.systems | parts.components)],
-        "runs": [code(RUNS), installation().digest[:16]],
+        "runs": [code(RUNS), _digest(parts.systems | parts.stages | parts.components)],
     }
     by = {name: PEERS[name].version() if name in PEERS else parts.methods[name] for name in names}
     return {name: " ".join([board, version, *searched[reach]]) for name, version in by.items()}

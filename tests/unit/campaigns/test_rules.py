@@ -38,7 +38,7 @@ OTHERS: dict[str, set[float]] = {
     "worker/engine/stages/parts/slot_driver.py": {1e-6},
     # Distances among candidates, as fractions of every range.
     "worker/engine/stages/parts/counting.py": {1e-6},
-    "worker/engine/stages/parts/findings.py": {0.03, 0.1},
+    "worker/engine/stages/parts/candidates.py": {0.03, 0.1},
     # The exponent of the index of a random stream.
     "worker/engine/stages/estimate.py": {25},
 }

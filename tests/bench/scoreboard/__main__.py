@@ -57,10 +57,8 @@ def main(
     chosen = bool(asked.functions or asked.dimension or asked.instance)
     for name in asked.only:
         part = PARTS[name]
-        cells, valid = (
-            [cell for cell in part.cells(request) if _is_chosen(cell, asked)],
-            versions({*installed}, part.reach),
-        )
+        cells = [cell for cell in part.cells(request) if _is_chosen(cell, asked)]
+        valid = versions({*installed}, part.reach)
         file = build / "scoreboard" / ("again.jsonl" if asked.again else "cells.jsonl")
         known = {} if asked.again else stored(lines(kept(name, kept_in)), valid)
         if asked.again:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.bench.scoreboard import __main__ as board
-from tests.bench.scoreboard import bbob, cells, page, peers, published, reaching, searches, sureness
+from tests.bench.scoreboard import bbob, cells, niching, page, peers, published, reaching, searches, sureness
 from tests.bench.scoreboard.bars import ABOUT, BBOB, bars
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant, names, own_names
@@ -136,6 +136,13 @@ def test_the_guide_on_methods_says_how_often_statements_come_true_as_the_board_d
         assert count == f"{table[f'{group}, statements']:,.0f}"
         assert stated == f"{100 * table[f'{group}, stated']:.1f} %"
         assert true.startswith(f"{100 * table[f'{group}, came true']:.1f} % [")
+
+
+def test_the_guide_on_methods_has_the_boards_figures_of_niching() -> None:
+    table = niching.PART.table(kept_rows(niching.PART))
+    ratio, f1 = (table[f"all, {name}"]["auto"] for name in ("peak ratio", "F1"))
+    guide = (cells.ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    assert f"the findings of a run of `auto` have {ratio:.2f} (peak ratio; F1 {f1:.2f}; three seeds)" in guide
 
 
 def test_the_figures_that_methods_state_are_those_of_the_board() -> None:

@@ -63,7 +63,9 @@ def main(
         known = {} if asked.again else stored(lines(kept(name, kept_in)), valid)
         if asked.again:
             file.unlink(missing_ok=True)
-        rows = measured(cells, None if asked.stored else part.measure, file, asked.processes, valid, known)
+        rows = measured(
+            cells, None if asked.stored else part.measure, file, asked.processes, valid, known, part.function
+        )
         if chosen:
             print("\n".join(json.dumps({**row.cell._asdict(), **row.figures, "error": row.error}) for row in rows))
         if asked.keep:

@@ -8,6 +8,7 @@ or the version of the peer, and what it searched: nothing of ours, closed loops,
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import lzma
 import os
@@ -15,11 +16,15 @@ import shlex
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from clearance.testing.searching import Function
 from tests.bench.scoreboard.peers import PEERS
+from tests.bench.scoreboard.together import together
 from worker.running.catalogue.installed import methods
 from worker.running.runs.identity import code_parts
 
@@ -33,7 +38,16 @@ RUNS = ("worker/evidence/verdicts", "campaigns/rules.py", "clearance/function", 
 """Besides the code that a run uses, what decides the figures of whole runs."""
 PRESENTATION = tuple(
     f"{HERE}/{name}"
-    for name in ("__main__.py", "bars.py", "cells.py", "fitted.py", "page.py", "parts.py", "published.py")
+    for name in (
+        "__main__.py",
+        "bars.py",
+        "cells.py",
+        "fitted.py",
+        "page.py",
+        "parts.py",
+        "published.py",
+        "together.py",
+    )
 )
 """Modules of the board that change no figure of a cell; those before change only figures of whole runs."""
 
@@ -72,8 +86,11 @@ class Row(NamedTuple):
 Reach = Literal["method", "loops", "runs"]
 """What of our code decides a cell's figures: the method alone, closed loops of the library besides, or all."""
 
-Measure = Callable[[Cell], dict[str, Any]]
-"""The figures of one cell, of kinds that JSON has; `error` is what a peer raised."""
+Measure = Callable[..., dict[str, Any]]
+"""The figures of one cell, of kinds that JSON has; `error` is what a peer raised. Its second argument, where its part
+states one, is the function to search."""
+Searched = Callable[[Cell], Function]
+"""The function that the searches of a cell evaluate, the same for all numbers."""
 
 
 def code(names: Iterable[str]) -> str:
@@ -151,10 +168,10 @@ def keep(rows: Iterable[Row], file: Path, versions_of: Mapping[str, str]) -> Non
 
 def measured(
     cells: Sequence[Cell], measure: Measure | None, file: Path, processes: int, versions_of: dict[str, str],
-    known: Mapping[Cell, Row] | None = None,
+    known: Mapping[Cell, Row] | None = None, function: Searched | None = None,
 ) -> list[Row]:  # fmt: skip
     """Every cell in the given order, known, from the file, or measured now and added to it; without a measure a missing
-    one has no figures."""
+    one has no figures. Cells of one function are searched side by side."""
     found = {**(known or {}), **stored(lines(file), versions_of)}
     missing = [cell for cell in cells if cell not in found]
     if measure is None:
@@ -162,7 +179,7 @@ def measured(
     elif missing:
         file.parent.mkdir(parents=True, exist_ok=True)
         with file.open("a", encoding="utf-8") as out:
-            for row in _run(missing, measure, processes):
+            for row in _run(missing, measure, function, processes):
                 found[row.cell] = row
                 out.write(f"{_line(row, versions_of)}\n")
                 out.flush()
@@ -174,31 +191,56 @@ def _line(row: Row, versions_of: Mapping[str, str]) -> str:
     return json.dumps(entry, allow_nan=False)
 
 
-def _run(cells: Sequence[Cell], measure: Measure, processes: int) -> Iterable[Row]:
-    one = _One(measure)
+def _run(cells: Sequence[Cell], measure: Measure, function: Searched | None, processes: int) -> Iterable[Row]:
+    one = _One(measure, function)
+    groups = _groups(cells) if function else [[cell] for cell in cells]
     if processes == 1:
-        yield from map(one, cells)
+        yield from itertools.chain.from_iterable(map(one, groups))
         return
     os.environ["OMP_NUM_THREADS"] = "1"
-    with get_context("spawn").Pool(processes) as pool:
-        for done, row in enumerate(pool.imap_unordered(one, cells), 1):
+    done = 0
+    # Its processes may have processes of their own, those of a `Pool` may not.
+    with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
+        for ended in as_completed([pool.submit(one, group) for group in groups]):
+            yield from ended.result()
+            done += 1
             if sys.stderr.isatty():
-                print(f"\r{done} of {len(cells)} cells", end="", file=sys.stderr)
-            yield row
+                print(f"\r{done} of {len(groups)}", end="", file=sys.stderr)
+
+
+def _groups(cells: Iterable[Cell]) -> list[list[Cell]]:
+    """The cells of one method on one problem, which differ in their numbers."""
+    groups: dict[Cell, list[Cell]] = {}
+    for cell in cells:
+        groups.setdefault(cell._replace(number=0), []).append(cell)
+    return [*groups.values()]
 
 
 class _One:
-    """Measures one cell; an exception is its error, so that the board goes on."""
+    """Measures one cell, or several side by side; an exception is its cell's error, so that the board goes on."""
 
-    def __init__(self, measure: Measure) -> None:
-        self.measure = measure
+    def __init__(self, measure: Measure, function: Searched | None) -> None:
+        self.measure, self.function = measure, function
 
-    def __call__(self, cell: Cell) -> Row:
+    def __call__(self, cells: Sequence[Cell]) -> list[Row]:
         methods()
         began = time.perf_counter()
+        found = self._measured(cells)
+        seconds = (time.perf_counter() - began) / len(cells)
+        return [_row(cell, one, seconds) for cell, one in zip(cells, found, strict=True)]
+
+    def _measured(self, cells: Sequence[Cell]) -> Sequence[dict[str, Any] | Exception]:
         try:
-            figures, error = self.measure(cell), ""
-            error = str(figures.pop("error", ""))
+            if self.function:
+                return together([partial(self.measure, cell) for cell in cells], self.function(cells[0]))
+            return [self.measure(cell) for cell in cells]
         except Exception as raised:
-            figures, error = {}, f"{type(raised).__name__}: {raised}"
-        return Row(cell, figures, error, time.perf_counter() - began)
+            return [raised] * len(cells)
+
+
+def _row(cell: Cell, found: dict[str, Any] | Exception, seconds: float) -> Row:
+    if isinstance(found, Exception):
+        return Row(cell, {}, f"{type(found).__name__}: {found}", seconds)
+    return Row(
+        cell, {name: figure for name, figure in found.items() if name != "error"}, str(found.get("error", "")), seconds
+    )

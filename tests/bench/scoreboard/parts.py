@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from tests.bench.scoreboard.cells import Cell, Measure, Reach, Row
+from tests.bench.scoreboard.cells import Cell, Measure, Reach, Row, Searched
 from tests.given.landscapes import Half
 
 Table = dict[str, dict[str, float]]
@@ -28,7 +28,8 @@ class Part:
     """One part: its name and title, what its figures are, and how they are made.
 
     cells: those of a request. table: figures by column and method, a column being `GROUP @ BUDGET` or `GROUP`.
-    shown: what columns of the page begin with; the file has all. reach: what its cells are valid for.
+    shown: what columns of the page begin with; the file has all. reach: what its cells are valid for. function: what
+    is searched, where the searches with all seeds go side by side.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Part:
     table: Callable[[Sequence[Row]], Table]
     shown: str = ""
     reach: Reach = "method"
+    function: Searched | None = None
 
 
 def averaged(rows: Sequence[Row], figures: Callable[[Row], Mapping[str, float | None]]) -> Table:

@@ -16,7 +16,7 @@ run: install ## start the service and one worker on ./data; Ctrl-C stops everyth
 check: install ## ruff, types and the quick tests: less than a minute and a half from warm caches
 	@tools/check.sh
 
-test: install ## run every check and every test
+test: install ## run every check, and all tests but those of `make nightly`
 	@tools/chromium.sh
 	@tools/test.sh
 

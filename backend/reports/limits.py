@@ -35,13 +35,16 @@ def _asked(record: Record) -> str:
     """How often the question was asked: whoever repeats a run until it is cleared is seen."""
     runs = sum(record.question.values())
     if runs < 2:
-        return "No other run of this service asks the same question: the same system, bounds and criterion."
+        return (
+            "No other run of this service asks the same question: the same system, bounds and criterion, at any "
+            "threshold."
+        )
     each = ", ".join(
         f"{numbers.count(n)} {'without a verdict' if word == 'none' else word}" for word, n in record.question.items()
     )
     return (
-        f"{numbers.count(runs)} runs of this service ask the same question, the same system, bounds and criterion, "
-        f"removed ones included: {each}."
+        f"{numbers.count(runs)} runs of this service ask the same question, the same system, bounds and criterion at "
+        f"any threshold, removed ones included: {each}."
     )
 
 

@@ -1,4 +1,4 @@
-"""How often the service was asked the question of a run: the same system, bounds and criterion."""
+"""How often the service was asked the question of a run: the same system, bounds and criterion, at any threshold."""
 
 from __future__ import annotations
 

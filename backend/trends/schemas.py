@@ -30,8 +30,8 @@ class RelatedRuns(Schema):
     total: int
     """How many there are."""
     question: dict[str, int]
-    """All runs of the service that ask the same question (system, bounds and criterion), this one and removed ones
-    included, by verdict; `none` has none."""
+    """All runs of the service that ask the same question (system, bounds and criterion, at any threshold), this one and
+    removed ones included, by verdict; `none` has none."""
 
 
 class TrendRun(Outcome):

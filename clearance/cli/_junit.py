@@ -104,14 +104,16 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
     """Evidence of this run alone: other campaigns may state the requirement, and the run is not signed off yet."""
     case, verdict = _added(suite, ended, f"requirement: {requirement}"), ended.verdict
     if verdict is None:
-        Xml.SubElement(case, "error", message=_clean(f"no evidence: {ended.state}"), type=ended.state)
+        error = Xml.SubElement(case, "error", message=_clean(f"no evidence: {ended.state}"), type=ended.state)
+        error.text = _clean(ended.link)
     elif verdict.verdict == "cleared":
         text = f"{verdict.sentence}\nEvidence of this run alone; the matrix of requirements has all runs."
         Xml.SubElement(case, "system-out").text = _clean(text)
     elif ended.accepted:
         Xml.SubElement(case, "skipped", message=_clean(f"{verdict.sentence} {exit_sentence(verdict)}"))
     else:
-        Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
+        failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
+        failure.text = _clean("\n".join(filter(None, [verdict.reason, ended.link])))
 
 
 def _violation(ended: EndedRun, found: Case) -> str:

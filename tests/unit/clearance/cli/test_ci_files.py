@@ -86,6 +86,15 @@ def test_the_criterion_passes_only_if_it_is_cleared(word: str, findings: tuple[C
     assert outcome(cases(ended(word, findings=findings))["criterion: d_min"]) == told
 
 
+@pytest.mark.parametrize("word", ["violated", "inconclusive", ""])
+def test_whatever_fails_has_the_link_of_the_run(word: str) -> None:
+    suite = Xml.fromstring(junit(ended(word, "agreement", requirements=("R1", "R2"))))
+    failing = [*suite.iter("failure"), *suite.iter("error")]
+    assert len(failing) >= 3
+    for one in failing:
+        assert "http://x/runs/R-0007" in str(one.text).splitlines()
+
+
 def test_every_check_is_a_case() -> None:
     found = cases(ended("inconclusive", "agreement", "mine"))
     assert {name: outcome(case) for name, case in found.items() if name.startswith("check")} == {

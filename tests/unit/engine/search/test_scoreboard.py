@@ -21,9 +21,12 @@ from tests.bench.scoreboard.fitted import coefficients
 from tests.bench.scoreboard.parts import Part, Request, averaged
 from tests.given import landscapes
 from worker.engine.search.base import Floats
+from worker.evidence.verdicts.sureness import chance, model
 from worker.running.catalogue.installed import methods
 
 SHORT = ["--only", "landscapes", "--half", "setting", "--seeds", "1", "--processes", "1", "--budgets", "2,4"]
+
+GUIDE = (cells.ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(autouse=True)
@@ -116,33 +119,39 @@ def test_the_guide_shows_what_the_kept_cells_say() -> None:
 def test_the_guide_on_methods_has_the_figures_of_the_board() -> None:
     """The table of `auto`: its figures, and the best of the other methods of ours in brackets."""
     table, others = bbob.PART.table(kept_rows(bbob.PART)), [name for name in own_names() if name != "auto"]
-    guide = (cells.ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
     for dimension in bbob.DIMENSIONS:
         stated = []
         for budget in bbob.BUDGETS:
             by = table[f"{dimension} parameters @ {budget}"]
             best = max((name for name in others if name in by), key=lambda name: by[name])
             stated.append(f"{by['auto']:.3f} ({_named(best)} {by[best]:.3f})")
-        assert f"| {dimension} | {' | '.join(stated)} |" in guide
+        assert f"| {dimension} | {' | '.join(stated)} |" in GUIDE
 
 
 def test_the_guide_on_methods_says_how_often_statements_come_true_as_the_board_does() -> None:
     table = {column: by["auto"] for column, by in sureness.PART.table(kept_rows(sureness.PART)).items() if by}
-    guide = (cells.ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
     for low, high in [(0.05, 0.07), (0.07, 0.13), (0.13, 0.3), (0.3, 0.6)]:
         group = f"{100 * low:g} to {100 * high:g} %"
-        row = next(line for line in guide.splitlines() if line.startswith(f"| {group} |"))
+        row = next(line for line in GUIDE.splitlines() if line.startswith(f"| {group} |"))
         _, count, _, stated, true = (part.strip() for part in row.strip("| ").split("|"))
         assert count == f"{table[f'{group}, statements']:,.0f}"
         assert stated == f"{100 * table[f'{group}, stated']:.1f} %"
         assert true.startswith(f"{100 * table[f'{group}, came true']:.1f} % [")
 
 
+def test_the_guide_on_methods_has_the_chances_of_the_model() -> None:
+    lines = GUIDE.splitlines()
+    first = next(at for at, line in enumerate(lines) if line.startswith("| evaluations as low"))
+    heads, _, *rows = [[part.strip() for part in line.strip("| ").split("|")[1:]] for line in lines[first : first + 4]]
+    for parameters, row in zip((4, 3), rows, strict=True):
+        found = [100 * chance(np.full(int(head.split()[0]), -1.0), 0.0, model(parameters)) for head in heads]
+        assert row == [f"{one:.0f} %" if one >= 10 else f"{one:.1f} %" for one in found]
+
+
 def test_the_guide_on_methods_has_the_boards_figures_of_niching() -> None:
     table = niching.PART.table(kept_rows(niching.PART))
     ratio, f1 = (table[f"all, {name}"]["auto"] for name in ("peak ratio", "F1"))
-    guide = (cells.ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
-    stated = re.search(r"([\d.]+) \(peak ratio; F1 ([\d.]+)", guide)
+    stated = re.search(r"([\d.]+) \(peak ratio; F1 ([\d.]+)", GUIDE)
     assert stated is not None
     assert stated.groups() == (f"{ratio:.2f}", f"{f1:.2f}")
 

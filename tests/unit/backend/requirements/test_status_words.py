@@ -1,0 +1,19 @@
+"""The guide lists the statuses of a requirement that there are, the worst first."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from backend.requirements.standing import ORDER
+
+ROOT = Path(__file__).parents[4]
+
+
+def test_the_guide_has_every_status_and_no_other() -> None:
+    guide = (ROOT / "docs" / "requirements.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([^|]+) \|", guide.partition("| status | means |")[2].partition("\n\n")[0], re.MULTILINE)
+    pages = (ROOT / "frontend" / "src" / "requirements" / "status.ts").read_text(encoding="utf-8")
+    words = dict(re.findall(r"^  '?([a-z ]+)'?: \{ word: '([^']+)'", pages, re.MULTILINE))
+    assert [*words] == [*ORDER]
+    assert sorted(rows) == sorted(word.lower() for word in words.values())

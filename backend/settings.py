@@ -237,7 +237,7 @@ class Settings(BaseModel):
         names = [PREFIX + name.upper() for name in cls.model_fields]
         names += [name + secrets_given.FILE for name in cls.secret()]
         found = sorted(key for key in environment if key.startswith(PREFIX) and key not in {*names, *_OTHERS})
-        near = [(key, difflib.get_close_matches(key, names, 1, 0.85)) for key in found]
+        near = [(key, difflib.get_close_matches(key, [*names, *sorted(_OTHERS)], 1, 0.85)) for key in found]
         return [f"{key} is not a setting and has no effect{f': is {n[0]} meant?' if n else ''}" for key, n in near]
 
     @property

@@ -93,7 +93,9 @@ def _copy_sqlite(source: Path, part: Path) -> None:
             connection.execute("VACUUM INTO ?", (str(part),))
         part.chmod(0o600)
     except sqlite3.Error as error:
-        raise BackupError(f"{source} could not be copied: {error}") from None
+        # SQLite may say that it cannot open the copy where it cannot read the original.
+        wrong = damage(source) if source.exists() else ""
+        raise BackupError(f"{source} could not be copied: {wrong or error}") from None
     if wrong := damage(part):
         raise BackupError(f"the copy of {source} is damaged: {wrong}")
 

@@ -72,8 +72,9 @@ def connect(url: str, busy_timeout: float | None = None, create: bool = True) ->
     """An engine for `sqlite:///path` or `postgresql://...`; create: whether a missing SQLite file is made now.
 
     busy_timeout: how long a writer waits for a lock [s]; on PostgreSQL it is set only if given. Every SQLite
-    transaction is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for any other database. What is wrong
-    with the database itself is raised as `outages.DatabaseOutage`; a file that is deleted is not made again.
+    transaction is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for any other database, and where
+    its driver is not installed. What is wrong with the database itself is raised as `outages.DatabaseOutage`; a file
+    that is deleted is not made again.
     """
     try:
         parsed = sa.make_url(url)
@@ -87,7 +88,12 @@ def connect(url: str, busy_timeout: float | None = None, create: bool = True) ->
         if busy_timeout is not None:
             limits["options"] = f"-c lock_timeout={busy_timeout * 1000:.0f}"
         address = parsed.set(drivername="postgresql+psycopg")
-        engine = sa.create_engine(address, pool_pre_ping=True, json_serializer=_json, connect_args=limits)
+        try:
+            engine = sa.create_engine(address, pool_pre_ping=True, json_serializer=_json, connect_args=limits)
+        except ModuleNotFoundError as missing:
+            raise ValueError(
+                f"PostgreSQL needs the package {missing.name}, which is not installed: pip install 'psycopg[binary]'"
+            ) from None
         sa.event.listen(engine, "connect", _limited)
         return outages.watched(engine)
     raise ValueError(

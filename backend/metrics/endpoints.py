@@ -16,6 +16,6 @@ async def metrics(request: Request) -> Response:
     """The state of the queue, the workers, the requests and the disk."""
     state = request.app.state
     waiting = {"pdf": state.capacities.pdf.inside, "preview": state.previews.waiting}
-    waiting |= {"files": state.capacities.files.inside, "recordings": state.capacities.recordings.inside}
+    waiting |= {name: getattr(state.capacities, name).inside for name in ("files", "imports", "recordings")}
     text = await state.door.inspected(partial(state.metrics.text, waiting=waiting))
     return Response(text, media_type=MEDIA_TYPE)

@@ -82,11 +82,11 @@ def search(
     by default those that it declares.
     threshold: the value [unit] above which an evaluation is clear; at or below it, it is a violation.
     nominal: the nominal case; the middle of its range for a parameter that is not named.
-    methods: search methods by name, or by name with the evaluations of each; None: the two that are proposed where
-        evaluations are cheap.
-    budget: evaluations of each search whose method has none of its own; 500 for each parameter if not given.
+    methods: search methods by name, or by name with the evaluations of each; None: `auto`.
+    budget: evaluations of each search whose method has none of its own; if not given, 1000 for each parameter, 500 if
+        methods are named.
     options: of the methods, by method: `{"direct": {"iterations": 100}}`.
-    starts: points to start from, by parameter, for the methods that take some (`sqp`); others are nominal.
+    starts: points to start from, by parameter, for the methods that take some; other parameters are nominal.
     validation: evaluations that distinguish the worst cases and confirm results, in all; None: at most as many as the
         searches. A run never takes more evaluations than `Result.bound`.
     agreement: fraction of nominal minus worst within which the methods must agree; 0.05 if not given.
@@ -106,7 +106,8 @@ def search(
     An evaluation that raises, or returns anything but a finite number, fails with its reason, and the search goes on.
     Ctrl-C raises `Interrupted`, a KeyboardInterrupt that has what was evaluated until then.
 
-    Raises ValueError or TypeError with a sentence before anything is evaluated if an argument cannot be used.
+    Raises ValueError or TypeError with a sentence before anything is evaluated if an argument cannot be used, and
+    ValueError if none of the first evaluations has a value or the nominal case is excluded.
     """
     if only_loaded():
         raise RuntimeError(

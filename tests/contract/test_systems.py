@@ -14,7 +14,7 @@ from campaigns.asked.spec import Repeats, Simulator
 from campaigns.checked.snapshot import changes, snapshot
 from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
 from clearance.testing import SystemContract
-from tests.simulators import functions, isolated, package, two_basins
+from tests.simulators import functions, isolated, package, tracing, two_basins
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Evaluated, Slotted
@@ -40,21 +40,40 @@ class TestSimulator(SystemContract):
         return Problem(load_document(package.campaign()), two_basins.TwoBasins(two_basins.ENTRY, BASINS))
 
 
+def of_function(function: Any, document: dict[str, Any]) -> Problem:
+    declared = PythonFunction(
+        function.declaration, {"module": function.__module__, "name": function.__name__}, function.call
+    )
+    campaign = load_document(document)
+    known = catalogue().model_copy(update={"simulators": [declared.entry]})
+    return Problem(campaign, opened.simulated(campaign, declared, known))
+
+
 class TestFunction(SystemContract):
     failing, excluding = 0.99, 1.6
     function: Any = functions.together
 
     @classmethod
     def open(cls) -> Problem:
-        place = {"module": cls.function.__module__, "name": cls.function.__name__}
-        declared = PythonFunction(cls.function.declaration, place, cls.function.call)
-        campaign = load_document(package.campaign(simulator={"name": cls.function.declaration.name}))
-        known = catalogue().model_copy(update={"simulators": [declared.entry]})
-        return Problem(campaign, opened.simulated(campaign, declared, known))
+        return of_function(cls.function, package.campaign(simulator={"name": cls.function.declaration.name}))
 
 
 class TestIsolatedFunction(TestFunction):
     function = isolated.alone
+
+
+class TestFunctionWithATrace(SystemContract):
+    function: Any = tracing.together
+
+    @classmethod
+    def open(cls) -> Problem:
+        name = cls.function.declaration.name
+        asked = {"simulator": {"name": name}, "uncertain": {"simulator.speed": {"low": 1.0, "high": 9.0}}}
+        return of_function(cls.function, package.campaign(**asked, criterion={"result": "value", "threshold": 0.1}))
+
+
+class TestIsolatedFunctionWithATrace(TestFunctionWithATrace):
+    function = tracing.thrown
 
 
 def known() -> Catalogue:

@@ -14,6 +14,7 @@ import sqlalchemy as sa
 
 from backend.db import revision
 from backend.db.backup import BackupError, backup, restore
+from backend.db.damage import damage
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.queue import submit
 from backend.db.tables import Run
@@ -111,6 +112,19 @@ def test_what_is_no_backup_replaces_nothing(stored: str, tmp_path: Path, spoil: 
     with pytest.raises(BackupError):
         restore(stored, file)
     assert runs(stored) == 1
+
+
+@pytest.mark.parametrize("spoil", [cut_off, overwritten])
+def test_no_backup_is_made_of_a_damaged_database_and_what_is_damaged_is_said(
+    stored: str, tmp_path: Path, spoil: Callable[[Path], object]
+) -> None:
+    database = Path(stored.removeprefix("sqlite:///"))
+    spoil(database)  # the last connection has written everything into the file
+    with pytest.raises(BackupError) as refused:
+        backup(stored, tmp_path / "copy")
+    assert str(database) in str(refused.value)
+    assert ".part" not in str(refused.value)
+    assert damage(database) in str(refused.value)
 
 
 def test_a_damaged_database_is_replaced(stored: str, tmp_path: Path) -> None:

@@ -194,12 +194,14 @@ def test_a_misspelled_setting_is_named() -> None:
     given = {
         "CLEARANCE_MAX_VIEWER": "3",
         "CLEARANCE_THREADS": "2",
+        "CLEARANCE_SIMULATOR": "y",
         "CLEARANCE_DATA": "x",
         "HOME": "/",
         "CLEARANCE_XYZ": "",
     }
     assert Settings.unknown(given) == [
         "CLEARANCE_MAX_VIEWER is not a setting and has no effect: is CLEARANCE_MAX_VIEWERS meant?",
+        "CLEARANCE_SIMULATOR is not a setting and has no effect: is CLEARANCE_SIMULATORS meant?",
         "CLEARANCE_XYZ is not a setting and has no effect",
     ]
 

@@ -30,7 +30,8 @@ from worker.running.runs.identity import code_parts
 
 ROOT = Path(__file__).parents[3]
 HERE = "tests/bench/scoreboard"
-BOARD = (HERE, "clearance/testing", "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching")
+TESTING = ("clearance/testing/problems.py", "clearance/testing/searching.py")
+BOARD = (HERE, *TESTING, "tests/given/landscapes.py", "tests/given/falsification", "tests/given/niching")
 KEPT = Path(__file__).with_name("kept")
 LIBRARY = ("campaigns/library", "tests/golden/library_verdicts.json")
 WHOLE_RUNS = tuple(f"{HERE}/{name}" for name in ("niching.py", "sureness.py", "verdicts.py"))

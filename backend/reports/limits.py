@@ -81,7 +81,10 @@ def _horizon(record: Record) -> str:
     if record.campaign.scenario is None:
         return ""
     horizon = numbers.plain(record.campaign.scenario.horizon)
-    return f"Every simulation ends at the horizon of {horizon} s. Later events are not covered."
+    return (
+        f"Every evaluation ends at the horizon of {horizon} s. What comes after it is examined for the nominal case, "
+        "the findings and the sample only, as section 9 states."
+    )
 
 
 def _excluded(record: Record) -> str:

@@ -18,6 +18,7 @@ from campaigns.claims.numbers import NONE
 from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
 from campaigns.results import SearchResult, ValidateResult, verdicts
+from campaigns.results.finding import unsearched
 from campaigns.results.validate import Compared
 
 Row = dict[str, object]
@@ -147,7 +148,7 @@ def methods(record: Record) -> list[Row]:
             "stop": result.stop.statement if result and result.stop else say("not ended"),
             "findings": (", ".join(comparison.findings) or "none") if comparison else NONE,
             "basin": (comparison.basin or "no listed finding") if comparison else NONE,
-            "options": ", ".join(f"{name} = {value}" for name, value in search.options.items()) or "as published",
+            "options": ", ".join(f"{name} = {value}" for name, value in search.options.items()) or "defaults",
             "starts": len(search.starts),
         })  # fmt: skip
     return rows
@@ -161,7 +162,7 @@ def _near(other: Compared | None) -> str:
 
 
 def stages(record: Record) -> list[Row]:
-    """All stages with their evaluations, so that every simulation is counted."""
+    """All stages with their evaluations, so that every stored one is counted."""
     titles = _titles(record)
     rows: list[Row] = [
         {
@@ -195,7 +196,7 @@ def findings(record: Record) -> list[Row]:
             "evaluated": "" if f.granted == f.cost else numbers.fixed(f.cost, decimals),
             "margin": numbers.difference(f.margin + (f.granted - f.cost), decimals),
             "violates": f.margin <= 0,
-            "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
+            "methods": ", ".join(titles.get(m, m) for m in f.methods) or unsearched(f.validation),
             "bounds": [(record.symbol_html(path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
             "seed": validated.seed(f.validation),

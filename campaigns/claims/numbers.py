@@ -35,6 +35,8 @@ class Format(StrEnum):
     """The same of an upper bound: rounded up, never below itself."""
     AT_LEAST = "at_least"
     """The same of a lower bound: rounded down."""
+    LOWEST = "lowest"
+    """A lower bound that is no probability: significant digits, rounded down."""
 
 
 ROUNDED = {
@@ -50,11 +52,12 @@ def written(value: float, unit: str = "", form: Format = Format.PLAIN, digits: i
     """A number with its unit as plain text."""
     value += 0.0  # no negative zero
     if form is Format.PERCENT:
-        return f"{100 * value:.{digits}g} %"
+        return f"{_percent(value, digits)} %"
     if form in ROUNDED:
         return _probability(value, form, digits)
     text = {
         Format.PLAIN: lambda: f"{value:.{digits}g}",
+        Format.LOWEST: lambda: f"{float(_down(value, digits)):.{digits}g}",
         Format.SIGNED: lambda: f"{value:+.{digits}g}".replace("-", MINUS),
         Format.COUNT: lambda: f"{round(value):,}".replace(",", NARROW),
     }[form]()
@@ -167,6 +170,19 @@ def unit_in_print(text: str) -> str:
     """kg m2 as kg·m²."""
     raised = re.sub(r"([A-Za-zµΩ°])\^?([234])(?!\d)", lambda m: m[1] + _RAISED[m[2]], text)
     return re.sub(r"(?<=\S) (?=\S)", "·", raised)
+
+
+def _down(value: float, digits: int) -> Decimal:
+    return Context(prec=digits, rounding=ROUND_FLOOR).plus(Decimal(repr(float(value))))
+
+
+def _percent(value: float, digits: int) -> str:
+    """Significant digits, and as many as tell less than all from all; a power of ten only from 10,000 on."""
+    for more in range(digits, 18):
+        text = f"{100 * value:.{more}g}"
+        if float(text) != 100 or value >= 1:
+            break
+    return f"{float(text):.0f}" if abs(float(text)) < 10_000 and "e+" in text else text
 
 
 def _probability(value: float, form: Format, digits: int) -> str:

@@ -59,6 +59,11 @@ def at_least(bound: float, digits: int = 3, name: str = "") -> Span:
     return _quantity(bound, "", Format.AT_LEAST, digits, name)
 
 
+def lowest(bound: float, unit: str = "", name: str = "") -> Span:
+    """A lower bound that is no probability."""
+    return _quantity(bound, unit, Format.LOWEST, 6, name)
+
+
 def symbol(name: str, label: str = "") -> Span:
     """A criterion's quantity, or a parameter by its path, with its printed symbol."""
     label = label or name

@@ -90,6 +90,11 @@ class Validation(Result):
     neighbours: Neighbours | None = None
 
 
+def unsearched(case: Validation | None) -> str:
+    """What to name as the finder of a case that no search found: only the sample draws noise for an evaluation."""
+    return "no search" if case is None or case.realisation is None else "the independent sample"
+
+
 def granted(cost: float, case: Validation | None) -> float:
     """What every value of a confirmed violation grants: the mildest of them if they differ beyond tolerance; of any
     other case its own value."""

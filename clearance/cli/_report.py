@@ -19,6 +19,7 @@ from campaigns.claims.spans import words
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import OK
+from campaigns.results.finding import unsearched
 from campaigns.results.regression import Regression, Standing
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
@@ -187,7 +188,7 @@ def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table
     table.add_row(
         f"margin to {number(campaign.criterion.threshold)} {verdict.unit}",
         "" if at_nominal.margin is None else signed(at_nominal.margin),
-        *(signed(f.margin) for f in store.findings),
+        *(signed(f.granted - campaign.criterion.threshold) for f in store.findings),
     )
     validated = _validated(store)
     nominal_case = None if validated is None else validated.nominal
@@ -238,12 +239,12 @@ def _how_found(store: MemoryStore) -> list[str]:
     lines = []
     for finding in store.findings:
         ways = [f"{named('search', by.method)[8:]} after {count(by.evaluations)}" for by in finding.found]
-        how = (
-            f"found by {words(listed(ways))} evaluations"
-            if ways
-            else "reached only by polishing: no search evaluated a point with nearly its cost within "
-            f"{percent(SAME_PLACE)} of every range"
-        )
+        how = f"found by {words(listed(ways))} evaluations" if ways else f"found by {unsearched(finding.validation)}"
+        if not ways and finding.realisation is None:
+            how += (
+                f": none evaluated a point with nearly its cost within {percent(SAME_PLACE)} of every range; it was "
+                "refined from another, or evaluated in another stage"
+            )
         lines.append(f"{finding.label}: {how}")
     validated = _validated(store)
     gathered = None if validated is None else validated.findings

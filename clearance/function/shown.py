@@ -87,7 +87,7 @@ def _rows(result: Result) -> list[list[str]]:
     rows.append(["nominal", *values, *(number(n.parameters[p]) for p in result.names), ""])
     known = methods()
     for f in result.findings:
-        found = ", ".join(known[m].title if m in known else m for m in f.methods) or "polishing only"
+        found = ", ".join(known[m].title if m in known else m for m in f.methods) or "no search"
         parameters = [number(f.parameters[p]) for p in result.names]
         rows.append([f.label, number(f.cost), signed(f.margin), *parameters, found])
     return rows

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from campaigns.claims.say import Part, at_least, at_most, count, joined, number, percent, say
 from campaigns.claims.say import probability as probable
-from campaigns.claims.spans import Span, Spans
+from campaigns.claims.spans import Spans
 
 OPEN = (
     "this is an estimate from the violations that are known, not a bound: a mode that neither the searches nor this "
@@ -66,7 +66,9 @@ def estimated(probability: float, ends: tuple[float, float], confidence: float, 
 def modes(shares: Sequence[float], hidden: int, carried: float) -> Spans:
     """The modes, and how much of P(violation) those carry that no search had found."""
     one = say("its violations are of one mode")
-    several = say("its ", count(len(shares), "modes"), " modes carry ", _every([_share(s) for s in shares]), " of it")
+    several = say(
+        "its ", count(len(shares), "modes"), " modes carry ", _every([percent(s, 2) for s in shares]), " of it"
+    )
     which = "; a mode that no search had found carries " if hidden == 1 else "; modes that no search had found carry "
     found = say(which, percent(carried, 2, "hidden"), " of it")
     return say(one if len(shares) == 1 else several, found if hidden else ())
@@ -84,14 +86,9 @@ def named(
     for k, labels in enumerate(findings):
         told = [f"{label} (not confirmed)" if label in unconfirmed else label for label in labels]
         name = " and ".join(told) or (NO_FINDING, MAY_BE)[unknown[k]]
-        part = say("mode ", count(k + 1), " is ") if shares is None else say(_share(shares[k]), " from ")
+        part = say("mode ", count(k + 1), " is ") if shares is None else say(percent(shares[k], 2), " from ")
         clauses.append(say(part, name))
     return say("of P(violation) " if shares is not None else "", _every(clauses))
-
-
-def _share(value: float) -> Span:
-    """Of P(violation); 100 % needs a third digit."""
-    return percent(value, 2 if value < 0.995 else 3)
 
 
 def _every(parts: Sequence[Part]) -> Spans:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from campaigns.claims.say import at_most, count, listed, number, percent, probability, say, symbol
+from campaigns.claims.say import at_most, count, listed, lowest, number, percent, probability, say, symbol
 from campaigns.claims.spans import Spans, words
 
 
@@ -84,7 +84,7 @@ class Counts:
         counted = ", counted over all draws," if self.outside and self.excluded else ""
         return say(
             *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
-            *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence"), " confidence"),
+            *(lowest(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence"), " confidence"),
         )
 
     def _conditions(self) -> Spans:

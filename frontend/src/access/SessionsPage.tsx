@@ -35,7 +35,7 @@ export function SessionsPage() {
     >
       <Loaded query={sessions} what="sessions">
         {(data) => (
-          <Card title="Browsers that are signed in" note="Two weeks after signing in, a session ends" flush={data.length > 0}>
+          <Card title="Browsers that are signed in" note="A session ends two weeks after signing in, by single sign-on after 12 hours" flush={data.length > 0}>
             {data.length === 0 ? <p className="sec">No browser is signed in.</p> : <BrowsersList sessions={data} />}
           </Card>
         )}

@@ -104,8 +104,15 @@ export function parse(text: string): number | null {
 }
 
 /** A fraction as percent, with the digits of a sentence: a bound that is rounded more may read below itself. */
-export const percent = (share: Maybe, digits = 3): string =>
-  known(share) ? `${significant(100 * share, digits)}${NARROW}%` : NONE
+export function percent(share: Maybe, digits = 3): string {
+  if (!known(share)) return NONE
+  let text = significant(100 * share, digits)
+  // As many digits as tell less than all from all.
+  for (let more = digits + 1; share < 1 && Number(text) === 100 && more < 18; more++) text = significant(100 * share, more)
+  const size = Number(text.replace(MINUS, '-'))
+  if (text.includes('e+') && Math.abs(size) < 10_000) text = String(size).replace('-', MINUS)
+  return `${text}${NARROW}%`
+}
 
 /** How a probability is rounded: to the nearest, up as an upper bound, down as a lower one. */
 type Rounded = 'probability' | 'at_most' | 'at_least'
@@ -134,6 +141,15 @@ function positioned(digits: string, power: number): string {
   if (power < 0) return `0.${'0'.repeat(-power - 1)}${digits}`
   const whole = digits.padEnd(power + 1, '0')
   return whole.length > power + 1 ? `${whole.slice(0, power + 1)}.${whole.slice(power + 1)}` : whole
+}
+
+/** Significant digits of a lower bound, rounded down by the digits of the shortest decimal number that is it. */
+export function lowest(value: number, digits: number): string {
+  const [mantissa = '', exponent = '0'] = Math.abs(value).toExponential().split('e')
+  const all = mantissa.replace('.', '')
+  const more = value < 0 && all.length > digits ? 1n : 0n
+  const kept = `${BigInt(all.slice(0, digits)) + more}e${Number(exponent) - Math.min(all.length, digits) + 1}`
+  return significant(value < 0 ? -Number(kept) : Number(kept), digits)
 }
 
 /** Significant digits without trailing zeros; powers of ten below 1e-4 and above the range of the digits. */

@@ -1,12 +1,12 @@
 // Formats a quantity in a sentence, as `printed` of `campaigns/claims/numbers.py` does.
 import type { Quantity } from '../client'
-import { count, MINUS, NARROW, percent, probability, significant } from './numbers'
+import { count, lowest, MINUS, NARROW, percent, probability, significant } from './numbers'
 import { unitText } from './units'
 
 export function quantityText({ value, unit, format, digits }: Pick<Quantity, 'value' | 'unit' | 'format' | 'digits'>): string {
   if (format === 'percent') return percent(value, digits)
   if (isProbability(format)) return probability(value, digits, format)
-  const text = format === 'count' ? count(value) : significant(value, digits)
+  const text = format === 'count' ? count(value) : format === 'lowest' ? lowest(value, digits) : significant(value, digits)
   const sign = format === 'signed' && value >= 0 ? '+' : ''
   return `${sign}${text}${unit && NARROW}${unitText(unit)}`
 }
@@ -20,7 +20,7 @@ const READ = 4
  */
 export function readDigits(quantities: readonly Pick<Quantity, 'value' | 'unit' | 'format' | 'digits'>[]): number[] {
   const fewest = quantities.map(({ value, format, digits }) => {
-    if (format === 'percent' || isProbability(format) || format === 'count' || value === 0) return digits
+    if (['percent', 'count', 'lowest'].includes(format) || isProbability(format) || value === 0) return digits
     return Math.min(digits, Math.max(READ, Math.floor(Math.log10(Math.abs(value))) + 1))
   })
   return quantities.map((one, i) => {

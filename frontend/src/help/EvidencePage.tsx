@@ -18,9 +18,9 @@ const CAPS: readonly [string, string][] = [
   ['confidence', `At least ${LIMITS.confidence_at_least}; a campaign with less is refused. Default ${LIMITS.confidence}.`],
   [
     'target_probability',
-    `The bound on P(violation) from a sample must be at most ${percent(LIMITS.ceiling, 1)}; a target can only be stricter.`,
+    `The bound on P(violation) from a sample must be at most ${percent(LIMITS.ceiling)}; a target can only be stricter.`,
   ],
-  ['Excluded', `At most ${percent(LIMITS.excluded, 1)} of the draws of the sample, and of all evaluations.`],
+  ['Excluded', `At most ${percent(LIMITS.excluded)} of the draws of the sample, and of all evaluations.`],
   [
     'Least budget',
     `${LIMITS.global_least} evaluations for each uncertain parameter for a global method, ${LIMITS.local_least} for a local one.`,

@@ -33,8 +33,9 @@ export function MethodsPage() {
       title="Search methods"
       lede={
         <>
-          Each follows its paper and uses the paper’s settings by default. No method can prove that it found the
-          worst case: a <Link to="/help">verdict</Link> requires several of them to agree.
+          Each names its source; where its defaults differ from it, the option <code>as_published</code> restores them. No method
+          can prove that it found the worst case: to be <Link to="/help">cleared</Link>, methods of two families must agree, or
+          the two sides of Auto.
         </>
       }
       contents={kinds.map(({ kind, methods }) => ({

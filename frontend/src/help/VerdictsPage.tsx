@@ -41,12 +41,12 @@ const MEANINGS: readonly Meaning[] = [
 const STATES: readonly Meaning[] = [
   {
     outcome: 'failed',
-    says: 'The run itself failed after up to three attempts. Its page shows the reason.',
+    says: 'The run itself failed after up to three attempts, or after it had lost ten workers. Its page shows the reason.',
     not: 'It is not a result about the avoidance system.',
   },
   {
     outcome: 'cancelled',
-    says: 'Cancelled by a user. Completed evaluations are kept.',
+    says: 'Cancelled by a user, or by the next run of its concurrency group. Completed evaluations are kept.',
     not: 'A cancelled run has no verdict.',
   },
 ]
@@ -59,7 +59,7 @@ const TERMS: readonly [string, ReactNode][] = [
   ],
   [
     'P(violation)',
-    'The probability that a case drawn from the stated distributions violates the criterion. The bound comes from an independent, declared sample, never from a search’s own points (Clopper and Pearson 1934).',
+    'The probability that a case drawn from the stated distributions violates the criterion. The bound comes from independent points of a declared number, in a cleared run from a sample of its own whose seed nobody chose (Clopper and Pearson 1934).',
   ],
   ['Failed evaluation', 'A simulation that leaves the model’s envelope or becomes non-finite. It has no value, is counted, and rules out Cleared.'],
   ['Excluded evaluation', 'An evaluation whose scenario is invalid, such as one that starts inside the safety radius. It cannot be evaluated.'],
@@ -78,8 +78,8 @@ export function VerdictsPage() {
       title="Verdicts"
       lede={
         <>
-          A run searches for the worst case within the bounds of the uncertain parameters, and reports what may be claimed. No
-          verdict rests on one <Link to="/help/methods">method</Link>, or on a bound alone.{' '}
+          A run searches for the worst case within the bounds of the uncertain parameters, and reports what may be claimed. Nothing
+          is cleared by one family of <Link to="/help/methods">methods</Link>, or by a bound alone.{' '}
           <Link to="/help/evidence">What a verdict rests on and how it was attacked</Link>
         </>
       }

@@ -24,7 +24,7 @@ export const ATTACKS: readonly Attack[] = [
     title: 'Methods that agree without searching',
     danger: 'Two methods stop after a few evaluations and report the nominal value: they agree, but neither has searched.',
     answer:
-      'A method counts only after a least budget, with a best value below nominal, and when its best is in the basin of a listed finding. Local methods must have converged. At least two methods must reach the worst case, and every global one.',
+      'A method counts only after a least budget, with a best value below nominal, and when its best is in the basin of a listed finding. Local methods must have converged. Methods of at least two families, or the two sides of Auto, must reach the worst case, and every global one.',
   },
   {
     id: 'vacuous',
@@ -67,7 +67,7 @@ export const ATTACKS: readonly Attack[] = [
     title: 'Excluded starts',
     danger: 'Flights that start at or below the criterion are excluded. If many are, the verdict holds for few.',
     answer:
-      `They are counted everywhere, the statement on probability names its condition, and above ${percent(LIMITS.excluded, 1)} the run is inconclusive.`,
+      `They are counted everywhere, the statement on probability names its condition, and above ${percent(LIMITS.excluded)} the run is inconclusive.`,
   },
   {
     id: 'tails',
@@ -87,7 +87,7 @@ export const ATTACKS: readonly Attack[] = [
     title: 'A step that hides the worst case',
     danger: 'With a coarse step the closest approach falls between two steps, or the integration is wrong in the same way everywhere.',
     answer:
-      `The minimum is refined between steps. Nominal and findings are integrated at half the step and with the reference integrator (DOP853), which also checks ${LIMITS.spot_checks} random evaluations of all stages; the run page shows the median and the largest distance.`,
+      `The minimum is refined between steps. Nominal and findings are integrated at half the step and with the reference integrator (DOP853), which also checks up to ${LIMITS.spot_checks} random evaluations of all stages; the run page shows the median and the largest distance.`,
   },
   {
     id: 'code',
@@ -101,6 +101,6 @@ export const ATTACKS: readonly Attack[] = [
     title: 'Frame and units',
     danger: 'North and east, up and down, degrees and radians: a sign that is wrong in model and criterion alike is safe.',
     answer:
-      'SI units throughout, angles in radians; a unit in the campaign must be that of the component. Sentences, tables and reports name a parameter by its path where its symbol is not unique.',
+      'SI units throughout, angles in radians; a unit in the campaign must be that of the component. Sentences, tables and reports name the part of a parameter, or its path, where its symbol is not unique.',
   },
 ]

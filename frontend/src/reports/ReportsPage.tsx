@@ -65,7 +65,7 @@ export function ReportsPage() {
       )}
       <Card
         title="Safety-case reports"
-        note="One for every run that has ended, made from its stored results when it is opened"
+        note="One for every listed run that has ended, made from its stored results when it is opened"
         flush={items.length > 0}
         footer={query.hasNextPage && <ShowMore query={query} total={total} />}
       >
@@ -80,7 +80,7 @@ export function ReportsPage() {
               </>
             ) : (
               <>
-                No run has ended yet. See the <Link to="/runs">list of runs</Link>, or <Link to="/launch">launch one</Link>.
+                No listed run has ended. See the <Link to="/runs">list of runs</Link>, or <Link to="/launch">launch one</Link>.
               </>
             )}
           </p>

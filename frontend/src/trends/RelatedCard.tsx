@@ -43,7 +43,7 @@ export function RelatedCard({ run }: { run: RunDetail }) {
     >
       {!data && !error && <p className="mut">Loading other runs …</p>}
       {!data && error && <Failed error={error} retry={() => void refetch()} />}
-      {data && rows.length === 0 && <p className="sec">No other run of this campaign exists, with any seed.</p>}
+      {data && rows.length === 0 && <p className="sec">No other run of this campaign is listed, with any seed.</p>}
       {rows.length > 0 && <Others own={run.id} rows={rows} />}
     </Card>
   )

@@ -35,7 +35,7 @@ export const VERDICT: Setting[] = [
     empty: 'none',
   },
   { at: ['confidence'], label: 'Confidence', text: 'Of every statement on a probability' },
-  { at: ['seed'], label: 'Seed', text: 'All random numbers come from it' },
+  { at: ['seed'], label: 'Seed', text: 'Of all random numbers but those of the independent sample and the estimate, whose seed is drawn at launch' },
 ]
 
 export interface Group {

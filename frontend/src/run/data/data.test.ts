@@ -60,6 +60,8 @@ it('names a method for the worst finding that found it, not merely the one with 
   // Reached only by local refinement: then the lowest value is all that is known.
   expect(finderOf({ run: run({ worst_method: 'genetic' }) }, finding('F1'))).toBe('genetic')
   expect(finderOf({ run: run({ worst_method: 'genetic' }) }, finding('F2'))).toBeNull()
+  const validation = { realisation: 7 } as unknown as ReturnType<typeof finding>['validation']
+  expect(finderOf({ run: run({ worst_method: 'genetic' }) }, finding('F1', { validation }))).toBeNull()
 })
 
 it('states a rate only for a time that was measured', () => {

@@ -268,11 +268,16 @@ export function leaderOf(run: RunDetail): StageProgress | null {
   return leader
 }
 
+/** Whether the independent sample drew it: searches draw no noise for each evaluation. */
+export const drawn = ({ validation }: Pick<FindingDetail, 'validation'>): boolean => validation?.realisation != null
+
 /**
  * The method that found a finding: of the worst one, the method with the lowest value if it is among them; else the one that
  * needed the fewest evaluations. With several calls for an evaluation the lowest value may be a lucky one of another case.
+ * None has found what the independent sample drew.
  */
 export function finderOf({ run }: Pick<RunData, 'run'>, finding: FindingDetail): string | null {
+  if (drawn(finding)) return null
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   const methods = found.length > 0 ? found.map(({ method }) => method) : finding.methods
   if (finding.label === 'F1' && run.worst_method !== null && (methods.length === 0 || methods.includes(run.worst_method)))

@@ -15,7 +15,7 @@ import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import { useHotkeys } from '../../ui/useHotkeys'
 import { NOMINAL } from '../data/chosen'
-import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
+import { drawn, type RunData, type UncertainParameter, valuesOf } from '../data/data'
 import { isLikely, LikelyCell, LikelySentence, MostLikelyRow } from './Likely'
 import { ModePicture } from './ModePicture'
 import { useAddress } from '../data/useAddress'
@@ -231,7 +231,8 @@ function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: U
 }
 
 function FoundBy({ finding }: { finding: FindingDetail }) {
-  if (finding.found.length === 0) return <span className="sec">found only by refining the worst cases</span>
+  if (finding.found.length === 0)
+    return <span className="sec">{drawn(finding) ? 'the independent sample' : 'no search: refined from another point, or of another stage'}</span>
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   return (
     <span className={styles.finders}>

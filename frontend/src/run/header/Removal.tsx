@@ -107,8 +107,8 @@ function RemoveForm({ runs, staying, onClose, onDone }: Omit<RemoveDialogProps, 
       off={!reason.trim()}
     >
       <p className="sec">
-        {runs.length === 1 ? 'It leaves' : 'They leave'} every list, count and search. Results, history and address stay, and
-        removal can be undone until the run is purged.
+        {runs.length === 1 ? 'It leaves' : 'They leave'} the lists, their counts and the search. It still counts among the runs of the same
+        question. Results, history and address stay, and removal can be undone until the run is purged.
       </p>
       {runs.length > 1 && <RunNames runs={runs} />}
       {Boolean(staying) && (

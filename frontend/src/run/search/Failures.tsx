@@ -33,7 +33,7 @@ export function Failures({ data, className }: { data: RunData; className: string
         failures.length > FIRST && (
           <span className={layout.row} style={{ justifyContent: 'space-between' }}>
             {count(shown.length)} of {count(total)} shown
-            {failures.length < total && `; the first ${failures.length} are shown here; the CSV file contains all`}
+            {failures.length < total && `; ${count(failures.length)} can be shown here, and the CSV file has all that are stored`}
             <Button small onClick={() => setAll(!all)}>
               {all ? `Show the first ${FIRST}` : `Show ${count(failures.length)}`}
             </Button>

@@ -5,7 +5,7 @@ import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { Sign } from '../../ui/Sign'
-import { finderOf, type RunData } from '../data/data'
+import { drawn, finderOf, type RunData } from '../data/data'
 import runStyles from '../run.module.css'
 import { whereOf } from './where'
 import cards from '../../ui/cards.module.css'
@@ -38,7 +38,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           note={
             method
               ? `${methodLook(method).title}${whereOf(at, run.worst_cost)}`
-              : 'none found'
+              : worst && drawn(worst) ? 'the independent sample' : 'none found'
           }
         />
         <Stat
@@ -74,7 +74,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           note={
             statistics
               ? `${violatedOf(statistics)}${target === null ? '' : `; target ${probability(target, 4)}`}`
-              : 'no random sample in this campaign'
+              : 'no independent sample'
           }
         />
         <Stat

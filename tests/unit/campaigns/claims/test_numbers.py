@@ -87,7 +87,8 @@ NUMBERS = st.one_of(ANY, TIES, st.floats(-1e6, 1e6), st.floats(-1e-3, 1e-3))
 COUNTED = NUMBERS.filter(lambda value: not abs(value or 0.0) >= 2**53)
 """Times of which whole seconds can be told apart: beyond them the remainder of a division is rounding."""
 PROBABILITIES = st.one_of(st.floats(0, 1), st.floats(0, 1e-3), st.integers(1, 10**7).map(lambda n: n / 10**9))
-FORMS = st.sampled_from(["plain", "signed"])
+SHARES = st.one_of(st.floats(0, 1), st.floats(0, 50), st.integers(1, 17).map(lambda n: 1 - 10.0**-n))
+FORMS = st.sampled_from(["plain", "signed", "lowest"])
 ONE = st.one_of(
     st.tuples(st.just("fixed"), NUMBERS, st.integers(0, 12)),
     st.tuples(st.just("signed"), NUMBERS, st.integers(0, 12)),
@@ -95,7 +96,7 @@ ONE = st.one_of(
     st.tuples(st.just("plain"), NUMBERS, st.integers(1, 12)),
     st.tuples(st.just("duration"), st.one_of(COUNTED, st.floats(0, 1e5), st.integers(0, 10**6).map(lambda n: n / 20))),
     st.tuples(st.just("printed"), NUMBERS, st.sampled_from(["", "m"]), FORMS, st.integers(1, 12)),
-    st.tuples(st.just("printed"), st.floats(0, 1), st.just(""), st.just("percent"), st.integers(1, 12)),
+    st.tuples(st.just("printed"), SHARES, st.just(""), st.just("percent"), st.integers(1, 12)),
     st.tuples(st.just("printed"), PROBABILITIES, st.just(""), st.sampled_from([*numbers.ROUNDED]), st.integers(1, 17)),
     st.tuples(st.just("decimals_for"), st.lists(NUMBERS, max_size=4), st.integers(1, 8)),
     st.tuples(st.just("decimals_apart"), st.lists(NUMBERS, max_size=4), st.integers(1, 5), st.integers(5, 8)),
@@ -120,6 +121,21 @@ def test_a_bound_is_never_written_below_itself(value: float, digits: int) -> Non
     assert read(Format.AT_LEAST) <= exact <= read(Format.AT_MOST)
     assert read(Format.AT_LEAST) <= read(Format.PROBABILITY) <= read(Format.AT_MOST)
     assert read(Format.AT_MOST) - read(Format.AT_LEAST) <= 10 * exact / 10**digits
+
+
+@given(value=NUMBERS, digits=st.integers(1, 12))
+def test_a_lower_bound_is_never_written_above_itself(value: float, digits: int) -> None:
+    read = Fraction(numbers.written(value, form=Format.LOWEST, digits=digits).replace(numbers.MINUS, "-"))
+    exact = Fraction(repr(value))
+    assert read <= exact
+    assert exact - read <= abs(exact) * 10 / Fraction(10) ** digits
+
+
+@given(value=SHARES, digits=st.integers(1, 12))
+def test_less_than_all_is_never_written_as_all_and_no_share_as_a_power_of_ten(value: float, digits: int) -> None:
+    text = numbers.written(value, form=Format.PERCENT, digits=digits)
+    assert (text == "100 %") <= (value >= 1 or 100 * value >= 100)
+    assert "e+" not in text
 
 
 @given(value=st.floats(0, 1e6))

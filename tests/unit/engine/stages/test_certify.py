@@ -63,7 +63,7 @@ STATED: dict[str, tuple[dict[str, Any], Any, list[Fact], str]] = {
         [29, 1000, 8, 0.0394, 0.95, 0.05, "d_min", 0.544465, 0.95],
         "29 of 1\u202f000 samples drawn from the stated distributions violate the criterion, 8 of these "
         "because they failed: P(violation) is at most 3.94 % with 95 % confidence; at most 5 % of all cases have "
-        "d_min below 0.544465 m, with 95 % confidence",
+        "d_min below 0.544464 m, with 95 % confidence",
     ),
     "a quantile among failed evaluations": (
         {"samples": 200}, evaluate(failing=lambda x: x[:, 0] > 0.8),

@@ -95,7 +95,8 @@ def _copy_sqlite(source: Path, part: Path) -> None:
     except sqlite3.Error as error:
         # SQLite may say that it cannot open the copy where it cannot read the original.
         wrong = damage(source) if source.exists() else ""
-        raise BackupError(f"{source} could not be copied: {wrong or error}") from None
+        why = f"is damaged and cannot be copied: {wrong}" if wrong else f"could not be copied: {error}"
+        raise BackupError(f"{source} {why}") from None
     if wrong := damage(part):
         raise BackupError(f"the copy of {source} is damaged: {wrong}")
 

@@ -55,6 +55,11 @@ def is_removed(connection: sa.Connection, run_id: int) -> bool:
     return connection.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
 
 
+def is_purged(connection: sa.Connection, run_id: int) -> bool:
+    """Whether the evaluations and findings of a run were deleted."""
+    return connection.scalar(sa.select(Run.purged).where(Run.id == run_id)) is not None
+
+
 def stages(connection: sa.Connection, run_id: int) -> list[StageRecord]:
     rows = connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position))
     return [StageRecord(StagePlan(r.kind, r.method, r.planned), r.state, r.seconds, as_result(r.result)) for r in rows]

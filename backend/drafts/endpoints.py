@@ -51,7 +51,7 @@ def save_draft(
     visitor: CurrentVisitor,
     match: IfMatch = None,
 ) -> Draft:
-    """Save a draft over the version that was opened; 409 if another user has saved it since."""
+    """Save a draft over the version that was opened; 409 if it was saved since."""
     saved = service.replace(engine, service.number(draft), content, visitor, match)
     response.headers["ETag"] = service.etag(saved)
     return saved

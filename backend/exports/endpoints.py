@@ -48,7 +48,7 @@ _ANSWERS: Responses = {
 }
 
 
-@router.get("/runs/{run}/exports", responses=problems("not-found", "purged"))
+@router.get("/runs/{run}/exports", responses=problems("not-found", "other-version", "purged"))
 def list_exports(run: RunName, reader: Reader) -> list[ExportFile]:
     """The export files of a run."""
     return service.files(reader, number(run))

@@ -100,14 +100,14 @@ KINDS = {
     "quota-reached": Kind(
         409, "The user has as many active runs, stored evaluations or stored bytes as one user may have."
     ),
-    "draft-changed": Kind(409, "Another user has saved the draft since it was opened."),
+    "draft-changed": Kind(409, "The draft was saved since it was opened."),
     "no-webhook": Kind(409, "The settings name no webhook."),
     "no-verdict": Kind(409, "The run has no verdict to sign off."),
     "not-failed": Kind(409, "The run has not failed."),
     "not-waiting": Kind(409, "The run does not wait for the code that began it."),
     "not-continuable": Kind(409, "No evaluation of the run can be used by the installed code."),
     "not-removable": Kind(409, "A run is running, or has a valid sign-off."),
-    "notes-changed": Kind(409, "Another user has changed the notes since they were read."),
+    "notes-changed": Kind(409, "The notes were changed since they were read."),
     "other-version": Kind(409, "The run's campaign was stored by another version of Clearance."),
     "removed": Kind(409, "The run is removed: restore it first."),
     "requirement-conflict": Kind(409, "The requirement is changed elsewhere, or there are too many."),

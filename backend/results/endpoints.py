@@ -25,7 +25,7 @@ def get_evaluations(
     max_points: Annotated[int, Query(ge=2, le=100_000, description="At most so many evaluations of a stage.")] = 2000,
     position: Annotated[int | None, Query(ge=0, le=1000, description="Only the stage at this position.")] = None,
 ) -> Evaluations:
-    """The evaluations of a run, thinned for charts, including every improvement of the best."""
+    """The evaluations of a run, thinned for charts, improvements of the best first."""
     return evaluations.read(reader, number(run), max_points, position)
 
 

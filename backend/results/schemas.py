@@ -17,7 +17,8 @@ from campaigns.results.trace import TraceColumn
 
 
 class EvaluationSeries(Schema):
-    """One stage's evaluations for charts: every improvement, and an even selection of the rest.
+    """One stage's evaluations for charts: improvements, thinned evenly where they are too many, and an even selection
+    of the rest.
 
     Columns of equal length; `index` counts from 0 within the stage.
     """

@@ -58,7 +58,7 @@ def edit(engine: sa.Engine, run_id: int, changes: RunEdit, visitor: Visitor, mat
 def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
     stored = writer.scalar(sa.select(Run.notes).where(Run.id == run_id).with_for_update())
     if stored is not None and stored != notes:
-        detail = "another user has changed these notes since they were read: read them again, then add your text"
+        detail = "these notes were changed since they were read: read them again, then add your text"
         raise RefusedError(409, "notes-changed", detail)
 
 

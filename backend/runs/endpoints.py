@@ -46,7 +46,8 @@ from campaigns.runs import RunState, run_name
 router = APIRouter(tags=["runs"])
 
 LOCATION = located("The run that was queued, now or earlier with the same key, or the one that is reused.", "run")
-CAMPAIGN_FILE = answers("YAML, or JSON if it was submitted as JSON.", "application/yaml")
+CONTINUED = located("The new run.", "run")
+CAMPAIGN_FILE = answers("The text as it was submitted, else YAML.", "application/yaml")
 MOST = 50
 """Alternative values of one filter."""
 Word = Annotated[str, Field(max_length=200)]
@@ -107,7 +108,7 @@ def list_runs(
     cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the previous page.")] = None,
     limit: Annotated[int, Query(ge=1, le=200, description="Maximum number of runs on a page.")] = 50,
 ) -> RunPage:
-    """The runs, in pages, pinned ones first; repeated filters are alternatives."""
+    """The runs, in pages, pinned ones first; repeated filters are alternatives, of labels those of one key."""
     filters = Filters(
         q,
         state or (),
@@ -158,6 +159,8 @@ def edit_run(
     run: RunName, changes: RunEdit, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
 ) -> RunDetail:
     """Change a run's name, tags, notes or pin; omitted fields stay unchanged."""
+    with read(engine) as reader:
+        service.detail(reader, service.number(run))  # what cannot be read is refused before anything is changed
     edits.edit(engine, service.number(run), changes, visitor, match)
     with read(engine) as reader:
         response.headers["ETag"] = edits.etag(reader, service.number(run))
@@ -202,7 +205,7 @@ def retry_run(run: RunName, request: Request, engine: Engine, visitor: CurrentVi
     return onward.retry(engine, service.number(run), visitor, request.app.state.quota)
 
 
-@router.post("/runs/{run}/restart", dependencies=ROOM, responses=problems("not-found", "not-waiting"))
+@router.post("/runs/{run}/restart", dependencies=ROOM, responses=problems("not-found", "not-waiting", "purged"))
 def restart_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Begin a run again that waits for the code that began it; its evaluations are discarded."""
     return onward.restart(engine, service.number(run), visitor)
@@ -212,7 +215,10 @@ def restart_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSum
     "/runs/{run}/continuation",
     status_code=status.HTTP_201_CREATED,
     dependencies=ROOM,
-    responses=LOCATION | problems("not-found", "not-waiting", "not-continuable", "invalid-campaign", "no-catalogue"),
+    responses=CONTINUED
+    | problems(
+        "not-found", "not-waiting", "not-continuable", "invalid-campaign", "no-catalogue", "other-version", "purged"
+    ),
 )
 def continue_run(
     run: RunName, request: Request, response: Response, engine: Engine, visitor: CurrentVisitor
@@ -250,7 +256,7 @@ def restore_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSum
     return removal.restore(engine, [service.number(run)], visitor)[0]
 
 
-@router.get("/runs/{run}/stages", responses=problems("not-found", "purged"))
+@router.get("/runs/{run}/stages", responses=problems("not-found", "other-version", "purged"))
 def list_stages(run: RunName, reader: Reader) -> list[StageDetail]:
     """The stages of a run with their results."""
     return service.stages(reader, service.number(run))

@@ -297,4 +297,4 @@ class RunPage(Schema):
     items: list[RunSummary]
     next_cursor: str | None
     counts: dict[str, int]
-    """The numbers of runs by state and by verdict for the same search text, and of removed runs."""
+    """The numbers of runs by state and by verdict for the same filters but state and verdict, and of removed runs."""

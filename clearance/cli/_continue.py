@@ -131,6 +131,8 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
                 RefusalCode.NO_RUN,
             )
         state, document = found
+        if stored.is_purged(connection, run_id):
+            raise CannotContinue("it was purged: its evaluations were deleted; run the campaign again")
         if stored.is_removed(connection, run_id):
             raise CannotContinue("it was removed; restore it on its page first")
         if state not in ENDED:

@@ -22,7 +22,8 @@ Baseline: TypeAlias = Annotated[
     typer.Option(
         metavar="RUN", show_default=False,
         help="Evaluate the findings of this run first and compare: R-0001, or label:branch=main for the newest run "
-        "of the same campaign with that label.",
+        "with that label that has findings, of a campaign of the same name and criterion; of `clearance run` also the "
+        "folder of an earlier --out.",
     ),
 ]  # fmt: skip
 SampleSeed: TypeAlias = Annotated[

@@ -55,11 +55,12 @@ DAMAGED: tuple[type[Exception], ...] = (sa.exc.SQLAlchemyError, *UNREADABLE)
 """What reading a record may raise that a service has sent."""
 
 
-def url_of(data: Path, database: str) -> str:
-    """The database's URL by the two options; raises `WrongInputError` for an invalid one."""
+def url_of(data: Path, database: str, create: bool = True) -> str:
+    """The database's URL by the two options; create: whether a missing SQLite file is made now; raises
+    `WrongInputError` for an invalid one."""
     url = database or default_url(data)
     try:
-        connect(url).dispose()
+        connect(url, create=create).dispose()
     except ValueError as error:
         raise WrongInputError(f"{error}") from None
     except OSError as error:

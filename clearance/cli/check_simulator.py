@@ -96,7 +96,10 @@ def _entry(name: str) -> SimulatorEntry:
         for problem in unusable_simulators():
             typer.echo(problem, err=True)
         names = [s.name for s in known.simulators]
-        raise WrongInputError(f"no simulator {name!r} in this installation; {texts.known(name, names)}")
+        raise WrongInputError(
+            f"no simulator {name!r} in this installation; {texts.known(name, names)}. CLEARANCE_SIMULATORS names the "
+            "folders of simulators"
+        )
     return entry
 
 
@@ -104,7 +107,7 @@ def _decides(entry: SimulatorEntry, result: str) -> str:
     low = [r.name for r in entry.results if r.worse == "low"]
     if result and result not in low:
         raise WrongInputError(
-            f"--result {result}: {entry.name} has no such result that is worse when low: {low or 'none'}"
+            f"--result {result}: {entry.name} has no such result that is worse when low: {', '.join(low) or 'none'}"
         )
     if not low:
         raise WrongInputError(f"no result of {entry.name} is worse when low, so none can decide a campaign")

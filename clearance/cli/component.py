@@ -77,9 +77,8 @@ def check(
     wrong = 0
     for file in files:
         if not file.is_file():
-            raise WrongInputError(
-                f"there is no file {file}; give the file of a component, such as my_robot.py", RefusalCode.NO_FILE
-            )
+            what = f"{file} is a folder" if file.is_dir() else f"there is no file {file}"
+            raise WrongInputError(f"{what}; give the file of a component, such as my_robot.py", RefusalCode.NO_FILE)
         found = _checked(file.absolute())
         wrong += bool(found.text)
         typer.echo(_sentence(file, found), err=bool(found.text))

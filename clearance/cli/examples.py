@@ -5,6 +5,7 @@ A clone has them in `docs/examples`. A wheel has them among its data files, beca
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -40,7 +41,7 @@ def examples(
     except OSError as error:
         raise WrongInputError(f"{folder} cannot be written: {error.strerror}") from None
     typer.echo(f"{len(found)} files are in {folder}. So that campaigns find the simulators, name the folder:")
-    typer.echo(f"  export CLEARANCE_SIMULATORS={folder}")
+    typer.echo(f"  export CLEARANCE_SIMULATORS={shlex.quote(str(folder.absolute()))}")
 
 
 def shipped() -> dict[Path, Path]:

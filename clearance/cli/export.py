@@ -13,7 +13,10 @@ from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, 
 
 def export(
     run: Annotated[str, typer.Argument(help="Number of the run, such as R-0001.")],
-    out: Annotated[Path, typer.Option(help="Folder for the files; default: R-0001.", file_okay=False)] = Path(),
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the files; default: R-0001.", file_okay=False, show_default=False),
+    ] = None,
     file: Annotated[
         list[str] | None,
         typer.Option(help=f"A file, may be repeated; by default {', '.join(FILES)}.", show_default=False),
@@ -23,11 +26,11 @@ def export(
     token_file: Token = "",
     patience: Patience = PATIENCE,
 ) -> None:  # fmt: skip
-    """Save the files of a run of a service: campaign, tables, traces, report, picture."""
+    """Save files of a run of a service: by default its campaign, result, evaluations, findings and report."""
     from clearance.cli._out import writable
 
     numbered(run)
-    folder = out if out != Path() else Path(run)
+    folder = Path(run) if out is None else out
     if not list_:
         writable(folder)
     with opened(service, token_file, patience) as client:

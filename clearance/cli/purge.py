@@ -83,7 +83,8 @@ def purge(
     if rest > 0:
         typer.echo(
             f"The size of {size} is exceeded by {_size(rest)}: the other runs are in progress, signed off, pinned, a "
-            "baseline, or of a requirement. Remove or release what is not needed, or permit more.",
+            "baseline, or of a requirement, or it is what the database needs by itself. Remove or release what is not "
+            "needed, or permit more.",
             err=True,
         )
         raise typer.Exit(VIOLATED)
@@ -105,7 +106,8 @@ def _age(text: str) -> float:
     found = re.fullmatch(r"(\d{1,5})([hdw])", text)
     if found is None:
         raise WrongInputError(
-            f"--older-than {text!r} is not a length of time; give 90d for days, 12h for hours, 2w for weeks"
+            f"--older-than {text!r} is not a length of time of up to five digits; give 90d for days, 12h for hours, 2w "
+            "for weeks"
         )
     return int(found[1]) * UNITS[found[2]]
 

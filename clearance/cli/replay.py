@@ -75,9 +75,8 @@ def replay(
     On a machine of the kind that made the run the costs must have the same bits; on another they may differ by 1e-9.
     """
     if allow_code and is_capsule(run):
-        ended = replayed_with_its_code(
-            Path(run), [run, *(case or []), *(["--json"] if as_json else []), "--allow-code"]
-        )
+        stated = [*(["--json"] if as_json else []), *([f"--blocks={blocks}"] if blocks else [])]
+        ended = replayed_with_its_code(Path(run), [run, *(case or []), *stated, "--allow-code"])
         if ended is not None:
             raise typer.Exit(ended)
     from worker.running.runs import sources as sources  # first: it records the files before they are loaded
@@ -214,6 +213,8 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
         raise WrongInputError(
             f"there is no {name} in this database; check --data, the data folder of the service", RefusalCode.NO_RUN
         )
+    if stored.is_purged(connection, run_id):
+        raise WrongInputError(f"{name} was purged: its evaluations and findings were deleted", RefusalCode.NO_RUN)
     try:
         campaign = load_document(state[1], name)
     except CampaignError as error:

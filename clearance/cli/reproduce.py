@@ -26,7 +26,7 @@ def reproduce(
         list[str] | None,
         typer.Option(help="A table, figure, section or chapter, such as 5.3; repeat for more. Default: all."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print only JSON.")] = False,
     as_markdown: Annotated[bool, typer.Option("--markdown", help="Print Markdown.")] = False,
     out: Annotated[
         Path | None, typer.Option(help="Folder for tables and the data behind the figures.", file_okay=False)
@@ -42,6 +42,8 @@ def reproduce(
 ) -> None:
     """Compute the published tables again and state for each row whether it agrees."""
     if steps:
+        if table or as_markdown or out is not None or threads:
+            raise WrongInputError("--steps checks all campaigns: leave --table, --markdown, --out and --threads out")
         _steps(as_json)
         return
     from worker.running.reproduce.ours import Flights

@@ -22,7 +22,7 @@ def restore(
     from backend.db.backup import BackupError
     from backend.db.backup import restore as put_back
 
-    url = url_of(data, database)
+    url = url_of(data, database, create=False)
     if not yes and not _agreed(url):
         typer.echo("Nothing was changed.")
         return

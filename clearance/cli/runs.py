@@ -21,7 +21,7 @@ def _filter(what: str) -> typer.models.OptionInfo:
 
 def runs(
     words: Words = "",
-    label: Annotated[list[str] | None, _filter("Label, KEY=VALUE")] = None,
+    label: Annotated[list[str] | None, _filter("Label, KEY=VALUE, of every key that is given")] = None,
     state: Annotated[list[str] | None, _filter("queued, running, cancelling, cancelled, failed or done")] = None,
     verdict: Annotated[list[str] | None, _filter("cleared, violated or inconclusive")] = None,
     campaign: Annotated[list[str] | None, _filter("Name of a campaign")] = None,

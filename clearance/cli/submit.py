@@ -71,9 +71,11 @@ def submit(
     from clearance.cli._sweep import sweep as launched
     from clearance.local.interrupt import terminated
 
-    writable(out)
     options = launch.Launch.read(label, baseline, junit, summary, sarif)
     _check_options(options, sweep, wait, reuse or sample_seed is not None, cancel_on_exit, group)
+    if not (wait or sweep) and (as_json or out is not None):
+        raise WrongInputError("--json and --out need the end of the run: leave --no-wait out")
+    writable(out)
     if sweep:
         parsed(sweep)  # before anything is sent
     path = found(file)

@@ -22,7 +22,10 @@ def create(
     name: Name,
     scope: Annotated[
         Scope,
-        typer.Option(help="What it permits: read; run, that is also launching and cancelling; admin, everything."),
+        typer.Option(
+            help="What it permits: read; run, that is also launching and cancelling; admin, everything but what needs "
+            "a browser."
+        ),
     ] = "run",
     owner: Annotated[str, typer.Option(help="The user whose role limits it.")] = access.LOCAL,
     days: Annotated[

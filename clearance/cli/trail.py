@@ -39,7 +39,7 @@ def verify_trail(
     data: Data = DATA,
     database: Database = "",
 ) -> None:
-    """Verify the audit trail of the service, and name every row that was changed, removed or reordered.
+    """Verify the audit trail of the service, and name the first 20 rows that were changed, removed or reordered.
 
     The exit code is 0 if the chain is unbroken, 1 if it is broken, 3 if there is no trail.
     """
@@ -78,9 +78,15 @@ def _of_database(data: Path, database: str, noted: Head | None) -> Verified:
 def _of_file(file: Path, noted: Head | None) -> Verified:
     try:
         with file.open(encoding="utf-8") as lines:
-            return verify(_rows(file, lines), noted=noted)
+            found = verify(_rows(file, lines), noted=noted)
     except (OSError, UnicodeDecodeError) as error:
         raise WrongInputError(f"the file {file} cannot be read: {error}") from None
+    if not found.head.row:
+        raise WrongInputError(
+            f"the file {file} has no row, but an export has at least its own: save `GET /api/v1/audit/export` again",
+            RefusalCode.NO_TRAIL,
+        )
+    return found
 
 
 def _rows(file: Path, lines: Any) -> Iterator[dict[str, Any]]:

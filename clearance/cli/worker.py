@@ -19,7 +19,7 @@ from campaigns import logs
 from campaigns.runs import run_name
 from clearance.cli import WrongInputError
 from clearance.cli import _evaluator as evaluators
-from clearance.cli._where import DATA, Data, Database, opened, reading, url_of
+from clearance.cli._where import DATA, Data, Database, existing_url_of, opened, reading, url_of
 
 DRAINED = 10
 """The exit code of a worker that was drained: it is not started again."""
@@ -112,5 +112,5 @@ def _once_it_answers(url: str) -> None:
 def _alive(data: Path, database: str) -> bool:
     from backend.db import workers
 
-    with reading(url_of(data, database)) as connection:
+    with reading(existing_url_of(data, database)) as connection:
         return workers.alive(connection, socket.gethostname())

@@ -71,7 +71,8 @@ async def _repeated(session: Session, call: Call[Any], file: Path | None) -> Rep
         if session.clock() + pause > until:
             if reply.status == 500:
                 return reply
-            raise UnreachableError(f"{session.address} did not respond for {session.patience:g} s: {reply.message}")
+            what = "was not ready" if reply.status else "did not respond"
+            raise UnreachableError(f"{session.address} {what} for {session.patience:g} s: {reply.message}")
         await session.pause(pause)
         tries += 1
 

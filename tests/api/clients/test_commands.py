@@ -117,6 +117,8 @@ def test_files_are_exported(
     monkeypatch.chdir(tmp_path)
     assert command("export", violated) == 0
     assert len(statement(capsys).splitlines()) == len(list((tmp_path / violated).iterdir())) == 5
+    assert command("export", violated, "--out", ".", "--file", "findings.csv") == 0
+    assert Path("findings.csv").is_file()
     assert command("export", violated, "--out", "p", "--file", "worst-case.svg", "--file", "traces.csv") == 0
     assert sorted(path.name for path in Path("p").iterdir()) == ["traces.csv", "worst-case.svg"]
     begins = {"capsule-F1.zip": b"PK\x03\x04", "traces.mcap": b"\x89MCAP0\r\n", "evaluations.parquet": b"PAR1"}

@@ -44,10 +44,11 @@ LIKE_THE_VALIDATION = ("slices", "boundary", "closest", "found")
 """Of a finding and read with it, as its validation is: at night."""
 
 
-def of_a_run(client: httpx.Client) -> list[str]:
-    document = client.get("/api/v1/openapi.json").json()
-    paths = [path for path, methods in document["paths"].items() if "/runs/{run}" in path and "get" in methods]
-    return [path for path in paths if not path.endswith(("events", "report.pdf"))]
+def of_a_run(client: httpx.Client) -> dict[str, set[str]]:
+    """What reads a run, and the statuses that the description of the API lists for it."""
+    paths = client.get("/api/v1/openapi.json").json()["paths"]
+    found = {path: {*of["get"]["responses"]} for path, of in paths.items() if "/runs/{run}" in path and "get" in of}
+    return {path: listed for path, listed in found.items() if not path.endswith(("events", "report.pdf"))}
 
 
 @pytest.fixture(scope="module")
@@ -66,10 +67,19 @@ def test_it_is_reported_as_of_another_version(
 ) -> None:
     monkeypatch.setattr(recording, "RATE", 0.2)  # few frames: making one takes a second otherwise
     with changed(still.engine, STORED[what]):
-        for path in of_a_run(guest):
+        for path, listed in of_a_run(guest).items():
             answer = guest.get(re.sub(r"\{\w+\}", "F1", path.replace("{run}", run)), follow_redirects=False)
             assert answer.status_code < 500, (path, answer.text)
+            assert str(answer.status_code) in listed, (path, answer.text)
         if what in SPANS:
             address = f"/api/v1/runs/{run}/{SPANS[what]}".rstrip("/")
             assert "another version" in str(problem(guest.get(address), 409)["detail"])
         assert guest.get("/api/v1/runs").status_code == 200
+
+
+def test_a_change_that_cannot_be_answered_is_not_made(still: Service, guest: httpx.Client, run: str) -> None:
+    address = f"/api/v1/runs/{run}"
+    before = guest.get(address).json()["name"]
+    with changed(still.engine, STORED["campaign"]):
+        problem(guest.patch(address, json={"name": "renamed"}), 409)
+    assert guest.get(address).json()["name"] == before

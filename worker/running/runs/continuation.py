@@ -62,11 +62,12 @@ def continued(campaign: Campaign, budget: Budget) -> Campaign:
     document = campaign.document()
     larger_ones = [raised(search, budget) for search in campaign.stages.search]
     if not any(larger_ones):
-        titles = words(listed([methods()[s.method].title for s in campaign.stages.search]))
+        searches = [f"{methods()[s.method].title}, {count(s.evaluations)}" for s in campaign.stages.search]
         able = words(listed([m.title for m in methods().values() if m.extend is not None]))
         raise CannotContinue(
-            f"none of its searches ({titles}) can be extended to {count(budget.evaluations)} evaluations; "
-            f"these can be extended: {able}"
+            f"none of its searches ({'; '.join(searches)}) can be extended "
+            f"{'by' if budget.more else 'to'} {count(budget.evaluations)} evaluations; give more than it has, of a "
+            f"method that can be extended: {able}"
         )
     document["stages"]["search"] = [
         changed or search for changed, search in zip(larger_ones, document["stages"]["search"], strict=True)
@@ -99,6 +100,8 @@ def raised(search: Search, budget: Budget) -> dict[str, object] | None:
 
 def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Columns]:
     """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`."""
+    if not store.stages:
+        raise CannotContinue("it ended before its first stage; run the campaign again")
     stages = [(p.kind, p.method) for p in plan(new)]
     if [(r.plan.kind, r.plan.method) for r in store.stages] != stages or [
         (p.kind, p.method) for p in plan(old)

@@ -96,6 +96,9 @@ def test_permitted_source_runs_and_gives_the_same_bits(
     assert statement["executed"] is True
     assert not [one for one in statement["differences"] if "my_field" in one or "acme" in one]
     assert trace.exists()
+    assert invoke(["replay", str(capsule), "--allow-code", "--blocks", "3"]) == WRONG_INPUT, (
+        "it has no sample in blocks"
+    )
 
 
 def test_source_of_a_package_is_written_where_its_entry_points_find_it(

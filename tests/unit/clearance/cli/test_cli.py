@@ -132,3 +132,33 @@ def test_a_login_link_for_the_service_of_that_folder(tmp_path: Path, capsys: pyt
 def test_no_worker_is_alive_without_heartbeats(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     invoke(["token", "create", "ci", "--data", str(tmp_path)])
     assert invoke(["worker", "--check", "--data", str(tmp_path)]) == 1
+
+
+@pytest.mark.parametrize("words", [["worker", "--check"], ["restore", "{folder}/no-backup", "--yes"]])
+def test_what_only_looks_or_refuses_makes_no_database(words: list[str], tmp_path: Path) -> None:
+    (tmp_path / "no-backup").write_text("hello", encoding="utf-8")
+    given = [word.format(folder=tmp_path) for word in words]
+    assert invoke([*given, "--data", str(tmp_path / "data")]) == WRONG_INPUT
+    assert not (tmp_path / "data" / "clearance.sqlite3").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["reproduce", "--steps", "--table", "5.3"],
+        ["reproduce", "--steps", "--out", "x"],
+        ["submit", "unicycle_static", "--no-wait", "--json"],
+        ["submit", "unicycle_static", "--no-wait", "--out", "x"],
+        ["propose", "--cost", "1", "--parameters", "65"],
+    ],
+)
+def test_options_without_effect_are_refused(words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("CLEARANCE_TOKEN", "x")
+    assert invoke(words) == WRONG_INPUT
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_exported_trail_without_rows_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "trail").touch()
+    assert refused(capsys, "trail", "verify", "--file", tmp_path / "trail") == RefusalCode.NO_TRAIL

@@ -47,7 +47,7 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 def test_they_are_copied_where_the_guides_name_them(empty: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["examples"]) == 0
-    assert f"export CLEARANCE_SIMULATORS={WHERE}" in capsys.readouterr().out
+    assert f"export CLEARANCE_SIMULATORS={WHERE.absolute()}\n" in capsys.readouterr().out
     assert {f.relative_to(WHERE) for f in WHERE.rglob("*") if f.is_file()} == tracked()
     pages = [REPOSITORY / "README.md", *(REPOSITORY / "docs").glob("*.md")]
     named = {n.rstrip("./") for page in pages for n in re.findall(r"docs/examples/[\w./-]+", page.read_text("utf-8"))}

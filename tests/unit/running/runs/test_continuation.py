@@ -162,9 +162,15 @@ def test_extending_a_run_without_an_extendable_search_names_the_methods_that_can
 
 def test_another_plan_is_refused() -> None:
     store = MemoryStore()
+    store.plan(plan(asked())[:-1])
     with pytest.raises(CannotContinue) as refusal:
         carried(asked(), continued(asked(), Budget(10, more=True)), store)
     assert refusal.value.code == RefusalCode.OTHER_PLAN
+
+
+def test_a_run_that_ended_before_its_first_stage_has_nothing_to_continue() -> None:
+    with pytest.raises(CannotContinue, match="before its first stage"):
+        carried(asked(), continued(asked(), Budget(10, more=True)), MemoryStore())
 
 
 @pytest.fixture(scope="module")
@@ -188,6 +194,18 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def data(finished: Path, tmp_path: Path) -> Path:
     """A copy of it."""
     return shutil.copytree(finished, tmp_path / "data")
+
+
+@pytest.mark.parametrize("words", [["run", "--continue", "R-0001", "--budget", "+9"], ["replay", "R-0001"]])
+def test_of_a_purged_run_it_is_said_that_it_was_purged(
+    words: list[str], data: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    engine = connect(default_url(data))
+    with engine.begin() as connection:
+        connection.execute(sa.update(Run).values(removed=1.0, purged=2.0))
+    engine.dispose()
+    assert invoke([*words, "--data", str(data)]) == WRONG_INPUT
+    assert "was purged" in capsys.readouterr().err
 
 
 def test_a_stored_run_is_extended_as_a_new_stored_run(

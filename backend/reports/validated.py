@@ -14,7 +14,7 @@ from campaigns.claims.numbers import NONE
 from campaigns.claims.say import count, joined, number, say, symbol
 from campaigns.claims.spans import Spans
 from campaigns.results import ValidateResult, verdicts
-from campaigns.results.finding import ClosestApproach, Validation
+from campaigns.results.finding import ClosestApproach, Neighbours, Validation
 from campaigns.results.validate import Beyond, Encounter, Later, Unseen
 
 Row = dict[str, object]
@@ -41,21 +41,29 @@ def seed(case: Validation | None) -> str:
 def _case(case: Validation) -> Row:
     decimals = numbers.decimals_for([case.cost], 7)
     half, other, neighbours = case.half_step, case.integrator or case.again, case.neighbours
+    called = [] if case.repeats is None else [value for value in case.repeats.values if value is not None]
+    again = min(called, default=None) if other is None else other.cost
     return {
         "name": case.name,
+        "called": case.repeats is not None,
         "seed": seed(case),
         "cost": numbers.fixed(case.cost, decimals),
         "half": numbers.fixed(None if half is None else half.cost, decimals),
         "half_by": numbers.plain(None if half is None else half.difference, 2),
-        "other": numbers.fixed(None if other is None else other.cost, decimals),
+        "other": numbers.fixed(again, decimals),
         "other_by": numbers.plain(None if other is None else other.difference, 2),
         "allowed": numbers.plain(case.allowed, 2),
-        "neighbours": numbers.count(neighbours.flown) if neighbours else NONE,
+        "neighbours": _neighbours(neighbours) if neighbours else NONE,
         "lower": numbers.plain(neighbours.lower_by, 2) if neighbours else NONE,
         "ok": case.ok,
         "word": verdicts.validated(case),
         "reason": "" if other is None else other.reason,
     }
+
+
+def _neighbours(flown: Neighbours) -> str:
+    failed = f", {numbers.count(flown.failed)} failed" if flown.failed else ""
+    return f"{numbers.count(flown.flown)}{failed}"
 
 
 def again(record: Record) -> list[Spans]:

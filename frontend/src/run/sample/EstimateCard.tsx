@@ -3,7 +3,7 @@ import { IconAlertTriangle } from '@tabler/icons-react'
 import type { EstimationResult } from '../../api/stages'
 import { TicksBelow } from '../../charts/axes'
 import type { NamedModes, ViolationMode } from '../../client'
-import { atMost, count, plain, probability as written } from '../../format/numbers'
+import { atMost, count, percent, plain, probability as written } from '../../format/numbers'
 import { sentence } from '../../format/spans'
 import { Card } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
@@ -46,7 +46,7 @@ export function EstimateCard({ parameters, result, named, className }: EstimateP
           columns={[
             { head: 'Mode', num: true, cell: (_, i) => i + 1 },
             { head: 'Finding', tip: () => FINDING, cell: (_, i) => named?.findings[i]?.join(', ') || '—' },
-            ...(alarms.length > 0 ? [] : [{ head: 'Share of P', num: true, tone: 'b' as const, cell: ({ share }: ViolationMode) => `${plain(100 * share, 3)} %` }]),
+            ...(alarms.length > 0 ? [] : [{ head: 'Share of P', num: true, tone: 'b' as const, cell: ({ share }: ViolationMode) => percent(share) }]),
             { head: 'Distance', num: true, tip: () => 'Of its most likely point from the median, in standard deviations', cell: ({ distance }) => plain(distance, 3) },
             { head: 'Found by', tone: 'sec', cell: ({ origins }) => (origins.length > 0 ? 'a search' : 'the estimate') },
             ...parameterColumns<ViolationMode>(parameters, (mode, { path }) => plain(mode.parameters[path] ?? null, 5), 'path'),

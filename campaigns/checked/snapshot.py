@@ -163,7 +163,7 @@ def _fields(
 
 
 def _gone(called: str) -> str:
-    return f"{called} is no longer in this installation"
+    return f"{called} is not in this installation"
 
 
 def _by_name(entry: ComponentEntry | SimulatorEntry, group: str) -> dict[str, ParameterEntry]:

@@ -115,6 +115,14 @@ def difference(value: float | None, decimals: int = 2) -> str:
     return f"+{text}" if value is not None and value > 0 and any(c in "123456789" for c in text) else text
 
 
+def margin(value: float | None, decimals: int = 2) -> str:
+    """As `difference`, but never zero for a margin that is not: its sign is what counts."""
+    text = difference(value, decimals)
+    if value is None or not known(value) or value == 0 or any(c in "123456789" for c in text):
+        return text
+    return ("+" if value > 0 else "") + plain(value, 2)
+
+
 def decimals_for(values: Iterable[float | None], digits: int = 4) -> int:
     """The decimals at which the largest of these numbers has `digits` significant digits."""
     largest = max((abs(v) for v in values if v is not None and known(v)), default=0.0)
@@ -180,7 +188,7 @@ def _percent(value: float, digits: int) -> str:
     """Significant digits, and as many as tell less than all from all; a power of ten only from 10,000 on."""
     for more in range(digits, 18):
         text = f"{100 * value:.{more}g}"
-        if float(text) != 100 or value >= 1:
+        if float(text) != 100 or value >= 1 - 1e-12:  # the sum of shares may be 1 but for rounding
             break
     return f"{float(text):.0f}" if abs(float(text)) < 10_000 and "e+" in text else text
 

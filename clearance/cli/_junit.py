@@ -133,7 +133,7 @@ def _check(suite: Xml.Element, ended: EndedRun, check: DescribedCheck) -> None:
     elif check.standing == "open":
         Xml.SubElement(case, "skipped", message=_clean(f"{check.text}; {check.but}"))
     elif ended.accepted:
-        Xml.SubElement(case, "skipped", message=f"fails, but the policy accepts it: {text}")
+        Xml.SubElement(case, "skipped", message=f"does not hold; the policy accepts the violations: {text}")
     else:
         failure = Xml.SubElement(case, "failure", message=text, type=_clean(str(check.code)))
         failure.text = _clean("\n".join(filter(None, [check.text, ended.link])))

@@ -23,7 +23,7 @@ from campaigns.results.finding import unsearched
 from campaigns.results.regression import Regression, Standing
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
-from clearance.cli import INCONCLUSIVE, VIOLATED
+from clearance.cli import CODES, INCONCLUSIVE, VIOLATED
 from clearance.cli._ended import changes, code, sureness
 from clearance.local.failures import lines as failures
 from clearance.local.likelihood import Likelihoods, likelihoods
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from clearance.cli._continue import Cited
 
 SIGNS = {0: ("✓", "green"), VIOLATED: ("✗", "red"), INCONCLUSIVE: ("?", "yellow")}
-"""Of the exit codes: what fails a job has no tick, whatever the verdict."""
+"""Of the exit codes: what fails a job has no tick, whatever the verdict, nor has what is not cleared."""
 COLOURS = {
     Standing.NEW: "yellow",
     Standing.WORSE: "red",
@@ -77,7 +77,7 @@ def print_report(
         console.print(Text(note), soft_wrap=not console.is_terminal)
     if verdict.regression is not None:
         console.print(_changes(verdict.regression))
-    sign, colour = SIGNS[code(verdict)]
+    sign, colour = SIGNS[code(verdict) or CODES[verdict.verdict]]
     console.print(Text(f"{sign} {verdict.headline.capitalize()}", style=f"bold {colour}"))
     for line in [verdict.reason, *sureness(verdict), *changes(verdict)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)

@@ -64,7 +64,10 @@ def _head(found: RunDetail) -> list[str]:
 def _checks(found: RunDetail) -> list[str]:
 
     checks = [] if found.summary is None else found.summary.checks
-    return [f"  {check.standing:5}  {check.title}: {plain(check.text)}" for check in checks]
+    return [
+        f"  {check.standing:5}  {check.title}: {plain(check.text)}{f'; {plain(check.but)}' if check.but else ''}"
+        for check in checks
+    ]
 
 
 def _sureness(found: RunDetail) -> list[str]:

@@ -118,13 +118,14 @@ def search(
     _counts(budget=budget, validation=validation, workers=workers, certify=certify, seed=seed, sample_seed=sample_seed)
     if agreement is not None and not (finite(agreement) and 0.0 < agreement <= 1.0):
         raise ValueError(f"agreement must be a fraction above 0 and at most 1, given {agreement!r:.60}")
+    threshold = None if threshold is None else float(threshold)
     request = _request_of(fly, parameters, nominal, vectorized, quantity, unit, result, data_paths(reads))
     if workers is not None:
         request = _side_by_side(request, fly, workers)
     found = searches(methods, budget, options, starts, request.ranges)
     document = _document(request, threshold, name, stages(found, certify, validation), seed)
     if agreement is not None:
-        document["agreement"] = agreement
+        document["agreement"] = float(agreement)
     from campaigns.sample_seed import SampleSeed
     from clearance.function.running import run
 

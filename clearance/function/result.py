@@ -147,8 +147,10 @@ class Evaluations:
         return pandas.DataFrame(columns)
 
     def __repr__(self) -> str:
-        failed = int((self.status != "ok").sum())
-        return f"<{len(self.costs)} evaluations of {', '.join(self.names)}; {failed} failed>"
+        excluded = int((self.status == "excluded").sum())
+        failed = int((self.status != "ok").sum()) - excluded
+        but = f", {excluded} excluded" if excluded else ""
+        return f"<{len(self.costs)} evaluations of {', '.join(self.names)}; {failed} failed{but}>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

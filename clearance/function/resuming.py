@@ -13,7 +13,7 @@ from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from clearance.function.result import Evaluations, Interrupted
-from clearance.local.results import read_folder, versions_of
+from clearance.local.results import read_folder, refuse_other_document, versions_of
 from worker.engine.problem.problem import Problem
 from worker.running.runs.continuation import Budget, CannotContinue, carried, preloaded, raised
 from worker.running.runs.provenance import versions
@@ -39,7 +39,9 @@ def earlier(resume: object) -> Earlier:
     if isinstance(resume, (str, Path)):
         folder = Path(resume)
         try:
-            return Earlier(*read_folder(folder), versions_of(folder))
+            campaign, kept = read_folder(folder)
+            refuse_other_document(folder, campaign)
+            return Earlier(campaign, kept, versions_of(folder))
         except CannotContinue as error:
             raise ValueError(f"resume: {folder}: {error}") from None
     raise TypeError(f"resume must be a result, an interrupted search or the folder of one, given {resume!r:.60}")

@@ -38,9 +38,8 @@ def text(result: Result) -> str:
             lines += ["", *textwrap.wrap(f"{check.title}: {check.text}", 100)]
     if verdict.sureness is not None:
         lines += ["", *textwrap.wrap(verdict.sureness.text, 100)]
-    if result.reasons:
-        first = min(result.reasons)
-        lines += ["", f"{_failed(result)}, the first because:", *textwrap.wrap(result.reasons[first], 100)]
+    if failed := _failed(result):
+        lines += ["", f"{_many(failed)}, the first because:", *textwrap.wrap(failed[0], 100)]
     return "\n".join(line.rstrip() for line in lines)
 
 
@@ -60,9 +59,8 @@ def page(result: Result) -> str:
     listed = f'<ul style="margin:6px 0">{"".join(failing)}</ul>' if failing else ""
     sure = "" if verdict.sureness is None else f'<p style="opacity:.8">{escape(verdict.sureness.text)}</p>'
     failed = ""
-    if result.reasons:
-        reason = result.reasons[min(result.reasons)]
-        failed = f"<p>{_failed(result)}, the first because: <code>{escape(reason)}</code></p>"
+    if why := _failed(result):
+        failed = f"<p>{_many(why)}, the first because: <code>{escape(why[0])}</code></p>"
     return (
         f'<div style="font-family:system-ui,sans-serif;font-size:13px;max-width:760px;color:inherit">{badge}'
         f'<p style="margin:8px 0">{escape(verdict.sentence)}</p>'
@@ -70,9 +68,13 @@ def page(result: Result) -> str:
     )
 
 
-def _failed(result: Result) -> str:
-    many = len(result.reasons)
-    return f"{count(many)} evaluation failed" if many == 1 else f"{count(many)} evaluations failed"
+def _failed(result: Result) -> list[str]:
+    """The reasons of the evaluations that failed; those that were excluded have reasons, too."""
+    return [why for row, why in sorted(result.reasons.items()) if result.status[row] != "excluded"]
+
+
+def _many(failed: list[str]) -> str:
+    return f"{count(len(failed))} evaluation failed" if len(failed) == 1 else f"{count(len(failed))} evaluations failed"
 
 
 def _value(result: Result) -> str:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from html import escape
 from typing import Any, Protocol, Self
 
@@ -47,13 +48,28 @@ class Progress:
         self._shown: Shown = (
             _Bars(names, console) if console.is_terminal else _Display(names, display) if display else _Lines(names)
         )
-        self.show = self._shown.show
+
+    def show(self, position: int, tally: Tally) -> None:
+        """Update a stage. A display that fails, such as a terminal that was closed, is given up, not the run."""
+        try:
+            self._shown.show(position, tally)
+        except Exception:
+            self._shown = _Nothing()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._shown.end()
+        with suppress(Exception):
+            self._shown.end()
+
+
+class _Nothing:
+    def show(self, position: int, tally: Tally) -> None:
+        pass
+
+    def end(self) -> None:
+        pass
 
 
 class _Bars:

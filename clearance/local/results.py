@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ from worker.running.opening import opened
 from worker.running.runs.continuation import CannotContinue
 from worker.running.runs.store import MemoryStore
 
-ARRAYS, TABLE = "evaluations.npz", "evaluations.csv"
+ARRAYS, TABLE, RESULT = "evaluations.npz", "evaluations.csv", "result.json"
 
 
 def write_results(
@@ -43,8 +44,24 @@ def write_results(
 ) -> str:  # fmt: skip
     """Write everything into the folder, numbers with all their digits; returns the evidence digest.
 
+    What an earlier run left there is replaced when all is written; until then nothing of it is changed.
     problem, known: the campaign's problem and the catalogue, if its system is not one of this installation.
     """
+    with TemporaryDirectory(prefix=".results-", dir=folder) as beside:
+        part = Path(beside)
+        digest = _written(part, campaign, store, result, problem, known)
+        (folder / RESULT).unlink(missing_ok=True)  # without it the folder is no result, whatever interrupts the rest
+        for trace in folder.glob("trace-*.csv"):
+            trace.unlink()
+        for file in sorted(part.iterdir(), key=lambda file: file.name == RESULT):
+            file.replace(folder / file.name)
+    return digest
+
+
+def _written(
+    folder: Path, campaign: Campaign, store: MemoryStore, result: dict[str, object], problem: Problem | None,
+    known: Catalogue | None,
+) -> str:  # fmt: skip
     (folder / "campaign.json").write_text(json.dumps(campaign.document(), indent=2) + "\n", encoding="utf-8")
     tables = {TABLE: folder / TABLE}
     _write_evaluations(tables[TABLE], problem or opened.problem(campaign), store)
@@ -58,7 +75,7 @@ def write_results(
     (folder / "evidence.json").write_text(json.dumps(document, allow_nan=False) + "\n", encoding="utf-8")
     digest = _digest(campaign, store, json.loads(json.dumps({"result": result, **document})))
     sealed = result | {"evidence_digest": digest}
-    (folder / "result.json").write_text(json.dumps(sealed, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    (folder / RESULT).write_text(json.dumps(sealed, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     return digest
 
 
@@ -79,7 +96,7 @@ def evidence(campaign: Campaign, store: MemoryStore, known: Catalogue | None = N
 
 def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     """The campaign and the evaluations that `write_results` left; raises `CannotContinue` if they are missing."""
-    for name in ("campaign.json", "result.json", ARRAYS):
+    for name in ("campaign.json", RESULT, ARRAYS):
         if not (folder / name).is_file():
             raise CannotContinue(
                 f"it contains no {name}; give the folder of a `clearance run --out`, or a run such as R-0001",
@@ -117,22 +134,36 @@ def _sample_seed(folder: Path) -> SampleSeed | None:
 def versions_of(folder: Path) -> Versions:
     """The versions behind the run of a folder, as far as stored there."""
     try:
-        return Versions.of(json.loads((folder / "result.json").read_text(encoding="utf-8"))["versions"])
+        return Versions.of(json.loads((folder / RESULT).read_text(encoding="utf-8"))["versions"])
     except UNREADABLE:
         return Versions()
 
 
 def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
-    """Raises `CannotContinue` if the results of a folder are of another campaign, or of other components.
-
-    Evaluations are points of the unit cube: with other bounds they would be points that were never simulated.
-    """
+    """Raises `CannotContinue` if the results of a folder are of another campaign, or of other components."""
+    refuse_other_document(folder, campaign)
     try:
-        stated = str(json.loads((folder / "result.json").read_text(encoding="utf-8"))["digest"])
         file = folder / "evidence.json"  # earlier versions wrote none
         evidence = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
         components = Catalogue.model_validate(evidence["components"]) if "components" in evidence else None
         others = [] if components is None else values_changed(campaign, components, catalogue())
+    except UNREADABLE as error:
+        raise CannotContinue(
+            f"its results cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE
+        ) from None
+    if others:
+        raise CannotContinue(
+            f"its evaluations used different components: {'; '.join(others)}", RefusalCode.OTHER_COMPONENTS
+        )
+
+
+def refuse_other_document(folder: Path, campaign: Campaign) -> None:
+    """Raises `CannotContinue` if the results of a folder are of another campaign.
+
+    Evaluations are points of the unit cube: with other bounds they would be points that were never simulated.
+    """
+    try:
+        stated = str(json.loads((folder / RESULT).read_text(encoding="utf-8"))["digest"])
     except UNREADABLE as error:
         raise CannotContinue(
             f"its results cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE
@@ -142,10 +173,6 @@ def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
             f"its campaign.json is not the campaign of its results: its digest is {short(campaign.digest)}, "
             f"result.json states {short(stated)}; restore the file, or run the changed campaign as a new one",
             RefusalCode.OTHER_CAMPAIGN,
-        )
-    if others:
-        raise CannotContinue(
-            f"its evaluations used different components: {'; '.join(others)}", RefusalCode.OTHER_COMPONENTS
         )
 
 

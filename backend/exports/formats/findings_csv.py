@@ -13,6 +13,7 @@ from backend.http.written import headed, lines
 from backend.results import service as results
 from backend.runs import service as runs
 from campaigns.results.base import Status
+from campaigns.results.finding import unsearched
 from campaigns.results.nominal import NominalCase
 
 LIKELY = ("standard deviations", "density of the highest", "draws no more likely")
@@ -41,6 +42,7 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
         *paths,
         "evaluated",
         *LIKELY,
+        "noise seed",
         "units",
     ]
     yield lines([["flight", *heads, *columns]])
@@ -58,12 +60,25 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
         if finding and finding.granted != finding.cost:
             criterion_values[0] = finding.granted
         margin = None if criterion_values[0] is None or run.threshold is None else criterion_values[0] - run.threshold
-        by = " ".join(finding.methods) if finding else ""
+        by = (" ".join(finding.methods) or unsearched(finding.validation)) if finding else ""
+        drawn = finding.validation.realisation if finding and finding.validation else None
         ok = finding.validation.ok if finding and finding.validation else None
         at = [head.approach.time, head.approach.speed] if head is not None and head.approach else [None, None]
         likely = None if finding is None else finding.likelihood
         stated = [None] * len(LIKELY) if likely is None else [likely.distance, likely.density, likely.tail]
-        row = [name, *criterion_values, margin, *at, ok, by, *(of.get(p) for p in paths), evaluated, *stated, units]
+        row = [
+            name,
+            *criterion_values,
+            margin,
+            *at,
+            ok,
+            by,
+            *(of.get(p) for p in paths),
+            evaluated,
+            *stated,
+            drawn,
+            units,
+        ]
         yield lines([row])
 
 

@@ -81,7 +81,7 @@ class Counts:
             return say(size, few, most, " quantile, which needs ", count(needed, "needed"))
         if value is None:
             return say(none, most, f" quantile: the {_ordinal(order)} lowest of the sample is a failed evaluation")
-        counted = ", counted over all draws," if self.outside and self.excluded else ""
+        counted = "" if not self.excluded else ", counted over all draws," if self.outside else " that are not excluded"
         return say(
             *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
             *(lowest(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence"), " confidence"),

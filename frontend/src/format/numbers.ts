@@ -33,6 +33,13 @@ export function signed(value: Maybe, decimals = 2): string {
   return known(value) && value > 0 && /[1-9]/.test(text) ? `+${text}` : text
 }
 
+/** As `signed`, but never zero for a margin that is not: its sign is what counts. */
+export function margin(value: Maybe, decimals = 2): string {
+  const text = signed(value, decimals)
+  if (!known(value) || value === 0 || /[1-9]/.test(text)) return text
+  return `${value > 0 ? '+' : ''}${plain(value, 2)}`
+}
+
 /** A whole number. */
 export const count = (value: Maybe): string => fixed(value, 0)
 
@@ -108,7 +115,7 @@ export function percent(share: Maybe, digits = 3): string {
   if (!known(share)) return NONE
   let text = significant(100 * share, digits)
   // As many digits as tell less than all from all.
-  for (let more = digits + 1; share < 1 && Number(text) === 100 && more < 18; more++) text = significant(100 * share, more)
+  for (let more = digits + 1; share < 1 - 1e-12 && Number(text) === 100 && more < 18; more++) text = significant(100 * share, more)
   const size = Number(text.replace(MINUS, '-'))
   if (text.includes('e+') && Math.abs(size) < 10_000) text = String(size).replace('-', MINUS)
   return `${text}${NARROW}%`

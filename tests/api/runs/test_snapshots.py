@@ -98,7 +98,7 @@ def test_a_later_installation_does_not_change_the_description_of_a_run(service: 
         "The text of the vehicle unicycle (equations, source) is different here.",
         "The default of J of the vehicle unicycle was 0.05 kg m2, here it is 0.2 kg m2.",
         "The limits of J of the vehicle unicycle were 1e-06 to 100000, here they are 1e-06 to 9.",
-        "The avoider potential_field is no longer in this installation.",
+        "The avoider potential_field is not in this installation.",
     ]
     export = client.get(f"{run}/exports/run.json").json()
     assert export["components"] == told
@@ -196,7 +196,7 @@ OTHERWISE: dict[str, tuple[Change, str | None]] = {
         "the option iterations of the method direct: its default was None, here it is 7",
     ),
     "no option": (lambda d: entry(d, "direct")["options"].clear(), "the method direct has no option iterations here"),
-    "no method": (lambda d: d["methods"].clear(), "the method direct is no longer in this installation"),
+    "no method": (lambda d: d["methods"].clear(), "the method direct is not in this installation"),
 }
 
 

@@ -54,7 +54,15 @@ def counts(status: Any) -> Tree:
 
 def histogram(costs: Any) -> Tree:
     """The counts of a sample's costs between the edges."""
-    found, edges = np.histogram(costs[np.isfinite(costs)], bins=min(40, max(5, int(np.sqrt(len(costs))))))
+    known = costs[np.isfinite(costs)]
+    low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+    if math.isinf(high - low):
+        return {"edges": [low, high], "counts": [len(known)]}
+    try:
+        found, edges = np.histogram(known, bins=min(40, max(5, int(np.sqrt(len(costs))))))
+    except ValueError:  # no bin can divide what differs by rounding
+        apart = max(0.5, 4 * float(np.spacing(abs(high))))
+        return {"edges": [low - apart, high + apart], "counts": [len(known)]}
     return {"edges": edges.tolist(), "counts": found.tolist()}
 
 

@@ -25,7 +25,7 @@ from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING
 from worker.evidence.audit.regression import evaluated, position, regression
 from worker.evidence.audit.sentences import needed, of_sample, of_stage
-from worker.evidence.audit.stored import lowest_of
+from worker.evidence.audit.stored import finder, lowest_of
 from worker.evidence.audit.sureness import sureness
 
 BESIDE = ("outside", "lowest", "mean", "deviation", "histogram", "distribution", "looks")
@@ -199,9 +199,7 @@ def _positions(finding: Tree) -> set[int]:
 def _worst(run: Run) -> Tree:
     """The worst finding, or of a violated verdict the worst of those that were confirmed."""
     stated = run.worst or run.findings[0]
-    searched = [k for k in run.searches if not math.isnan(run.best[k])]
-    method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
-    found = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
+    found = {"cost": run.stated, "margin": run.stated - run.threshold, "method": finder(run)}
     found |= {"evaluated": stated["cost"], "parameters": stated["parameters"]}
     return found | ({"finding": stated["label"]} if "run" in run.claims else {})
 

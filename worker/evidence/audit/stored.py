@@ -15,8 +15,7 @@ from worker.evidence.audit.record import MISSING
 
 def of_evaluations(run: Run) -> Tree:
     """The claims that follow from the evaluations and findings alone."""
-    searched = [k for k in run.searches if not math.isnan(run.best[k])]
-    method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
+    method = finder(run)
     worst = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
     beside = run.made["evaluations"] - len(run.status)
     total = {"stored": len(run.status), "lowest": run.lowest} | ({"counted": beside} if beside else {})
@@ -53,6 +52,23 @@ def of_evaluations(run: Run) -> Tree:
         if run.sealed:
             expected["run"] |= {"planned": most(run.campaign), "state": "done", "error": None}
     return expected
+
+
+def finder(run: Run) -> str | None:
+    """The method that found the worst case; of those that did the one with the lowest best, else the quickest.
+
+    Earlier versions named the method with the lowest best, whoever found it.
+    """
+    searched = [k for k in run.searches if not math.isnan(run.best[k])]
+    lowest = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
+    worst = run.worst or next(iter(run.findings), None)
+    if worst is None or (run.claims.get("worst") or {}).get("method") == lowest:
+        return lowest
+    stated = next(one for one in run.claims["findings"] if one["label"] == worst["label"])
+    drawn = (stated.get("validation") or {}).get("realisation") is not None
+    by = sorted(() if drawn else stated.get("found") or (), key=lambda one: one["evaluations"])
+    found = [run.plan[one["position"]].method for one in by]
+    return lowest if lowest in found else next(iter(found), None)
 
 
 def _stop(run: Run, k: int) -> Tree:

@@ -60,7 +60,7 @@ def _worst(evidence: Evidence, threshold: float) -> Worst | None:
         margin=finding.granted - threshold,
         evaluated=finding.cost,
         parameters=finding.parameters,
-        method=method_of(evidence.searches),
+        method=method_of(finding, evidence.searches),
         finding=finding.label,
     )
 

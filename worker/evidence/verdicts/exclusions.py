@@ -22,7 +22,7 @@ def exclusions(problem: Problem, evidence: Evidence) -> list[Check]:
     evaluated = evidence.excluded / max(evidence.evaluations, 1)
     much, most = max(drawn, evaluated), rules.EXCLUDED.value
     of = "draws of the sample" if drawn >= evaluated else "evaluations"
-    why = reasons(problem, evidence)
+    why = reasons(problem, evidence, "in all stages " if drawn >= evaluated else "")
     by = say(" were excluded", why) if why else " start at or below the threshold and were excluded"
     statement = say(probability(much, name="excluded"), f" of the {of}", by, ": nothing is known about them")
     if much > most:
@@ -30,12 +30,15 @@ def exclusions(problem: Problem, evidence: Evidence) -> list[Check]:
     return [check(CheckCode.EXCLUSIONS, much <= most, statement)]
 
 
-def reasons(problem: Problem, evidence: Evidence) -> Spans:
-    """ " by the simulator (12 \u201cstarts inside the zone\u201d)"; empty if the scenario's precondition excludes."""
+def reasons(problem: Problem, evidence: Evidence, where: str = "") -> Spans:
+    """ " by the simulator (12 \u201cstarts inside the zone\u201d)"; empty if the scenario's precondition excludes.
+
+    where: what they are counted over, if not what the sentence speaks of.
+    """
     if problem.campaign.simulator is None or not evidence.excluded:
         return ()
     found = sorted(evidence.exclusions.items(), key=lambda of: (-of[1], of[0]))
     stated = [say(count(n), f" \u201c{why}\u201d" if why else " without a reason") for why, n in found[:MOST]]
     rest = len(found) - MOST
     more = [f"{rest} other reason{'s' if rest > 1 else ''}"] if rest > 0 else []
-    return say(" by the simulator", *((" (", joined(", ", [*stated, *more]), ")") if found else ()))
+    return say(" by the simulator", *((f" ({where}", joined(", ", [*stated, *more]), ")") if found else ()))

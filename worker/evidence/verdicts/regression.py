@@ -256,7 +256,7 @@ def _statement(run: str, cases: list[FindingChange], failing: list[FindingChange
     ]
     whole = say(f"Changes of the findings since {run}: ", joined(", ", counts), ".")
     if not failing:
-        return say(whole, " The policy of the campaign accepts every change.")
+        return say(whole, " No change fails the policy of the campaign.")
     return say(whole, *_clauses(failing))
 
 

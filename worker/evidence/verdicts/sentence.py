@@ -172,7 +172,12 @@ def _noise(seed: int | None) -> str:
     return "" if seed is None else f", with the noise realisation of seed {seed}"
 
 
-def method_of(searches: Sequence[SearchResult]) -> str | None:
-    """The method with the lowest best."""
-    found = [(s.best.cost, i) for i, s in enumerate(searches) if s.best is not None]
-    return searches[min(found)[1]].method if found else None
+def method_of(finding: Finding, searches: Sequence[SearchResult]) -> str | None:
+    """The method that found it: the one with the lowest best if it is among those, else the quickest; None if no search
+    did."""
+    found = [by.method for by in sorted(finding.found, key=lambda by: by.evaluations)] or finding.methods
+    if not found or finding.realisation is not None:
+        return None
+    bests = [(s.best.cost, i) for i, s in enumerate(searches) if s.best is not None]
+    lowest = searches[min(bests)[1]].method if bests else None
+    return lowest if lowest in found else found[0]

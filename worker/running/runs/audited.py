@@ -36,7 +36,7 @@ def _components(record: Record, today: str) -> list[str] | Missing:
     if _code(record) != today:
         return Missing("other code ran it: what its components meant there is taken from the record")
     found = [clause for clause in changes(claims["components"], catalogue()) if not clause.startswith("the text of ")]
-    gone = [clause for clause in found if clause.endswith(" is no longer in this installation")]
+    gone = [clause for clause in found if clause.endswith(" is not in this installation")]
     return Missing("; ".join(gone)) if gone else found
 
 

@@ -280,8 +280,7 @@ export function finderOf({ run }: Pick<RunData, 'run'>, finding: FindingDetail):
   if (drawn(finding)) return null
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   const methods = found.length > 0 ? found.map(({ method }) => method) : finding.methods
-  if (finding.label === 'F1' && run.worst_method !== null && (methods.length === 0 || methods.includes(run.worst_method)))
-    return run.worst_method
+  if (finding.label === 'F1' && run.worst_method !== null && methods.includes(run.worst_method)) return run.worst_method
   return methods[0] ?? null
 }
 

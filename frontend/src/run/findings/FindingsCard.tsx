@@ -4,7 +4,7 @@ import { clsx } from 'clsx'
 import { Fragment, type MouseEvent } from 'react'
 import { hasScenario } from '../../api/campaign'
 import type { FindingDetail, Gathered, Span, ValidateResult } from '../../client'
-import { count, decimalsApart, fixed, NONE, percent, signed } from '../../format/numbers'
+import { count, decimalsApart, fixed, margin as marginText, NONE, percent, signed } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { unitText } from '../../format/units'
 import { Place } from '../../ui/bars'
@@ -118,7 +118,7 @@ function Row({ data, decimals, choose, on, finding }: RowProps & { finding: Find
           </small>
         )}
       </td>
-      <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
+      <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{marginText(margin, decimals)}</td>
       {isLikely(data.findings) && <LikelyCell likelihood={finding.likelihood} />}
       <Met data={data} name={label} values={finding.values} />
       {parameters.map((p) => (
@@ -153,7 +153,7 @@ function Nominal({ data, decimals, choose, on }: RowProps) {
       <Name name={NOMINAL} on={on} choose={choose} />
       {hasScenario(data.campaign) && <Picture data={data} name={NOMINAL} />}
       <td className="num">{fixed(run.nominal_cost, decimals)}</td>
-      <td className={margin !== null && margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
+      <td className={margin !== null && margin <= 0 ? 'num b bad-t' : 'num'}>{marginText(margin, decimals)}</td>
       {isLikely(data.findings) && <td />}
       <Met data={data} name={NOMINAL} values={valuesOf(data.nominalTrace)} />
       <td colSpan={parameters.length + 3} className="mut small">

@@ -3,7 +3,7 @@ import { useQuery } from '@tanstack/react-query'
 import { hasScenario } from '../../api/campaign'
 import { mostLikelyQuery } from '../../api/queries'
 import type { FindingDetail, Likelihood, MostLikely } from '../../client'
-import { fixed, NONE, plain, probability, signed } from '../../format/numbers'
+import { fixed, margin, NONE, plain, probability } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { Place } from '../../ui/bars'
 import { Spans } from '../../ui/Spans'
@@ -51,7 +51,7 @@ export function LikelyViolation({ data, decimals, between, most }: RowProps & { 
       <td className={styles.likely} title={most.text}>Most likely violation</td>
       {hasScenario(data.campaign) && <td />}
       <td className="num b">{fixed(found.cost, decimals)}</td>
-      <td className="num b bad-t">{signed(found.margin, decimals)}</td>
+      <td className="num b bad-t">{margin(found.margin, decimals)}</td>
       <LikelyCell likelihood={found.likelihood} />
       {between > 0 && <td colSpan={between} />}
       {data.parameters.map((p) => (

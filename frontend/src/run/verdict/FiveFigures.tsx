@@ -1,6 +1,6 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
 import { unknownOf, violatedOf, withoutValue } from '../../format/counts'
-import { atMost, count, decimalsFor, duration, fixed, NONE, percent, plain, probability, signed } from '../../format/numbers'
+import { atMost, count, decimalsFor, duration, fixed, margin, NONE, percent, plain, probability, signed } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
@@ -38,12 +38,12 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           note={
             method
               ? `${methodLook(method).title}${whereOf(at, run.worst_cost)}`
-              : worst && drawn(worst) ? 'the independent sample' : 'none found'
+              : !worst ? 'none found' : drawn(worst) ? 'the independent sample' : 'found by no search'
           }
         />
         <Stat
           name="Margin to criterion"
-          value={signed(run.margin, decimals)}
+          value={margin(run.margin, decimals)}
           exact={run.margin}
           unit={run.margin === null ? undefined : run.unit}
           bad={run.margin !== null && run.margin <= 0}

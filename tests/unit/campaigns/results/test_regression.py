@@ -202,8 +202,8 @@ def test_a_new_finding_and_one_without_a_value_are_named() -> None:
     assert [found.cases[0].text, found.cases[2].text, found.text] == [
         "F1 is new: no finding of R-0001 is in its basin; d_min = 0.8 m, a margin of +0.3 m",
         "F2 of R-0001 is not compared: the state diverged",
-        "Changes of the findings since R-0001: 1 new, 1 same, 1 not compared. The policy of the "
-        "campaign accepts every change.",
+        "Changes of the findings since R-0001: 1 new, 1 same, 1 not compared. No change fails the policy of "
+        "the campaign.",
     ]
     assert found.counts() == {Standing.NEW: 1, Standing.SAME: 1, Standing.NOT_COMPARED: 1}
 

@@ -83,6 +83,45 @@ def test_a_saved_or_interrupted_search_is_resumed_without_evaluating_it_again(tm
     assert 0 < done < 150
 
 
+def test_a_folder_whose_campaign_is_another_one_is_not_resumed(tmp_path: Path) -> None:
+    folder = searched().save(tmp_path)
+    text = (folder / "campaign.json").read_text(encoding="utf-8")
+    (folder / "campaign.json").write_text(text.replace("2.3", "2.4"), encoding="utf-8")
+    wider = RANGES | {"mass": (1.5, 2.4)}
+    with pytest.raises(ValueError, match="is not the campaign"):
+        clearance.search(margin, wider, 40.0, methods=METHODS, certify=20, validation=300, resume=folder)
+
+
+def test_a_result_that_could_not_be_saved_leaves_the_earlier_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, second = searched(), searched(seed=2)
+    folder = first.save(tmp_path)
+    before = {file.name: file.read_bytes() for file in folder.iterdir()}
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("clearance.local.results._write_bits", full)
+        with pytest.raises(OSError, match="No space"):
+            second.save(folder)
+    assert {file.name: file.read_bytes() for file in folder.iterdir()} == before
+    (folder / "trace-F9.csv").touch()
+    second.save(folder)
+    assert not (folder / "trace-F9.csv").exists(), "of an earlier result"
+    assert searched(resume=folder, seed=2).costs.tobytes() == second.costs.tobytes()
+
+
+def test_a_search_does_not_end_because_it_cannot_be_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    def closed(*_: object, **__: object) -> None:
+        raise OSError(5, "the terminal is gone")
+
+    monkeypatch.setattr("builtins.print", closed)
+    shown = searched(progress=True, sample_seed=1)
+    assert shown.costs.tobytes() == searched(sample_seed=1).costs.tobytes()
+
+
 def test_a_search_of_another_criterion_or_of_other_stages_is_not_resumed() -> None:
     first = searched()
     with pytest.raises(ValueError, match="another seed"):

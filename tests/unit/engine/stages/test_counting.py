@@ -27,6 +27,7 @@ from worker.engine.stages.parts.counting import STREAM
 from worker.engine.stages.parts.sample import Sample
 from worker.engine.stages.parts.shape import Binned, Ordered
 from worker.engine.systems.base import CampaignUnusable
+from worker.evidence.audit.recompute import histogram
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -293,3 +294,11 @@ def test_a_target_below_what_lies_outside_the_bounds_is_refused_before_anything_
         execute(campaign_counting(3_000_000, "target", target_probability=1e-6, uncertain=NORMAL), store)
     assert [problem.field for problem in refused.value.problems] == ["stages.certify.samples"]
     assert store.stages == []
+
+
+@pytest.mark.parametrize("values", [[1.0, 1.0 + 2e-16], [1e17, 1e17], [-1e308, 1e308], [2.0, 2.0], []])
+def test_a_histogram_of_any_values_has_them_all(values: list[float]) -> None:
+    found = Ordered(np.array(values)).histogram()
+    assert sum(found.counts) == len(values)
+    assert all(found.edges[0] <= value <= found.edges[-1] for value in values)
+    assert histogram(np.array(values)) == found.model_dump(), "as the audit has it"

@@ -29,6 +29,22 @@ def made(offset: Any, text: str = "x + offset") -> Callable[..., Any]:
     return function
 
 
+def guarded(begins: str) -> Callable[..., Any]:
+    """A function with a table, of which an unknown key is an error or not, by where its `try` begins."""
+    space: dict[str, Any] = {"table": {1.0: 2.0}}
+    exec(f"def fly(x):\n    {begins}\n    except KeyError:\n        value = 0.0\n    return value", space)
+    function: Callable[..., Any] = space["fly"]
+    return function
+
+
+def with_attribute(k: float) -> Callable[..., Any]:
+    def fly(x: float) -> float:
+        return x * fly.k  # type: ignore[attr-defined]
+
+    fly.k = k  # type: ignore[attr-defined]
+    return fly
+
+
 def scaled(x: float) -> float:
     return SCALE * x
 
@@ -59,12 +75,20 @@ def test_equal_functions_are_equal() -> None:
         (made(1.0, "math.sin(x)"), made(1.0, "math.cos(x)")),
         (made(1.0, "(lambda: x + 1)()"), made(1.0, "(lambda: x + 2)()")),
         (made(1.0, "x in {1, 2}"), made(1.0, "x in {1, 3}")),
+        (made({"a": 1, "b": 2}), made({"b": 2, "a": 1})),
+        (guarded("value = table[x]\n    try:\n        pass"), guarded("try:\n        value = table[x]")),
+        (with_attribute(2.0), with_attribute(0.25)),
     ],
 )
 def test_different_functions_are_different(one: Callable[..., Any], other: Callable[..., Any]) -> None:
     first, second = identified(one), identified(other)
     assert first.unknown == second.unknown == ""
     assert first.digest != second.digest
+
+
+def test_a_ufunc_that_somebody_made_is_not_known_by_its_name() -> None:
+    assert identified(made(np.frompyfunc(scaled, 1, 1), "offset(x)")).unknown
+    assert not identified(made(np.sin, "offset(x)")).unknown
 
 
 def test_what_it_calls_is_part_of_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from campaigns.asked.allowance import USUAL, evidence, validation
 from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
-from campaigns.results.base import OK
+from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.finding import Neighbours
 from campaigns.stored.records import Columns
 from worker.engine.search.base import Batch, Search
@@ -367,7 +367,7 @@ def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.
     low = int(np.argmin(ranked))
     neighbours = Neighbours(
         flown=len(points),
-        failed=int(np.count_nonzero(batch.status != OK)),
+        failed=int(np.count_nonzero((batch.status != OK) & (batch.status != EXCLUDED))),
         lowest=float(ranked[low]) if np.isfinite(ranked[low]) else None,
         lower_by=max(0.0, basin.cost - float(ranked[low])),
     )

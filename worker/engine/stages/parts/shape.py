@@ -5,6 +5,7 @@ What a counted sample cannot tell exactly, it bounds on the side of caution: a v
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -47,7 +48,15 @@ class Ordered:
         return float(self.costs[rank - 1])
 
     def histogram(self) -> Histogram:
-        counts, edges = np.histogram(self.costs, bins=_parts(len(self.costs)))
+        size = len(self.costs)
+        low, high = (float(self.costs[0]), float(self.costs[-1])) if size else (0.0, 0.0)
+        if high - low == math.inf:
+            return Histogram(edges=[low, high], counts=[size])
+        try:
+            counts, edges = np.histogram(self.costs, bins=_parts(size))
+        except ValueError:  # they differ by rounding, which no bin can divide
+            around = max(0.5, 4 * float(np.spacing(abs(high))))
+            return Histogram(edges=[low - around, high + around], counts=[size])
         return Histogram(edges=edges.tolist(), counts=counts.tolist())
 
     def curve(self) -> tuple[list[float], list[int]]:

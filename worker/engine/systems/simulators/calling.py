@@ -144,8 +144,11 @@ def number(value: Any, begun: str) -> float:
     try:
         if getattr(value, "shape", ()) != ():
             raise Wrong(f"{begun} an array of shape {tuple(value.shape)}; one number is expected")
+        kind = getattr(getattr(value, "dtype", None), "kind", "f")
+        if kind == "O":
+            return number(value.item(), begun)
         plain = not isinstance(value, (str, bytes, bytearray, bool, complex)) and hasattr(value, "__float__")
-        if plain and type(value).__name__ not in ("bool", "bool_", "complex64", "complex128"):
+        if plain and kind in "fiu" and not getattr(value, "mask", False):
             found = float(value)
         else:
             plain = False

@@ -122,11 +122,11 @@ class InProcess(_OfFunction):
         m = len(vectors)
         columns = {name: np.array(column) for name, column in zip(self.names_given, vectors.T, strict=True)}
         try:
-            returned, reason = self._column(self.call(**columns), m)
+            returned = self._columns(self.call(**columns), m)
         except KeyboardInterrupt:
             raise
         except BaseException as error:
-            returned, reason, why = None, calling.failure(error, self.call), calling.excluded(error)
+            returned, why = calling.failure(error, self.call), calling.excluded(error)
             if m > 1:
                 parts = [self._together(row[None]) for row in vectors]
                 costs = np.concatenate([batch.costs for batch, _ in parts])
@@ -134,32 +134,28 @@ class InProcess(_OfFunction):
                 return Batch(costs, status), {k: reasons[0] for k, (_, reasons) in enumerate(parts) if reasons}
             if why:
                 return self._batch([np.nan], {}, {0: why})
-        if returned is None:
-            return self._batch([np.nan] * m, dict.fromkeys(range(m), reason))
-        lost = np.flatnonzero(~np.isfinite(returned))
-        reasons = {int(k): f"{reason} {returned[k]}, not a finite number" for k in lost}
-        return self._batch(returned, reasons)
+        if isinstance(returned, str):
+            return self._batch([np.nan] * m, dict.fromkeys(range(m), returned))
+        costs, reasons = returned
+        return self._batch(costs, reasons)
 
-    def _column(self, value: Any, m: int) -> tuple[Any, str]:
-        """The deciding result as an array (m,), or None and why not; with the array, how a sentence on it begins."""
-        name, begun = self.results[0].name, "it returned"
-        if isinstance(value, Mapping):
+    def _columns(self, value: Any, m: int) -> tuple[Floats, Reasons] | str:
+        """The deciding result (m,), and why a row has no value, for whichever of its results; or why none has."""
+        if not isinstance(value, Mapping):
+            if len(self.every) > 1:
+                return f"it returned {calling.described(value)}; return a dict with {', '.join(self.every)}"
+            return _column(value, m, "it returned")
+        reasons, decides = Reasons(), np.empty(0)
+        for name in (self.results[0].name, *(name for name in self.every if name != self.results[0].name)):
             if name not in value:
                 listed = ", ".join(str(k)[:40] for k in list(value)[:8]) or "nothing"
-                return None, f"its results lack {name}; it returned {listed}"
-            value, begun = value[name], f"its result {name} is"
-        elif len(self.every) > 1:
-            return None, f"it returned {calling.described(value)}; return a dict with {', '.join(self.every)}"
-        if isinstance(value, (str, bytes)) or value is None:
-            return None, f"{begun} {calling.described(value)}; an array of shape ({m},) is expected"
-        found = np.asarray(value)
-        if found.shape != (m,):
-            return None, f"{begun} an array of shape {found.shape}; given arrays of shape ({m},), ({m},) is expected"
-        if found.dtype.kind not in "fiuO":
-            return None, f"{begun} an array of {found.dtype}, not of numbers"
-        if found.dtype.kind == "O":
-            found = np.array([_one(v) for v in found])
-        return found.astype(np.float64), begun
+                return f"its results lack {name}; it returned {listed}"
+            found = _column(value[name], m, f"its result {name} is")
+            if isinstance(found, str):
+                return found
+            decides = decides if len(decides) else found[0]
+            reasons = {**found[1], **reasons}
+        return decides, reasons
 
 
 class Isolated(_OfFunction, Spread):
@@ -209,8 +205,28 @@ class Isolated(_OfFunction, Spread):
         return (np.nan, answer["failed"]) if "failed" in answer else (answer["results"][self.results[0].name], "")
 
 
-def _one(value: Any) -> float:
-    try:
-        return calling.number(value, "")
-    except calling.Wrong:
-        return np.nan
+def _column(value: Any, m: int, begun: str) -> tuple[Floats, Reasons] | str:
+    """One result of a batch as numbers (m,), with the reasons of those that are none; or why it is no such array."""
+    if isinstance(value, (str, bytes)) or value is None:
+        return f"{begun} {calling.described(value)}; an array of shape ({m},) is expected"
+    found = value if isinstance(value, np.ma.MaskedArray) else np.asarray(value)
+    if found.shape != (m,):
+        return f"{begun} an array of shape {found.shape}; given arrays of shape ({m},), ({m},) is expected"
+    if found.dtype.kind not in "fiuO":
+        return f"{begun} an array of {found.dtype}, not of numbers"
+    if found.dtype.kind == "O":
+        return _each(found, begun)
+    reasons = {int(k): f"{begun} masked" for k in np.flatnonzero(np.ma.getmaskarray(found))}
+    plain = np.ma.getdata(found).astype(np.float64)
+    lost = np.flatnonzero(~np.isfinite(plain))
+    return plain, {int(k): f"{begun} {plain[k]}, not a finite number" for k in lost} | reasons
+
+
+def _each(values: Any, begun: str) -> tuple[Floats, Reasons]:
+    numbers, reasons = np.full(len(values), np.nan), Reasons()
+    for k, value in enumerate(values):
+        try:
+            numbers[k] = calling.number(value, begun)
+        except calling.Wrong as wrong:
+            reasons[k] = str(wrong)
+    return numbers, reasons

@@ -115,7 +115,8 @@ class _Reader:
             self.miss(name)
             return
         self.put(type(value).__name__, len(value))
-        for key in sorted(value, key=repr):
+        # A function may see the order of a dict; that of a set differs between processes.
+        for key in value if isinstance(value, Mapping) else sorted(value, key=repr):
             self.put(type(key).__name__, repr(key))
             if isinstance(value, Mapping):
                 self.take(value[key], f"{name}[{key!r:.20}]", depth)
@@ -135,6 +136,8 @@ class _Reader:
         elif isinstance(getattr(value, "py_func", None), FunctionType):  # compiled by numba
             self.put("compiled")
             self.take(value.py_func, name, depth)
+        elif isinstance(value, np.ufunc) and not _of_a_package(value):
+            self.miss(name)
         elif isinstance(value, (*NAMED, np.ufunc)) or hasattr(value, "_implementation"):
             self._named(value, name)
         else:
@@ -162,6 +165,8 @@ class _Reader:
         self._code(function.__code__)
         for defaults in (function.__defaults__, function.__kwdefaults__):
             self.take(defaults, f"the defaults of {function.__name__}", depth)
+        if function.__dict__:
+            self.take(dict(function.__dict__), f"the attributes of {function.__name__}", depth)
         cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=False)
         used = {name: cell.cell_contents for name, cell in cells if not _empty(cell)}
         found = uses(function.__code__)
@@ -249,6 +254,8 @@ class _Reader:
 
     def _code(self, code: CodeType) -> None:
         self.put(code.co_code, code.co_names, code.co_varnames, code.co_freevars, code.co_flags, code.co_argcount)
+        # Where a `try` begins and ends is in neither the instructions nor the constants.
+        self.put(code.co_exceptiontable, code.co_kwonlyargcount, code.co_posonlyargcount)
         for constant in code.co_consts:
             if isinstance(constant, CodeType):
                 self._code(constant)
@@ -281,6 +288,12 @@ def _installed(module: str) -> str | None:
         return sys.version if top in sys.stdlib_module_names else None
     kind = where(str(origin))
     return None if kind == "own" else sys.version if kind == "standard" else distribution(top)
+
+
+def _of_a_package(value: np.ufunc) -> bool:
+    """Whether it is found by its name; `numpy.frompyfunc` makes others, of any function."""
+    places = (np, sys.modules.get("scipy.special"))
+    return any(getattr(place, value.__name__, None) is value for place in places if place is not None)
 
 
 def _empty(cell: CellType) -> bool:

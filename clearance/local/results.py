@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -59,7 +60,7 @@ def write_results(
 
 
 def _written(
-    folder: Path, campaign: Campaign, store: MemoryStore, result: dict[str, object], problem: Problem | None,
+    folder: Path, campaign: Campaign, store: MemoryStore, result: Mapping[str, object], problem: Problem | None,
     known: Catalogue | None,
 ) -> str:  # fmt: skip
     (folder / "campaign.json").write_text(json.dumps(campaign.document(), indent=2) + "\n", encoding="utf-8")
@@ -74,7 +75,7 @@ def _written(
     document = evidence(campaign, store, known) | {"files": sums}
     (folder / "evidence.json").write_text(json.dumps(document, allow_nan=False) + "\n", encoding="utf-8")
     digest = _digest(campaign, store, json.loads(json.dumps({"result": result, **document})))
-    sealed = result | {"evidence_digest": digest}
+    sealed = {**result, "evidence_digest": digest}
     (folder / RESULT).write_text(json.dumps(sealed, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     return digest
 

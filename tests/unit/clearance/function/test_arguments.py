@@ -88,7 +88,7 @@ def test_a_folder_whose_campaign_is_another_one_is_not_resumed(tmp_path: Path) -
     text = (folder / "campaign.json").read_text(encoding="utf-8")
     (folder / "campaign.json").write_text(text.replace("2.3", "2.4"), encoding="utf-8")
     wider = RANGES | {"mass": (1.5, 2.4)}
-    with pytest.raises(ValueError, match="is not the campaign"):
+    with pytest.raises(ValueError, match="not the campaign"):
         clearance.search(margin, wider, 40.0, methods=METHODS, certify=20, validation=300, resume=folder)
 
 

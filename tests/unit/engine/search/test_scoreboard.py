@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.bench.scoreboard import __main__ as board
-from tests.bench.scoreboard import bbob, cells, niching, page, peers, published, reaching, searches, sureness
+from tests.bench.scoreboard import bbob, cells, niching, page, peers, published, reaching, searches, sureness, verdicts
 from tests.bench.scoreboard.bars import ABOUT, BBOB, bars
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant, names, own_names
@@ -154,6 +154,19 @@ def test_the_guide_on_methods_has_the_boards_figures_of_niching() -> None:
     stated = re.search(r"([\d.]+) \(peak ratio; F1 ([\d.]+)", GUIDE)
     assert stated is not None
     assert stated.groups() == (f"{ratio:.2f}", f"{f1:.2f}")
+
+
+def test_the_guide_on_methods_has_the_boards_figures_of_verdicts_and_loops() -> None:
+    rows = kept_rows(verdicts.PART)
+    stated = re.search(r"(\d+) searches (\d+) state", GUIDE)
+    assert stated is not None
+    assert [*map(int, stated.groups())] == [len(rows), sum(row.figures["found"] for row in rows)]
+    assert all(row.figures["not cleared"] for row in rows)
+    table = reaching.LOOPS.table([row for row in kept_rows(reaching.LOOPS) if row.figures])
+    by = {name: value for name, value in table["all @ 1000"].items() if name in own_names()}
+    best = max((name for name in by if name != "auto"), key=by.__getitem__)
+    assert re.search(rf"are {by['auto']:.3f} of its searches \({_named(best)} {by[best]:.3f}", GUIDE)
+    assert table["all, violated @ 1000"]["auto"] == 1.0
 
 
 def test_the_figures_that_methods_state_are_those_of_the_board() -> None:

@@ -137,7 +137,7 @@ def test_notes_written_meanwhile_by_another_user_are_not_lost(signed_in: Visit) 
     other = f"{signed_in.address}/api/v1/runs/{BOX}"
     page.request.patch(other, data={"notes": "Theirs."}, headers={"Origin": signed_in.address})
     notes.get_by_role("button", name="Save notes").click()
-    expect(notes).to_contain_text("Another user has changed these notes")
+    expect(notes).to_contain_text("These notes were changed")
     expect(notes.get_by_role("status")).to_contain_text("Theirs.")
     assert api(signed_in, f"/runs/{BOX}")["notes"] == "Theirs."
     notes.get_by_label("Notes in Markdown").fill("Theirs and mine.")

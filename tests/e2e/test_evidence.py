@@ -265,7 +265,7 @@ SPANS = {
         "From cleared to inconclusive",
     ),
     "/trends": ("The disk is full.", "By name, those with the most runs first"),
-    "/reports": ("The disk is full.", "One for every run that has ended"),
+    "/reports": ("The disk is full.", "One for every listed run"),
     "/sweeps": ("The disk is full.", "There are no sweeps yet."),
     "/help/components": ("The disk is full.", "The components of scenarios in this installation"),
     "/launch": ("The disk is full.", "Unicycle, static obstacle"),

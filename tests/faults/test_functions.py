@@ -96,7 +96,7 @@ def test_what_a_function_excludes_is_stated_with_its_reason_and_audited(tmp_path
     assert result.verdict == "cleared", result.verdict.sentence
     record = of_folder(result.save(tmp_path / "saved"))
     number = int(np.count_nonzero(result.status == "excluded"))
-    by = f"({number} “airborne”)"
+    by = f"{number} “airborne”)"
     assert number
     assert by in result.verdict.sentence
     assert [by in check["text"] for check in record.claims["checks"] if check["name"] == "exclusions"] == [True]

@@ -21,7 +21,9 @@ _CONTEXT = get_context("fork")  # what is compiled and imported is there at once
 def together(searches: Sequence[Callable[[Function], T]], function: Function) -> list[T | Exception]:
     """What each search returns or raises, in the given order; each is given a function that has these values."""
     found: list[T | Exception] = [RuntimeError("its process ended")] * len(searches)
-    waiting = {_begun(search): number for number, search in enumerate(searches)}
+    waiting: dict[Connection, int] = {}
+    for number, search in enumerate(searches):
+        waiting[_begun(search, [*waiting])] = number
     try:
         while waiting:
             requests = _requests(waiting, found)
@@ -53,14 +55,17 @@ def _requests(waiting: dict[Connection, int], found: list[T | Exception]) -> dic
     return requests
 
 
-def _begun(search: Callable[[Function], T]) -> Connection:
+def _begun(search: Callable[[Function], T], others: Sequence[Connection]) -> Connection:
     ours, theirs = _CONTEXT.Pipe()
-    _CONTEXT.Process(target=_search, args=(search, theirs), daemon=True).start()
+    _CONTEXT.Process(target=_search, args=(search, theirs, [ours, *others]), daemon=True).start()
     theirs.close()
     return ours
 
 
-def _search(search: Callable[[Function], T], parent: Connection) -> None:
+def _search(search: Callable[[Function], T], parent: Connection, of_the_parent: Sequence[Connection]) -> None:
+    for connection in of_the_parent:  # or no search would notice that the parent has ended
+        connection.close()
+
     def evaluated(points: Floats) -> Floats:
         parent.send((False, points))
         values: Floats = parent.recv()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from multiprocessing import active_children
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from tests.bench.scoreboard import cells
 from tests.bench.scoreboard.cells import Cell
 from tests.bench.scoreboard.reaching import reached
 from tests.bench.scoreboard.together import together
+from tests.faults.processes import until
 from worker.engine.search.base import Floats
 
 
@@ -77,6 +79,21 @@ def test_what_fails_ends_its_own_search_only() -> None:
     assert isinstance(first, ValueError)
     assert isinstance(second, RuntimeError)
     assert third == 10.0
+
+
+def test_no_search_outlives_what_it_searches_for(tmp_path: Path) -> None:
+    def search(function: Function) -> None:
+        (tmp_path / str(os.getpid())).touch()
+        function(np.zeros((1, 2)))
+
+    def broken(points: Floats) -> Floats:
+        raise ValueError("broken")
+
+    with pytest.raises(ValueError, match="broken"):
+        together([search] * 3, broken)
+    begun = {int(file.name) for file in tmp_path.iterdir()}
+    assert len(begun) == 3
+    until(lambda: not begun & {child.pid for child in active_children()}, "they end")
 
 
 def test_a_function_that_raises_is_the_error_of_every_cell(tmp_path: Path) -> None:

@@ -67,13 +67,16 @@ def _demanded(bar: Mapping[str, Any]) -> str:
 
 
 def tables(table: Table, shown: str) -> list[str]:
-    """The columns that begin with `shown`, as one table or, if they are many, one for each budget."""
+    """The columns that begin with `shown`, as one table or, if they are many, one for each budget or method."""
     columns = [column for column in table if column.startswith(shown) and table[column]]
     if not columns:
         return ["Not measured."]
     if len(columns) <= WIDEST:
         return _table(table, columns)
     lines: list[str] = []
+    if not any(" @ " in column for column in columns):
+        for name in dict.fromkeys(method for column in columns for method in table[column]):
+            lines += [f"{Contestant(name).title}:", "", *_by_group({c: table[c][name] for c in columns}), ""]
     for budget in sorted({column.split(" @ ")[1] for column in columns if " @ " in column}, key=int):
         lines += [f"{budget} n:", "", *_table(table, [c for c in columns if c.endswith(f" @ {budget}")]), ""]
     return lines[:-1]
@@ -91,6 +94,21 @@ def _table(table: Table, columns: Sequence[str]) -> list[str]:
         cells = [_figure(table[c].get(name), best[c]) for c in columns]
         lines.append(f"| {name if name in published.TITLES else Contestant(name).title} | {' | '.join(cells)} |")
     return lines
+
+
+def _by_group(figures: Mapping[str, float]) -> list[str]:
+    """The figures of one method, whose columns are `GROUP, FIGURE`: a row for each group."""
+    groups: dict[str, dict[str, float]] = {}
+    for column, value in figures.items():
+        group, _, name = column.rpartition(", ")
+        groups.setdefault(group, {})[name] = value
+    names = list(dict.fromkeys(name for of in groups.values() for name in of))
+    counts = {name for of in groups.values() for name, value in of.items() if value > 1}
+    rows = [
+        f"| {group} | {' | '.join(f'{of[n]:,.0f}' if n in counts and n in of else _figure(of.get(n)) for n in names)} |"
+        for group, of in groups.items()
+    ]
+    return [f"| | {' | '.join(names)} |", f"|---|{'---|' * len(names)}", *rows]
 
 
 def _errors(errors: Mapping[str, Sequence[Any]]) -> list[str]:

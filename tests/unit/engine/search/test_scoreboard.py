@@ -251,6 +251,13 @@ def test_an_error_is_stated_and_no_mean_is_taken_over_the_rest(tmp_path: Path, m
     assert "- direct: 1 " in page.markdown(found)
 
 
+def test_every_figure_of_a_part_without_budgets_is_on_the_page() -> None:
+    figures = (("counts", 12.0), ("share", 0.5))
+    table = {f"{group}, {name}": {"auto": value} for group in "abcde" for name, value in figures}
+    rows = [f"| {group} | 12 | 0.500 |" for group in "abcde"]
+    assert page.tables(table, "")[2:] == ["| | counts | share |", "|---|---|---|", *rows]
+
+
 def test_a_method_without_a_figure_in_one_row_has_no_mean() -> None:
     rows = [Row(Cell("p", "setting", m, "f", 2, i), {"v": v}, "", 0.0) for m, i, v in
             (("a", 1, 1.0), ("a", 2, None), ("b", 1, 0.25), ("b", 2, 0.75))]  # fmt: skip

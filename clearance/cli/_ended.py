@@ -32,7 +32,8 @@ class Case:
     """One finding: the value to state for it and its margin [unit of the criterion], parameters by path.
 
     evaluated: by the search, if another evaluation of a confirmed violation is milder and therefore stated. likelihood:
-    under the stated distributions, a clause; empty where it distinguishes nothing."""
+    under the stated distributions, a clause; empty where it distinguishes nothing. seed: of the noise, if it was drawn
+    for this case: without it the value does not follow from the parameters."""
 
     label: str
     cost: float
@@ -40,11 +41,13 @@ class Case:
     parameters: Mapping[str, float]
     evaluated: float | None = None
     likelihood: str = ""
+    seed: int | None = None
 
     @property
-    def lower(self) -> str:
-        """The evaluated value as the rest of a clause; empty where it is the stated one."""
-        return "" if self.evaluated in (None, self.cost) else f", evaluated as {self.evaluated:.6g}"
+    def beside(self) -> str:
+        """The evaluated value, where another one is stated, and the noise seed, as the rest of a clause."""
+        lower = "" if self.evaluated in (None, self.cost) else f", evaluated as {self.evaluated:.6g}"
+        return lower if self.seed is None else f"{lower}, with noise seed {self.seed}"
 
 
 @dataclass(frozen=True)

@@ -143,7 +143,8 @@ def case(found: Finding) -> Case:
     """A finding by the value to state for it; a service of an earlier version answers without one."""
     stated = found.cost if found.granted is None else found.granted
     likely = "" if found.likelihood is None or found.likelihood.density is None else found.likelihood.text
-    return Case(found.label, stated, found.margin + (stated - found.cost), found.parameters, found.cost, likely)
+    drawn = None if found.validation is None else found.validation.realisation
+    return Case(found.label, stated, found.margin + (stated - found.cost), found.parameters, found.cost, likely, drawn)
 
 
 def _complete(service: Client, ended: EndedRun, launch: Launch, out: Path | None, source: Source | None) -> EndedRun:

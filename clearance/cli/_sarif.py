@@ -136,7 +136,7 @@ def _violation(ended: EndedRun, case: Case, confirmed: bool) -> str:
     limit = "" if ended.threshold is None else f" to the threshold {ended.threshold:g}{unit}"
     value = f"{case.label}: {ended.quantity or 'the criterion'} = {case.cost:.6g}{unit}"
     parts = [
-        f"{value}, margin {signed(case.margin)}{unit}{limit}{case.lower}.",
+        f"{value}, margin {signed(case.margin)}{unit}{limit}{case.beside}.",
         f"{case.likelihood}." if case.likelihood else "",
         "" if confirmed else "The verdict does not confirm it: " + (ended.verdict.reason if ended.verdict else ""),
         *(f"{path} = {value!r}" for path, value in case.parameters.items()),

@@ -132,6 +132,7 @@ def _ended(
             Case(
                 *(f.label, f.granted, f.granted - campaign.criterion.threshold, f.parameters, f.cost),
                 likelihood=likely.text(f.label),
+                seed=f.realisation,
             )
             for f in store.found()
         ),

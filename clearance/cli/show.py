@@ -78,7 +78,7 @@ def _sureness(found: RunDetail) -> list[str]:
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:
     unit = found.unit
     return [
-        f"{f.label}: {found.quantity} {f.cost:.6g} {unit}, margin {f.margin:+.6g} {unit}{f.lower}; "
+        f"{f.label}: {found.quantity} {f.cost:.6g} {unit}, margin {f.margin:+.6g} {unit}{f.beside}; "
         + ", ".join(f"{path} = {value!r}" for path, value in f.parameters.items())
         for f in map(case, findings)
     ]

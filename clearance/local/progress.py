@@ -93,22 +93,23 @@ class _Bars:
 
 
 class _Lines:
-    """A line for each stage once the next one has begun, or the run has ended; its time is that between the lines."""
+    """A line for each stage once the next one has begun, or the run has ended; its time ends with its last one."""
 
     def __init__(self, names: Names) -> None:
         self._names, self._now = names, -1
-        self._began, self._tally = time.monotonic(), Tally()
+        self._began, self._seen, self._tally = time.monotonic(), 0.0, Tally()
 
     def show(self, position: int, tally: Tally) -> None:
         if position != self._now:
             self.end()
-        self._now, self._tally = position, tally
+        self._now, self._tally, self._seen = position, tally, time.monotonic()
 
     def end(self) -> None:
         if self._now >= 0:
-            parts = [_evaluations(self._tally), _best(self._tally), f"{time.monotonic() - self._began:.1f} s"]
+            parts = [_evaluations(self._tally), _best(self._tally), f"{self._seen - self._began:.1f} s"]
             print(f"{self._names[self._now][0]}: {', '.join(filter(None, parts))}", file=sys.stderr, flush=True)
-        self._now, self._began = -1, time.monotonic()
+            self._began = self._seen
+        self._now = -1
 
 
 class _Display:

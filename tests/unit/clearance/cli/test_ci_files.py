@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -84,6 +85,13 @@ def test_the_criterion_fails_with_parameters_link_and_replay_command() -> None:
 )
 def test_the_criterion_passes_only_if_it_is_cleared(word: str, findings: tuple[Case, ...], told: str) -> None:
     assert outcome(cases(ended(word, findings=findings))["criterion: d_min"]) == told
+
+
+def test_the_noise_of_a_case_is_named_in_every_file() -> None:
+    drawn = ended(findings=(replace(WORST, seed=14115), FINE))
+    for text in (junit(drawn), json.dumps(sarif(drawn))):
+        assert text.count("14115") == 1
+    assert not any("noise seed" in text for text in (junit(ended()), json.dumps(sarif(ended()))))
 
 
 @pytest.mark.parametrize("word", ["violated", "inconclusive", ""])

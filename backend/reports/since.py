@@ -35,9 +35,9 @@ def changes(record: Record) -> dict[str, object] | None:
             "violates": case.margin is not None and case.margin <= 0,
             "before": case.before or NONE,
             "now": case.now or NONE,
-            "margin_before": numbers.difference(case.margin_before, decimals),
-            "margin_again": numbers.difference(case.margin_again, decimals),
-            "margin": numbers.difference(case.margin, decimals),
+            "margin_before": numbers.margin(case.margin_before, decimals),
+            "margin_again": numbers.margin(case.margin_again, decimals),
+            "margin": numbers.margin(case.margin, decimals),
             "change": numbers.difference(case.change, smallest),
             "tolerance": numbers.plain(case.tolerance, 2),
         }

@@ -1,5 +1,5 @@
 // The change of verdict and worst case from the first run to the others, in one sentence.
-import { decimalsFor, fixed, signed } from '../format/numbers'
+import { decimalsFor, fixed, margin } from '../format/numbers'
 import { Sign } from '../ui/Sign'
 import { lookOf, OutcomeIcon, outcomeOf, wordOf } from '../ui/VerdictBadge'
 import { type Compared, unitOf } from './data'
@@ -51,7 +51,7 @@ function Two({ a, b }: { a: Compared; b: Compared }) {
           by <b>{`${difference} ${unit}`}</b>, from {fixed(before, decimals)} {unit} to <b>{`${fixed(after, decimals)} ${unit}`}</b>
         </>
       )}
-      ; the margin {level ? 'stays' : `goes from ${signed(margins[0], decimals)} to`} {signed(margins[1], decimals)} {unit}.{' '}
+      ; the margin {level ? 'stays' : `goes from ${margin(margins[0], decimals)} to`} {margin(margins[1], decimals)} {unit}.{' '}
       {a.run.campaign_digest === b.run.campaign_digest && 'Both are runs of the same campaign.'}
     </p>
   )
@@ -63,7 +63,7 @@ function Many({ runs }: { runs: Compared[] }) {
   const worst = worstOf(runs)
   return (
     <p>
-      The smallest margin is that of <b>{worst.letter}</b>: {signed(worst.run.margin, decimalsFor([worst.run.margin]))}{' '}
+      The smallest margin is that of <b>{worst.letter}</b>: {margin(worst.run.margin, decimalsFor([worst.run.margin]))}{' '}
       {unit}.
     </p>
   )

@@ -1,5 +1,5 @@
 // Margins by finding: the same case in each run side by side, independent of its rank.
-import { decimalsFor, NONE, plain, signed } from '../format/numbers'
+import { decimalsFor, margin, NONE, plain, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Table } from '../ui/Table'
 import { type Compared, unitOf } from './data'
@@ -43,7 +43,7 @@ function Margin({ finding, decimals }: { finding: Case[number] | undefined; deci
   if (!finding) return <span className="mut">not among its findings</span>
   return (
     <>
-      <span className="mono mut small">{finding.label}</span> {signed(finding.margin, decimals)}
+      <span className="mono mut small">{finding.label}</span> {margin(finding.margin, decimals)}
     </>
   )
 }

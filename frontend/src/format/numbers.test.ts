@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest'
 import cases from '../../tests/numbers.json'
 import type { Quantity } from '../client'
-import { count, decimalsApart, decimalsFor, duration, field, fixed, parse, percent, plain, signed, thinned } from './numbers'
+import { count, decimalsApart, decimalsFor, duration, field, fixed, margin, parse, percent, plain, signed, thinned } from './numbers'
 import { quantityText } from './quantity'
 import { unitText } from './units'
 
@@ -14,6 +14,7 @@ const WRITTEN: Record<string, (...values: never[]) => string | number> = {
   printed: (value: number, unit: string, format: Quantity['format'], digits: number) => quantityText({ value, unit, format, digits }),
   fixed,
   signed,
+  margin,
   count,
   plain,
   duration,

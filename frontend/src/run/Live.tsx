@@ -5,7 +5,7 @@ import { useStill } from '../api/still'
 import type { RunDetail, StageProgress } from '../client'
 import { unknownOf, withoutValue } from '../format/counts'
 import { age } from '../format/time'
-import { count, decimalsApart, decimalsFor, duration, fixed, NONE, plain, signed } from '../format/numbers'
+import { count, decimalsApart, decimalsFor, duration, fixed, margin as marginText, NONE, plain } from '../format/numbers'
 import { Card, Stat } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
@@ -131,7 +131,7 @@ function Figures({ data }: { data: RunData }) {
         />
         <Stat
           name="Margin to criterion"
-          value={signed(margin, decimals)}
+          value={marginText(margin, decimals)}
           unit={margin === null ? undefined : run.unit}
           bad={margin !== null && margin <= 0}
           note={

@@ -4,7 +4,7 @@ import { IconAlertTriangle, IconPinned } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import type { RunSummary } from '../client'
 import { unknownOf } from '../format/counts'
-import { decimalsFor, fixed, NONE, signed } from '../format/numbers'
+import { decimalsFor, fixed, margin, NONE } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { MarginBar } from '../ui/bars'
 import type { CellContext } from './columns'
@@ -68,7 +68,7 @@ export function Margin({ run, context }: { run: RunSummary; context: CellContext
             <IconAlertTriangle className="i s unk-t" aria-label={unknownOf(run)} />{' '}
           </>
         )}
-        {signed(run.margin, decimalsFor([run.worst_cost, run.threshold]))}
+        {margin(run.margin, decimalsFor([run.worst_cost, run.threshold]))}
         {unit}
       </span>
       {run.margin !== null && run.threshold ? (

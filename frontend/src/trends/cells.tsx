@@ -1,7 +1,7 @@
 // Cells that the tables of outcomes share.
 import { Link } from '@tanstack/react-router'
 import type { Outcome } from '../client'
-import { atMost, decimalsFor, NONE, signed } from '../format/numbers'
+import { atMost, decimalsFor, margin, NONE } from '../format/numbers'
 import { rfc3339, when } from '../format/time'
 import { unreadOf } from './code'
 import { Digest } from '../ui/Digests'
@@ -16,7 +16,7 @@ export function OutcomeBadge({ outcome }: { outcome: Outcome | null }) {
 
 export const marginOf = (outcome: Outcome | null): string => {
   if (outcome?.margin === null || outcome?.margin === undefined) return NONE
-  return `${signed(outcome.margin, decimalsFor([outcome.worst_cost, outcome.threshold]))} ${outcome.unit}`.trim()
+  return `${margin(outcome.margin, decimalsFor([outcome.worst_cost, outcome.threshold]))} ${outcome.unit}`.trim()
 }
 
 export const boundOf = (outcome: Outcome | null): string =>

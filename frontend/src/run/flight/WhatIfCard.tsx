@@ -5,7 +5,7 @@ import { type CSSProperties, type KeyboardEvent, useState } from 'react'
 import { flushSync } from 'react-dom'
 import { hasScenario } from '../../api/campaign'
 import type { FlightAnswer, FlightValue } from '../../client'
-import { decimalsFor, field, fixed, NARROW, NONE, parse, plain, signed } from '../../format/numbers'
+import { decimalsFor, field, fixed, margin, NARROW, NONE, parse, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
@@ -100,7 +100,7 @@ function Outcome({ data, state }: Omit<Props, 'className'>) {
         <Figure
           name="Margin"
           value={answer?.margin ?? null}
-          text={signed(answer?.margin, decimalsFor([answer?.cost, run.threshold, run.nominal_cost]))}
+          text={margin(answer?.margin, decimalsFor([answer?.cost, run.threshold, run.nominal_cost]))}
           unit={run.unit}
           bad={typeof answer?.margin === 'number' && answer.margin <= 0}
           testId="what-if-margin"

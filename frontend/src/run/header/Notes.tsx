@@ -67,7 +67,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string | 
           {edit.isError && <p className={fields.ferr}>{edit.error.message}</p>}
           {run.notes !== read && (
             <div className={cards.note} role="status">
-              <b>Another user has written:</b>
+              <b>Written since:</b>
               <Markdown text={run.notes} />
               <Button small onClick={() => setRead(run.notes)}>I have read it; keep mine</Button>
             </div>

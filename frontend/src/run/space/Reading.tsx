@@ -3,7 +3,7 @@
 import { clsx } from 'clsx'
 import { Fragment } from 'react'
 import type { EvaluationFailure } from '../../client'
-import { count, decimalsFor, plain, signed } from '../../format/numbers'
+import { count, decimalsFor, margin as marginText, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
 import { Sign } from '../../ui/Sign'
@@ -80,7 +80,7 @@ function Again({ space, at, whatIf, flies }: { space: Space; at: number; whatIf:
       {flies ? 'Simulated' : 'Evaluated'} again:{' '}
       {cost !== null && (
         <>
-          <Sign text={value?.symbol ?? 'value'} /> = {plain(cost, 5)} {unitText(answer.unit)}, margin {signed(margin, decimals)} {unitText(answer.unit)};{' '}
+          <Sign text={value?.symbol ?? 'value'} /> = {plain(cost, 5)} {unitText(answer.unit)}, margin {marginText(margin, decimals)} {unitText(answer.unit)};{' '}
         </>
       )}
       {againOf(answer, { cost: space.columns[0]?.[at] ?? Number.NaN, fate: FATES[space.fates[at] as number] ?? 'ok' })}

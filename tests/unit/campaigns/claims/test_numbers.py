@@ -24,6 +24,7 @@ WRITTEN: dict[str, Callable[..., str | int]] = {
     "printed": lambda value, unit, form, digits: numbers.printed(value, unit, Format(form), digits),
     "fixed": numbers.fixed,
     "signed": numbers.difference,
+    "margin": numbers.margin,
     "count": numbers.count,
     "plain": numbers.plain,
     "duration": numbers.duration,
@@ -34,11 +35,11 @@ WRITTEN: dict[str, Callable[..., str | int]] = {
 ROLLDOWN = ROOT / "frontend/node_modules/.bin/rolldown"
 ANSWERS = """
 import { createInterface } from 'node:readline'
-import { count, decimalsApart, decimalsFor, duration, fixed, plain, signed } from '@/numbers'
+import { count, decimalsApart, decimalsFor, duration, fixed, margin, plain, signed } from '@/numbers'
 import { quantityText } from '@/quantity'
 const printed = (value, unit, format, digits) => quantityText({ value, unit, format, digits })
 const decimals = { decimals_for: decimalsFor, decimals_apart: decimalsApart }
-const written = { printed, fixed, signed, count, plain, duration, ...decimals }
+const written = { printed, fixed, signed, margin, count, plain, duration, ...decimals }
 for await (const line of createInterface({ input: process.stdin })) {
   console.log(JSON.stringify(JSON.parse(line).map(([name, ...given]) => written[name](...given))))
 }
@@ -91,7 +92,7 @@ SHARES = st.one_of(st.floats(0, 1), st.floats(0, 50), st.integers(1, 17).map(lam
 FORMS = st.sampled_from(["plain", "signed", "lowest"])
 ONE = st.one_of(
     st.tuples(st.just("fixed"), NUMBERS, st.integers(0, 12)),
-    st.tuples(st.just("signed"), NUMBERS, st.integers(0, 12)),
+    st.tuples(st.sampled_from(["signed", "margin"]), NUMBERS, st.integers(0, 12)),
     st.tuples(st.just("count"), NUMBERS),
     st.tuples(st.just("plain"), NUMBERS, st.integers(1, 12)),
     st.tuples(st.just("duration"), st.one_of(COUNTED, st.floats(0, 1e5), st.integers(0, 10**6).map(lambda n: n / 20))),

@@ -18,7 +18,7 @@ Label: TypeAlias = Annotated[
     ),
 ]  # fmt: skip
 Baseline: TypeAlias = Annotated[
-    str,
+    str | None,
     typer.Option(
         metavar="RUN", show_default=False,
         help="Evaluate the findings of this run first and compare: R-0001, or label:branch=main for the newest run "
@@ -64,7 +64,11 @@ class Launch(NamedTuple):
 
     @staticmethod
     def read(
-        label: list[str] | None, baseline: str, junit: Path | None, summary: Path | None, sarif: Path | None = None
+        label: list[str] | None,
+        baseline: str | None,
+        junit: Path | None,
+        summary: Path | None,
+        sarif: Path | None = None,
     ) -> Launch:
         """The options as given; raises `WrongInputError` for a bad label or a file that cannot be written."""
         from campaigns.labels import parsed
@@ -73,9 +77,11 @@ class Launch(NamedTuple):
             labels = parsed(label or ())
         except ValueError as error:
             raise WrongInputError(f"{error}") from None
+        if baseline is not None and not baseline.strip():  # an unset variable of a CI job would compare with nothing
+            raise WrongInputError("--baseline is empty: give a run (R-0001) or label:KEY=VALUE, or leave it out")
         for file in (junit, summary, sarif):
             _writable(file)
-        return Launch(labels, baseline.strip(), junit, summary, sarif)
+        return Launch(labels, (baseline or "").strip(), junit, summary, sarif)
 
 
 def _writable(file: Path | None) -> None:

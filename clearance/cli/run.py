@@ -58,7 +58,7 @@ def run(
     evaluator: evaluators.Evaluator = "",
     allow_code: code.AllowCode = False,
     label: launch.Label = None,
-    baseline: launch.Baseline = "",
+    baseline: launch.Baseline = None,
     sample_seed: launch.SampleSeed = None,
     junit: launch.Junit = None,
     markdown: launch.Summary = None,
@@ -67,7 +67,7 @@ def run(
     """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.running.runs import sources as sources  # first: it records the files before they are loaded
 
-    _check_options(file, onward, budget, bool(label or baseline) or sample_seed is not None)
+    _check_options(file, onward, budget, bool(label) or baseline is not None or sample_seed is not None)
     writable(out)
     options = launch.Launch.read(label, baseline, junit, markdown, sarif)
     evaluators.use(evaluator)

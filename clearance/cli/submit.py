@@ -42,7 +42,7 @@ def submit(
     as_json: AsJson = False,
     patience: Patience = PATIENCE,
     label: launch.Label = None,
-    baseline: launch.Baseline = "",
+    baseline: launch.Baseline = None,
     reuse: Annotated[
         bool,
         typer.Option("--reuse", help="Reuse an earlier verdict of the same campaign and code, if there is one."),

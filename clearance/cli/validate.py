@@ -38,6 +38,8 @@ def validate(
     from campaigns import Campaign, CampaignError
 
     if schema:
+        if files or normal or allow_code or service:
+            raise WrongInputError("--schema is given alone: it prints the schema of every campaign")
         typer.echo(json.dumps(Campaign.model_json_schema(), indent=2))
         return
     if not files:

@@ -137,6 +137,9 @@ def test_wrong_input_is_3(
         (["run", "unicycle_static", "--threads", "many"], "--threads"),
         (["run", "unicycle_static", "unicycle_static"], "unexpected extra argument"),
         (["validate"], "give a campaign file, or --schema"),
+        (["validate", "unicycle_static", "--schema"], "--schema is given alone"),
+        (["run", "unicycle_static", "--baseline", ""], "--baseline is empty"),
+        (["submit", "unicycle_static", "--baseline", " "], "--baseline is empty"),
     ],
 )
 def test_wrong_usage_is_3(capsys: pytest.CaptureFixture[str], arguments: list[str], statement: str) -> None:
@@ -273,7 +276,7 @@ def test_the_threads_change_no_number(file: Write, capsys: pytest.CaptureFixture
 
 
 def test_the_schema_and_the_whole_document(capsys: pytest.CaptureFixture[str], file: Write) -> None:
-    assert invoke(["validate", file(document()), "--schema"]) == 0
+    assert invoke(["validate", "--schema"]) == 0
     assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(Campaign.model_json_schema()))
     assert invoke(["validate", file(document()), "--normal"]) == 0
     assert json.loads(capsys.readouterr().out) == campaign().document()

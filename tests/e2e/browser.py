@@ -5,14 +5,12 @@ from __future__ import annotations
 import io
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import numpy as np
-import pytest
-from _pytest.mark.structures import ParameterSet
 from PIL import Image
 from playwright.sync_api import (
     Browser,
@@ -178,11 +176,6 @@ def undrawn(page: Page) -> Iterator[None]:
         yield
     finally:
         page.unroute("**/view/**")
-
-
-def nightly_but(by_day: Sequence[str], names: Iterable[str]) -> list[ParameterSet | str]:
-    """Values of a parametrized test, of which those that are not `by_day` are tested nightly."""
-    return [name if name in by_day else pytest.param(name, marks=pytest.mark.nightly) for name in names]
 
 
 def blank(context: BrowserContext) -> None:

@@ -14,9 +14,10 @@ from playwright.sync_api import Browser, Page, Route, expect
 
 from campaigns import library, load_file
 from tests.e2e.axe import AXE, RULES, violations
-from tests.e2e.browser import Visit, nightly_but, visiting
+from tests.e2e.browser import Visit, visiting
 from tests.e2e.stored import VIEW, served
 from tests.e2e.written import editor, write_over, written
+from tests.given.at_night import nightly_but
 from tests.given.finished_runs import Work
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service

@@ -24,9 +24,10 @@ from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
 from backend.signoffs.present import changed_campaign
 from campaigns.catalogue import UnusableEntry
-from tests.e2e.browser import Visit, nightly_but, space_of, visiting
+from tests.e2e.browser import Visit, space_of, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
+from tests.given.at_night import nightly_but
 from tests.given.code_versions import edited
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service, until

@@ -11,10 +11,11 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, ViewportSize, expect
 
-from tests.e2e.browser import PATIENCE, Visit, draws, nightly_but, rests, visiting
+from tests.e2e.browser import PATIENCE, Visit, draws, rests, visiting
 from tests.e2e.flown import BASINS, BOX, CANCELLED, CLEARED, INTRUDER, SEVERAL
 from tests.e2e.stored import VIEW
 from tests.faults.processes import until
+from tests.given.at_night import nightly_but
 from tests.given.service import Service
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]

@@ -34,7 +34,8 @@ def campaign() -> Campaign:
     return load_document(document)
 
 
-@pytest.mark.parametrize("part", [0.5, pytest.param(0.1, marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("part", [0.5, 0.1])
 def test_an_estimate_that_was_killed_ends_as_if_it_never_had_been(part: float, tmp_path: Path) -> None:
     """During the draws; by night during the search for modes, too."""
     engine, asked = connect(migrated(tmp_path)), campaign()

@@ -30,6 +30,7 @@ from backend.signoffs.standing import not_carried
 from backend.signoffs.texts import CHANGED_TEXT, LATER_TEXT, OTHER_TEXT
 from campaigns.identity.identity import Change
 from clearance.cli import invoke
+from tests.given.at_night import nightly_but
 from tests.given.code_versions import CODE, OTHER, VERSIONS, edited
 from tests.given.databases import AT_NIGHT
 from tests.given.reported_runs import finding, finish_fully
@@ -134,7 +135,7 @@ SUSPECT: dict[str, tuple[sa.Update, str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("cause", SUSPECT)
+@pytest.mark.parametrize("cause", nightly_but(("code", "text"), SUSPECT))
 def test_suspect_is_stated_in_every_place(
     service: Service, client: httpx.Client, signed: str, cause: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -15,6 +15,7 @@ from campaigns.densities.joint import Joint, joined
 from campaigns.densities.reweighting import NEEDED, Drawn, Terms, reweighted
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.reweighted import Reweighted
+from tests.given.at_night import nightly_but
 from tests.given.stated_densities import drawn, made
 
 SHARES = (0.05, 0.5)
@@ -75,7 +76,7 @@ CASES: dict[str, tuple[Distribution, Distribution, tuple[float, float], float, f
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", nightly_but(("a shift away from them", "a box made normal"), CASES))
 def test_the_interval_holds_the_exact_probability(name: str) -> None:
     stated, moved, bounds, threshold, exact, count = CASES[name]
     found = [from_first(stated, over(moved, *bounds), threshold, count, seed) for seed in range(100)]

@@ -137,7 +137,7 @@ def test_wrong_input_is_3(
         (["run", "unicycle_static", "--threads", "many"], "--threads"),
         (["run", "unicycle_static", "unicycle_static"], "unexpected extra argument"),
         (["validate"], "give a campaign file, or --schema"),
-        (["validate", "unicycle_static", "--schema"], "--schema is given alone"),
+        (["validate", "unicycle_static", "--schema"], "given alone"),
         (["run", "unicycle_static", "--baseline", ""], "--baseline is empty"),
         (["submit", "unicycle_static", "--baseline", " "], "--baseline is empty"),
     ],

@@ -31,6 +31,7 @@ def loop_of(name: str) -> PolynomialLoop:
     return found
 
 
+@pytest.mark.nightly
 def test_van_der_pol_within_two_percent_of_the_simulated_region() -> None:
     flow = [exactly(p) for p in VAN_DER_POL]
     found = region.found(flow, {}, 6)
@@ -61,6 +62,7 @@ def test_beyond_its_limits_a_loop_has_other_equations() -> None:
     assert difference(list(loop.flow), beyond, loop.rates(beyond)) > 1e-3
 
 
+@pytest.mark.nightly
 def test_the_pioneers_region_is_proved_and_its_simulations_return() -> None:
     loop = loop_of("pioneer_moving")
     flow, limits = list(loop.flow), {k: limit for k, limit in enumerate(loop.limits) if limit is not None}

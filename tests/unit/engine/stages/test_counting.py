@@ -16,6 +16,7 @@ from campaigns.results.sample import FAILURES, FIRST, KEPT
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.certify import CertifyResult
 from campaigns.stored.blocks import Counted, Kept, Scale, counted, packed, size, unpacked
+from tests.given.at_night import nightly_but
 from tests.given.corrupted_records import NORMAL
 from tests.given.corrupted_records import counting as campaign_counting
 from tests.given.sampled_stages import THRESHOLD, asked, context, costs, evaluate
@@ -80,7 +81,7 @@ def test_its_distribution_function_is_that_of_all_flights() -> None:
     assert curve.shares == [(values <= value).mean() for value in curve.values]
 
 
-@pytest.mark.parametrize("interrupted", [1, 2, 5, 19])
+@pytest.mark.parametrize("interrupted", nightly_but((2, 19), [1, 2, 5, 19]))
 def test_an_interrupted_sample_goes_on_to_the_same_bits(interrupted: int, monkeypatch: pytest.MonkeyPatch) -> None:
     _, whole = ran()
     monkeypatch.setattr(counting, "SAVED", 0.0)  # a block at a time

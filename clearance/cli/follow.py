@@ -27,6 +27,6 @@ def follow(
 
     numbered(run)
     writable(out)
-    options = launch.Launch.read(None, "", junit, summary, sarif)
+    options = launch.Launch.read(None, None, junit, summary, sarif)
     with opened(service, token_file, patience) as client:
         raise typer.Exit(follow_to_the_end(client, client.run(run).id, out, as_json, options))

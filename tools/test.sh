@@ -25,7 +25,7 @@ begin "mypy, oxlint and vitest" checks
 say "== pytest; mypy, oxlint and vitest beside it"
 # A file's tests share services and browsers: tests/conftest.py keeps them together, and orders them.
 # Half of them begin with what mostly waits for other processes (tests/side_by_side.py); more take each other's caches.
-processes="$(($(nproc) + 1))"
+processes="$(($(nproc) + 2))"
 tested=0
 "$VENV/bin/pytest" --processes "$((processes < 4 ? processes : 4))" "$@" || tested="$?"
 ended

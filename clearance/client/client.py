@@ -116,9 +116,11 @@ class _Methods:
     health = _Method(asking(calls.health))
 
 
-def _settings(url: str | None, token: str | None) -> tuple[str, str]:
-    """Address and token, from the environment where they are not stated."""
-    address = url or os.environ.get("CLEARANCE_SERVICE") or SERVICE
+def _settings(url: str | None, token: str | None, patience: float) -> tuple[str, str]:
+    """Address and token, from the environment where they are not stated; raises `ValueError` for a patience of nan."""
+    if not patience >= 0.0:  # nan would never run out
+        raise ValueError(f"patience is {patience}; give 0 or more seconds")
+    address = str(url or os.environ.get("CLEARANCE_SERVICE") or SERVICE)
     return address.rstrip("/"), (os.environ.get("CLEARANCE_TOKEN", "") if token is None else token).strip()
 
 
@@ -138,7 +140,7 @@ class Client(_Methods):
     def __init__(
         self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
     ) -> None:
-        address, secret = _settings(url, token)
+        address, secret = _settings(url, token, patience)
         self._http = httpx.Client(**settings(address, secret, how))
         self.session = Session(address, patience, Blocking(self._http))
 
@@ -164,7 +166,7 @@ class AsyncClient(_Methods):
     def __init__(
         self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
     ) -> None:
-        address, secret = _settings(url, token)
+        address, secret = _settings(url, token, patience)
         self._http = httpx.AsyncClient(**settings(address, secret, how))
         self.session = Session(address, patience, Awaiting(self._http))
 

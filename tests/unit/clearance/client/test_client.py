@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import threading
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime, timedelta
@@ -292,7 +293,7 @@ def test_a_redirect_is_not_followed_with_the_token() -> None:
 
 
 @pytest.mark.parametrize(
-    "address", ["nonsense", "ftp://x", "http://", "http://[", "http://x:y", "http://x?a", "\ud800"]
+    "address", ["nonsense", "ftp://x", "http://", "http://[", "http://x:y", "http://x?a", "\ud800", 5]
 )
 def test_an_address_that_is_none_is_refused_before_anything_is_sent(address: str) -> None:
     with pytest.raises(InvalidAddressError):
@@ -303,6 +304,12 @@ def test_an_address_that_is_none_is_refused_before_anything_is_sent(address: str
 def test_a_token_that_is_none_is_refused(token: str) -> None:
     with pytest.raises(InvalidAddressError, match="one ASCII word"):
         Client("http://x", token)
+
+
+@pytest.mark.parametrize("patience", [math.nan, -1.0])
+def test_a_patience_that_never_runs_out_is_refused(patience: float) -> None:
+    with pytest.raises(ValueError, match="0 or more seconds"):
+        Client("http://127.0.0.1:8000", "clr_x", patience=patience)
 
 
 def test_a_name_cannot_leave_the_path_of_the_request() -> None:

@@ -39,6 +39,12 @@ def as_stated(run: Run) -> dict[str, bool]:
     return {check["name"]: check["ok"] for check in run.claims["checks"]}
 
 
+def in_order(run: Run) -> tuple[list[str], list[str]]:
+    """The names of the checks as they stand in the record, and each of them once in the order of the rules."""
+    stated = [check["name"] for check in run.claims["checks"]]
+    return stated, sorted(set(stated), key=lambda name: (*limits.ORDER, name).index(name))
+
+
 def left_out(run: Run) -> dict[str, int]:
     """What validation did not confirm because its allowance was used up; runs of earlier versions had none."""
     spent = run.claims["results"][-1].get("spent")

@@ -17,11 +17,13 @@ from campaigns.results.base import FLAKY, OK, STATUS
 from campaigns.versions import Versions
 
 TABLE = "evaluations.csv"
-PARTS = {
+EVIDENCE = {"results", "components", "files"}
+"""Of evidence.json, and of no other file."""
+PARTS = EVIDENCE | {
     "verdict", "reason", "sentence", "scope", "statement", "holds_for", "values", "nominal", "worst", "stages",
     "comparison", "evaluations", "checks", "statistics", "regression", "sureness", "findings", "failures", "digest",
-    "seed", "identity", "versions", "continues", "command_given", "labels", "baseline", "results", "components",
-    "files", "most_likely_violation",
+    "seed", "identity", "versions", "continues", "command_given", "labels", "baseline",
+    "most_likely_violation",
 }  # fmt: skip
 """Of result.json and evidence.json; what has another name is no part of a record, and nothing compares it."""
 
@@ -73,6 +75,7 @@ def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: S
         (r["criteria"] for r in evidence.get("results", ()) if r and "criteria" in r), []
     )
     further = [f"{one['name']} [{one['unit']}]" if one["unit"] else one["name"] for one in criteria[1:]]
+    signs = np.array([-1.0 if one["worse"] == "high" else 1.0 for one in criteria[1:]])
     header = ["stage", "kind", "method", "index", "status", "cost", *further, *campaign.uncertain, "reason"]
     same, states = 0, dict(enumerate(STATUS))
     with path.open(newline="", encoding="utf-8") as file:
@@ -85,8 +88,9 @@ def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: S
                 continue
             of, ok = plan.get(stage[k], {"kind": None, "method": None}), status[k] == OK
             state, cost = states.get(status[k]), repr(float(costs[k, 0])) if ok else ""
-            begin = [str(stage[k]), of["kind"], of["method"] or "", str(index[k]), state, cost]
-            fits = row[:6] == begin and row[6 + len(further) : -1] == [*map(repr, values[k].tolist())]
+            beside = [*map(repr, (signs * costs[k, 1:]).tolist())] if ok else [""] * len(further)
+            begin = [str(stage[k]), of["kind"], of["method"] or "", str(index[k]), state, cost, *beside]
+            fits = row[:-1] == [*begin, *map(repr, values[k].tolist())]
             # What succeeded has no reason, but that of an earlier call that failed.
             same += fits and len(row) == len(header) and (not ok or not row[-1] or row[-1].startswith(FLAKY))
     return same

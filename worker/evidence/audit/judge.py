@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from campaigns.claims.spans import Spans
 from campaigns.refusals import RefusalCode
 from worker.evidence.audit import limits
-from worker.evidence.audit.checks import as_stated
+from worker.evidence.audit.checks import as_stated, in_order
 from worker.evidence.audit.estimate import Searched
 from worker.evidence.audit.points import required
 from worker.evidence.audit.recompute import Run
@@ -24,6 +24,16 @@ from worker.evidence.audit.stored import of_evaluations
 
 ABSENT = "absent"
 """In place of a value that every run of this version stores."""
+
+
+MALFORMED = (TypeError, ValueError, KeyError, IndexError, AttributeError, ArithmeticError, AssertionError)
+"""How reading a record of another form ends."""
+
+
+def no_run(error: Exception) -> UnreadableError:
+    """The refusal of a record of another form."""
+    message = f"the record is not that of a run: {type(error).__name__}: {error}"
+    return UnreadableError(message, RefusalCode.UNREADABLE)
 
 
 class Item(NamedTuple):
@@ -47,12 +57,13 @@ class Known(NamedTuple):
     """What is known of a run besides its record. sentences: as stored and as made again, by path; titles: how checks
     are shown, likewise; components: how those that its record describes differ from the same ones here, as clauses; or
     why there is nothing to compare. searches: of estimates, by stage; None if its stored evaluations are not those that
-    it requests."""
+    it requests. names: paths of what no record of this version has."""
 
     sentences: Mapping[str, tuple[Any, Spans | Missing]] | Missing
     titles: Mapping[str, tuple[Any, Any]]
     components: list[str] | Missing
     searches: Mapping[int, Searched | Missing | None] = {}
+    names: Sequence[str] = ()
 
 
 NOTHING = Known(Missing("not made again"), {}, Missing("not compared"))
@@ -65,13 +76,15 @@ def audit(
     try:
         run = Run(record)
         run.searched = known.searches
-        claims = run.claims | {"sound": True, "placed": True, "checks": as_stated(run)}
+        claims = run.claims | {"sound": True, "placed": True, "possible": True, "checks": as_stated(run)}
         try:
             run.describe()
             claims["sentence"], sentence = compared_sentence(run)
             expected = of_evaluations(run) | {"sentence": sentence} | of_results(run, at_most, spot_checks)
             places = required(run)
             claims["points"], expected["points"] = ({name: pair[k] for name, pair in places.items()} for k in (0, 1))
+            if run.sealed and not run.reworded:
+                claims["order of checks"], expected["order of checks"] = in_order(run)
             if run.sealed:
                 claims["checks"] = dict.fromkeys(expected["checks"], ABSENT) | claims["checks"]
         except (KeyError, TypeError):  # with a result or the catalogue absent or null, only a violation follows
@@ -80,9 +93,8 @@ def audit(
             if run.sealed:
                 claims["whole"], expected["whole"] = "results or components are absent, or of another form", "whole"
         worded = [*_worded(run, known)] if run.sealed else [Item("words", MISSING, MISSING)]
-    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
-        message = f"the record is not that of a run: {type(error).__name__}: {error}"
-        raise UnreadableError(message, RefusalCode.UNREADABLE) from None
+    except MALFORMED as error:
+        raise no_run(error) from None
     twice = [Item(name, *pair) for name, pair in record.twice.items()]
     return [*twice, *_compared("", claims, expected, ABSENT if run.sealed else MISSING), *worded]
 
@@ -98,6 +110,8 @@ def _worded(run: Run, known: Known) -> Iterator[Item]:
     for path, stated, spans in unlike({k: v for k, v in run.claims.items() if isinstance(v, dict | list)}):
         yield Item(f"words.{path}", stated, spans)
     yield Item("components", [], known.components)
+    if not run.reworded:
+        yield Item("names", [*known.names], [])
 
 
 def closing(items: Sequence[Item]) -> tuple[bool, str]:

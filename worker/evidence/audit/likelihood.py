@@ -12,10 +12,10 @@ from worker.evidence.audit.recompute import Run, Tree
 
 
 def likely(run: Run, findings: list[Tree]) -> Tree:
-    """The findings with their likelihood, and the most likely violation; nothing of a record that states neither, as
-    those of earlier versions and of a service."""
+    """The findings with their likelihood, and the most likely violation; nothing of a service's record, or of an
+    earlier version's that states neither."""
     stated = [*run.claims["findings"], {"likelihood": run.claims.get("most_likely_violation")}]
-    if not any(one.get("likelihood") for one in stated):
+    if (run.reworded or "run" in run.claims) and not any(one.get("likelihood") for one in stated):
         return {}
     of = joint(run.campaign, run.bounds)
     known = [found | {"likelihood": _stated(run, likelihood(of, _point(run, k)))} for k, found in enumerate(findings)]

@@ -16,6 +16,13 @@ EXCLUDED, CEILING = 0.1, 0.05
 SAME_COST = 0.01
 SPOT_CHECKS, VIOLATIONS = 200, 200
 SAMPLE = 59
+SAME_PLACE = 0.05
+ORDER = (
+    "nominal", "search", "no violation", "minimum", "agreement", "validation", "repetition", "evaluations", "retries",
+    "noise of calls", "closest approach", "motion", "avoidance", "influence", "sampling", "distances", "noise",
+    "exclusions", "sample", "outside the bounds", "probability", "target",
+)  # fmt: skip
+"""Of the checks of a verdict."""
 TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 2
 

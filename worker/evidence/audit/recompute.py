@@ -76,6 +76,11 @@ def distribution(costs: Any, failed: int, confidence: float) -> Tree:
     return {"values": costs[chosen].tolist(), "shares": shares, "band": band}
 
 
+def _finite(value: float) -> float | None:
+    """The value; None for one beyond the largest float, which a file cannot state."""
+    return float(value) if math.isfinite(value) else None
+
+
 class Run:
     """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
 
@@ -242,11 +247,11 @@ class Run:
         violations = violations if blocks is None else sum(blocks["violations"])
         found |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
         found |= {"excluded_fraction": found["excluded"] / max(draws, 1)}
-        found |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
+        found |= {"lowest": float(costs[0]), "mean": _finite(costs.mean())} if len(costs) else {}
         if blocks is not None:
             found |= counted.moments(blocks) | {"histogram": counted.histogram(blocks)}
         elif self.sealed:
-            found["deviation"] = float(costs.std(ddof=1)) if len(costs) > 1 else None
+            found["deviation"] = _finite(costs.std(ddof=1)) if len(costs) > 1 else None
             found["histogram"] = histogram(costs)
         if self.sealed:
             found |= {"looks": None, "quantile": None}

@@ -76,11 +76,9 @@ def exclusions(status: Any, reasons: Mapping[Any, str], first: int = 0) -> Count
 def of_folder(folder: Path) -> Record:
     """The run that `clearance run --out` wrote; raises `UnreadableError` and `CampaignError`."""
     try:
-        claims, file = json.loads((folder / "result.json").read_text(encoding="utf-8")), folder / "evidence.json"
-        campaign_digest, evidence = (
-            claims["digest"],
-            json.loads(file.read_text(encoding="utf-8")) if file.exists() else {},
-        )
+        claims, file = _read(folder / "result.json"), folder / "evidence.json"
+        campaign_digest, evidence = claims["digest"], _read(file) if file.exists() else {}
+        misplaced = sorted((claims.keys() & files.EVIDENCE) | (evidence.keys() - files.EVIDENCE))
         sealed, raw = claims.pop(SEAL, None), {"result": dict(claims), **evidence}
         claims |= {k: Catalogue.model_validate(v) if k == "components" else v for k, v in evidence.items()}
         if {"stages", "findings"} <= claims.keys():  # without them it is not a record, which the audit reports
@@ -98,8 +96,9 @@ def of_folder(folder: Path) -> Record:
             columns = [
                 Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions
             ]
-        document = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
+        document = _read(folder / "campaign.json")
         twice = {SEAL: (sealed or MISSING, _digest(document, columns, raw) if sealed else MISSING)}
+        twice |= {"files.misplaced": (misplaced, [])} if sealed else {}
     except UNREADABLE as error:
         raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
     campaign = load_file(folder / "campaign.json")
@@ -172,6 +171,19 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     reasons = [(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks]
     again, left_out = sum(flaky(*of) for of in reasons), sum((exclusions(*of) for of in reasons), Counter[str]())
     return Record(campaign, throughout(claims), twice, stage, points, costs, status, again, left_out)
+
+
+def _read(file: Path) -> JsonObject:
+    """The document of a file; raises `ValueError` if a name is stated twice, of which each reader takes another."""
+
+    def once(pairs: list[tuple[str, Any]]) -> JsonObject:
+        twice = [name for name, times in Counter(name for name, _ in pairs).items() if times > 1]
+        if twice:
+            raise ValueError(f"{file.name} states a name twice: {', '.join(twice)}")
+        return dict(pairs)
+
+    read: JsonObject = json.loads(file.read_text(encoding="utf-8"), object_pairs_hook=once)
+    return read
 
 
 def _digest(campaign: Any, columns: list[Rows], documents: Any) -> str:

@@ -19,6 +19,7 @@ from worker.evidence.audit.agreement import apart, family
 from worker.evidence.audit.attraction import attracted
 from worker.evidence.audit.checks import as_stated, left_out, required_checks
 from worker.evidence.audit.estimate import estimated
+from worker.evidence.audit.finders import found_by, gathered
 from worker.evidence.audit.likelihood import likely
 from worker.evidence.audit.points import grid
 from worker.evidence.audit.recompute import Run, Tree
@@ -45,6 +46,7 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs)) - out.get("spot_checks", 0)}}
     if run.sealed:
         last |= _settings(run) | {"spent": _spent(run)} | modes.named(run)
+        last["findings"] |= gathered(run)
     if run.claims["results"][-1]["encounter"].get("beyond") is not None:
         last["encounter"]["beyond"] = {"times": limits.CONTINUED, "flights": _continued(run)}
     results: list[Tree] = [_stage(run, k) for k in range(len(run.plan) - 1)]
@@ -77,6 +79,7 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
     if run.sealed:
         last["comparison"] = [dict(row) for row in run.claims["comparison"]]
     expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
+    expected["possible"] = _possible(run)
     if run.campaign.baseline is not None:
         expected["regression"] = regression(run)
     if run.sealed:
@@ -92,6 +95,20 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
         clear = all((stated | checks).values()) and stated.keys() >= checks.keys()
         expected["verdict"] = "cleared" if clear else "inconclusive"
     return expected
+
+
+def _possible(run: Run) -> bool:
+    """Whether what validation counted, as taken, is no more than what it counted of."""
+    last = run.claims["results"][-1]
+    spot, violations = last["spot_checks"], last["violations"]
+    of = [
+        (0, spot["compared"], spot["checked"]),
+        (0, spot["violating"], spot["checked"]),
+        (0, violations["confirmed"], violations["checked"]),
+        (0, violations["checked"], violations["stored"]),
+        *((0, left, math.inf) for left in left_out(run).values()),
+    ]
+    return all(low <= count <= most for low, count, most in of)
 
 
 def _continued(run: Run) -> int:
@@ -185,7 +202,7 @@ def _charts(run: Run, k: int) -> Tree:
 
 def _found(run: Run, finding: Tree) -> Tree:
     """The slices of a finding, and the methods that found it, each by its position."""
-    by = [{"method": run.plan[one["position"]].method} for one in finding["found"]]
+    by = found_by(run, finding)
     found: Tree = {"found": by, "methods": list(dict.fromkeys(one["method"] for one in by))}
     return found | (
         {"slices": charts.slices(run, finding["point"], finding["slices"])} if finding.get("slices") else {}

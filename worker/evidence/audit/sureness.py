@@ -39,7 +39,7 @@ def sureness(run: Run) -> Tree | None:
     best = float(costs[ok].min())
     fall = run.nominal - best
     lower = limits.SAME_COST * fall
-    if not lower > limits.ROUNDING * max(abs(run.nominal), abs(best)):
+    if not math.inf > lower > limits.ROUNDING * max(abs(run.nominal), abs(best)):
         return None
     as_low = np.sum((costs[ok] - best) / fall <= limits.SAME_COST)
     stated = (run.claims.get("sureness") or {}).get("landscapes")

@@ -8,6 +8,7 @@ from worker.evidence.audit import judge
 from worker.evidence.audit.estimate import UNKNOWN, Searched
 from worker.evidence.audit.judge import Item, Known
 from worker.evidence.audit.record import MISSING, Missing, Record
+from worker.evidence.restatement.names import beyond
 from worker.evidence.restatement.restate import restated, titles
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs import identity
@@ -16,7 +17,11 @@ from worker.running.runs.estimates import repeated
 
 def audited(record: Record) -> list[Item]:
     """Every claim of the record with its recomputed value; nothing is evaluated."""
-    return judge.audit(record, known(record))
+    try:
+        found = known(record)
+    except judge.MALFORMED as error:
+        raise judge.no_run(error) from None
+    return judge.audit(record, found)
 
 
 def known(record: Record) -> Known:
@@ -25,7 +30,7 @@ def known(record: Record) -> Known:
     today = identity.code(record.campaign).digest
     if _code(record) not in (None, today):
         searches = {k: UNKNOWN if found is None else found for k, found in searches.items()}
-    return Known(restated(record), titles(record), _components(record, today), searches)
+    return Known(restated(record), titles(record), _components(record, today), searches, beyond(record))
 
 
 def _components(record: Record, today: str) -> list[str] | Missing:

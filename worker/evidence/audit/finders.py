@@ -1,0 +1,63 @@
+"""Which searches came to a finding by themselves, and how the findings were gathered, by what is stored."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from campaigns.asked.allowance import validation
+from campaigns.claims.say import count, say
+from campaigns.claims.spans import Quantity
+from campaigns.claims.stages import ends
+from campaigns.results.base import OK
+from worker.evidence.audit import limits
+from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.sentences import SPANS, alike
+
+
+def found_by(run: Run, finding: Tree) -> list[Tree]:
+    """The searches that came close to a finding, with the evaluations that they needed; of one that is a stored
+    evaluation as it was, which has no slices, the search that made it."""
+    stated = [one | {"method": run.plan[one["position"]].method} for one in finding["found"]]
+    if run.reworded:
+        return stated
+    worst, point = float(finding["cost"]), np.array(finding["point"])
+    near = limits.SAME_COST * _scale(run, worst)
+    every, own = [], []
+    for k in run.searches:
+        points, raw, status = run.rows(k)
+        low = (status == OK) & (raw <= worst + near)
+        close = low & (np.abs(points - point) <= limits.SAME_PLACE).all(axis=1)
+        if close.any():
+            every.append(_entry(run, k, close))
+        exact = (status == OK) & (raw == worst) & (points == point).all(axis=1)
+        own += [[_entry(run, k, exact)]] if exact.any() else []
+    return stated if not finding.get("slices") and stated in (own or [[]]) else every
+
+
+def gathered(run: Run) -> Tree:
+    """The sentence on how findings were gathered, with the number of descents or cases that it states, as taken."""
+    if run.reworded:
+        return {}
+    stated = run.claims["results"][-1]["findings"]
+    whole = [say(ends.FINDINGS), say(ends.NOTHING)]
+    numbers = {
+        span.name: int(span.value) for span in SPANS.validate_python(stated["statement"]) if isinstance(span, Quantity)
+    }
+    total, kept = validation(run.campaign, run.calls.noisy).total, min(numbers.get("kept", 0), len(run.findings))
+    before, _, after = ends.BUDGET.partition("{budget}")
+    budget = say(before, count(numbers.get("budget", 0), "budget"), after)
+    partly = [*whole, ends.confirmed(kept, total), ends.skipped(numbers.get("points", 0), total), budget]
+    possible = [ends.gathered(ended, stated["complete"]) for ended in (whole if stated["complete"] else partly)]
+    return {"statement": next((one for one in possible if alike(stated["statement"], one)), possible[0])}
+
+
+def _entry(run: Run, k: int, rows: Any) -> Tree:
+    return {"position": k, "method": run.plan[k].method, "evaluations": int(np.argmax(rows)) + 1}
+
+
+def _scale(run: Run, worst: float) -> float:
+    """Nominal less worst; the size of the worst if the nominal case is not above it."""
+    fall = run.nominal - worst
+    return fall if fall > 0.0 else max(abs(worst), 1e-12)

@@ -1,0 +1,72 @@
+"""Names in the files of a run that no record has: what another reader shows, and nothing compares."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from campaigns.results.finding import Finding
+from campaigns.results.likelihood import LikelyFinding, MostLikely
+from campaigns.results.search import Minimum
+from campaigns.results.verdict import Verdict
+from campaigns.results.verdicts import DescribedCheck
+from campaigns.stages.found import AnyResult
+from worker.evidence.audit.record import Record
+
+RESULT: TypeAdapter[Any] = TypeAdapter(AnyResult)
+FORMS: dict[str, TypeAdapter[Any]] = {
+    "checks": TypeAdapter(list[DescribedCheck]),
+    "findings": TypeAdapter(list[LikelyFinding | Finding]),
+    "most_likely_violation": TypeAdapter(MostLikely),
+    **{
+        name: TypeAdapter[Any](Verdict.model_fields[name].annotation or Any)
+        for name in ("statistics", "nominal", "worst", "evaluations", "regression", "sureness")
+    },
+}
+"""By its name, the form of a part of result.json."""
+STAGE = {"kind", "method", "best", "evaluations", "failed", "excluded", "seconds", "stop", "minima"}
+FAILURE = {"status", "reason", "stage", "index", "output", "evaluations"}
+
+
+def beyond(record: Record) -> list[str]:
+    """The paths of names in a folder that no record has; in a database nothing reads or shows them.
+
+    Parts of another form are not looked at: the audit reports them.
+    """
+    claims = record.claims
+    if "versions" not in claims:
+        return []
+    found: list[str] = []
+    for name, form in FORMS.items():
+        found += _unknown(name, claims.get(name), form)
+    for k, result in enumerate(claims.get("results") or ()):
+        found += _unknown(f"results.{k}", result, RESULT)
+    for k, stage in enumerate(claims.get("stages") or ()):
+        found += [f"stages.{k}.{name}" for name in sorted(stage.keys() - STAGE)]
+        found += _unknown(f"stages.{k}.minima", stage.get("minima"), TypeAdapter(list[Minimum]))
+    for k, lost in enumerate(claims.get("failures") or ()):
+        found += [f"failures.{k}.{name}" for name in sorted(lost.keys() - FAILURE)]
+    return found
+
+
+def _unknown(name: str, stated: Any, form: TypeAdapter[Any]) -> list[str]:
+    if stated is None:
+        return []
+    try:
+        written = form.dump_python(form.validate_python(stated), mode="json")
+    except ValidationError:
+        return []
+    return [*_beside(stated, written, name)]
+
+
+def _beside(stated: Any, written: Any, path: str) -> Iterator[str]:
+    """What is stated under a name that is not written."""
+    if isinstance(stated, dict) and isinstance(written, dict):
+        yield from (f"{path}.{name}" for name in sorted(stated.keys() - written.keys()))
+        for name in stated.keys() & written.keys():
+            yield from _beside(stated[name], written[name], f"{path}.{name}")
+    elif isinstance(stated, list) and isinstance(written, list):
+        for k, (one, other) in enumerate(zip(stated, written, strict=False)):
+            yield from _beside(one, other, f"{path}.{k}")

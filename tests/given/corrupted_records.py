@@ -35,13 +35,13 @@ from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.engine.attraction import region
 from worker.engine.stages.parts import offered
-from worker.evidence.audit.judge import Item, audit
+from worker.evidence.audit.judge import Item
 from worker.evidence.audit.record import of_folder
 from worker.evidence.audit.sentences import SPANS
 from worker.evidence.scopes import rates
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs import identity
-from worker.running.runs.audited import known
+from worker.running.runs.audited import audited
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -283,8 +283,7 @@ class Folder:
 
     def items(self) -> list[Item]:
         self.write()
-        record = of_folder(self.path)
-        return audit(record, known(record))
+        return audited(of_folder(self.path))
 
     def shorten(self, stage: int, by: int = 1) -> None:
         for name in ("points", "costs", "status", "seconds"):

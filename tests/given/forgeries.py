@@ -278,7 +278,69 @@ def _without_a_stage(folder: Folder) -> None:
     table.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
+def _misplaced(folder: Folder) -> None:
+    """The honest result beside the evidence, where the audit looks, and another one where people do."""
+    folder.evidence |= {name: folder.result[name] for name in ("verdict", "sentence", "worst")}
+    folder.result |= {"verdict": "cleared", "sentence": "No worse case exists."}
+
+
+def _twice(folder: Folder) -> None:
+    folder.result["checks"].insert(0, folder.result["checks"][0] | {"title": "Proof", "text": "no worse case exists"})
+
+
+def _by_another(folder: Folder) -> None:
+    """The worst case as found by the sample, with its first evaluation."""
+    stated = {"position": SEARCHED, "method": "monte_carlo", "evaluations": 1}
+    folder.result["findings"][0] |= {"found": [stated], "methods": ["monte_carlo"]}
+    folder.result["worst"]["method"] = "monte_carlo"
+    for compared in (folder.result["comparison"], folder.evidence["results"][-1]["comparison"]):
+        for row in compared:
+            row["findings"] = ["F1"] if row["position"] == SEARCHED else []
+
+
+def _doubly(folder: Folder) -> dict[str, Any]:
+    return {"found": folder.result["findings"][0]["found"] * 2}
+
+
+def _unlikely(folder: Folder) -> None:
+    folder.result.pop("most_likely_violation", None)
+    for finding in folder.result["findings"]:
+        del finding["likelihood"]
+
+
+def _named(path: str, value: Any) -> Callable[[Folder], None]:
+    """A value under a name that no record has."""
+
+    def change(folder: Folder) -> None:
+        part, *above, last = path.split("/")
+        stated: Any = vars(folder)[part]
+        for key in above:
+            stated = stated[int(key)] if isinstance(stated, list) else stated[key]
+        assert last not in stated
+        stated[last] = value
+
+    return change
+
+
+SEARCHED = 4
+"""The position of the sample among the searches of the violated run."""
 FORGERIES: list[Forgery] = [
+    Forgery("the honest result in the other file", "violated", _misplaced),
+    Forgery("results in both files", "violated", lambda f: f.result.__setitem__("results", f.evidence["results"])),
+    Forgery("a check stated twice", "inconclusive", _twice),
+    Forgery("checks in another order", "inconclusive", lambda f: f.result["checks"].reverse()),
+    Forgery("a finder that was nowhere near", "violated", _by_another),
+    Forgery("a finder twice", "violated", lambda f: f.result["findings"][0].update(_doubly(f))),
+    Forgery("findings without their likelihood", "violated", _unlikely),
+    Forgery("more spot checks than were made", "violated", edit("evidence/results/-1/spot_checks/compared", 10**6)),
+    Forgery("more confirmed than checked", "violated", edit("evidence/results/-1/violations/confirmed", 500)),
+    Forgery("a bolder end of the findings", "violated", _bold("evidence", "results", -1, "findings")),
+    Forgery("a proof beside the worst case", "violated", _named("result/worst/proof", "no worse case exists")),
+    Forgery("a proof beside the counts", "violated", _named("result/evaluations/proved", 1)),
+    Forgery("a proof beside a finding", "violated", _named("result/findings/0/validation/proved", True)),
+    Forgery("a proof beside a stage", "violated", _named("result/stages/2/claim", "exhaustive")),
+    Forgery("a proof beside a result", "violated", _named("evidence/results/2/exact", "P = 0")),
+    Forgery("a proof beside a check", "violated", _named("result/checks/0/proof", "yes")),
     Forgery("a sample stored ten times", "cleared", _ten_times),
     Forgery("a draw stored twice", "cleared", _another_draw),
     Forgery("a sample in another order", "cleared", _ordered),
@@ -419,6 +481,30 @@ def changed(folder: Folder, part: str, path: tuple[Any, ...]) -> str:
         stated = stated[key]
     stated[path[-1]] = _other(stated[path[-1]])
     return ".".join([part, *("#" if isinstance(key, int) else str(key) for key in path)])
+
+
+def sentences(folder: Folder) -> Iterator[tuple[str, tuple[Any, ...]]]:
+    """The paths of everything that has a sentence, one of each of those that a list repeats in the same form."""
+    seen = set()
+    for part in ("result", "evidence"):
+        for path in leaves(getattr(folder, part)):
+            for at in (path[:k] for k, name in enumerate(path) if name == "statement" and path[0] != "components"):
+                kind = tuple("#" if isinstance(key, int) and k != 1 else key for k, key in enumerate(at))
+                if (part, kind) not in seen:
+                    seen.add((part, kind))
+                    yield part, at
+
+
+def bolder(folder: Folder, part: str, path: tuple[Any, ...]) -> str:
+    """Bold words at the end of a sentence, in spans and text; returns the place with # for every index."""
+    stated: Any = getattr(folder, part)
+    for key in path:
+        stated = stated[key]
+    if isinstance(stated["statement"], list):
+        stated["statement"].append({"kind": "text", "text": BOLD})
+    if "text" in stated:
+        stated["text"] += BOLD
+    return ".".join([part, *("#" if isinstance(key, int) else str(key) for key in path), "statement"])
 
 
 def _other(value: Any) -> Any:

@@ -39,10 +39,11 @@ def as_stated(run: Run) -> dict[str, bool]:
     return {check["name"]: check["ok"] for check in run.claims["checks"]}
 
 
-def in_order(run: Run) -> tuple[list[str], list[str]]:
+def in_order(run: Run) -> tuple[str, str]:
     """The names of the checks as they stand in the record, and each of them once in the order of the rules."""
     stated = [check["name"] for check in run.claims["checks"]]
-    return stated, sorted(set(stated), key=lambda name: (*limits.ORDER, name).index(name))
+    once = sorted(set(stated), key=lambda name: (*limits.ORDER, name).index(name))
+    return ", ".join(stated), ", ".join(once)
 
 
 def left_out(run: Run) -> dict[str, int]:

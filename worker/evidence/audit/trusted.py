@@ -25,10 +25,12 @@ TRUSTED = (
         (r"campaign\.",),
     ),
     Trusted(
-        "Which points a search evaluated, which of its members requested them, and when it stopped",
-        "searches are not run again; only samples, the grid, the nominal case and the baseline have points that follow",
-        (r"\.stop\.", r"members", r"\.apart\.#\.(member|title|family|index)", r"evaluations$", r"gap\.(?!statement)",
-         r"candidates", r"rounds"),
+        "Which points a search evaluated, which of its members requested them, and when it stopped; by which rule it "
+        "and its local searches ended, in the words of its method",
+        "searches are not run again, and any method may state rules of its own; only samples, the grid, the nominal "
+        "case and the baseline have points that follow",
+        (r"\.stop\.", r"\.stop$", r"minima\.#\.(statement|text|values)", r"members",
+         r"\.apart\.#\.(member|title|family|index)", r"evaluations$", r"gap\.(?!statement)", r"candidates", r"rounds"),
     ),
     Trusted(
         "In a folder: that a sample's seed was drawn at the launch",
@@ -38,7 +40,7 @@ TRUSTED = (
     Trusted(
         "Basins: which cases are one worst case, whether all were polished, what the allowance of validation left out",
         "they rest on descents and on lines between cases, which are not repeated; the allowance itself is recomputed",
-        (r"left_out", r"basin", r"complete", r"since", r"found\.#\.evaluations", r"to_near_best",
+        (r"left_out", r"basin", r"complete", r"since", r"to_near_best",
          r"comparison\.#\.(minima|apart)"),
     ),
     Trusted(

@@ -26,6 +26,8 @@ FORMS: dict[str, TypeAdapter[Any]] = {
     },
 }
 """By its name, the form of a part of result.json."""
+LABEL = {"finding": ""}
+"""Of the worst case, which in a folder is found by its values."""
 STAGE = {"kind", "method", "best", "evaluations", "failed", "excluded", "seconds", "stop", "minima"}
 FAILURE = {"status", "reason", "stage", "index", "output", "evaluations"}
 
@@ -39,8 +41,9 @@ def beyond(record: Record) -> list[str]:
     if "versions" not in claims:
         return []
     found: list[str] = []
+    stated = claims | ({"worst": LABEL | claims["worst"]} if isinstance(claims.get("worst"), dict) else {})
     for name, form in FORMS.items():
-        found += _unknown(name, claims.get(name), form)
+        found += _unknown(name, stated.get(name), form)
     for k, result in enumerate(claims.get("results") or ()):
         found += _unknown(f"results.{k}", result, RESULT)
     for k, stage in enumerate(claims.get("stages") or ()):

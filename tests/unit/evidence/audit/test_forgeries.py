@@ -11,16 +11,21 @@ from typing import Any
 import pytest
 
 from campaigns import CampaignError
+from campaigns.asked.load import load_document
 from campaigns.claims import sureness as templates
 from campaigns.claims.spans import words
 from campaigns.rules import SAME_COST
-from tests.given.corrupted_records import CALLS, CORRUPTIONS, Folder, write_called, written
-from tests.given.forgeries import FORGERIES, Forgery, changed, places
+from tests.given.at_night import nightly_but
+from tests.given.case_campaigns import searching
+from tests.given.corrupted_records import CALLS, CORRUPTIONS, DIRECT, SHORT, Folder, copied, made, write_called, written
+from tests.given.forgeries import FORGERIES, Forgery, bolder, changed, places, sentences
 from worker.evidence.audit.judge import closing
-from worker.evidence.audit.record import SEAL, UnreadableError
+from worker.evidence.audit.record import SEAL, UnreadableError, of_folder
 from worker.evidence.audit.sentences import SPANS
 from worker.evidence.audit.trusted import TRUSTED
 from worker.evidence.verdicts.sureness import FORMER, FORMER_LOW, LOW, Model, chance
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 
 def accepted(folder: Folder) -> bool:
@@ -54,6 +59,52 @@ def test_without_new_digests_every_forgery_is_rejected(forgery: Forgery, tmp_pat
     except (UnreadableError, CampaignError):
         return
     assert [item for item in items if item.agrees is False and item.name.startswith((SEAL, "files."))]
+
+
+def test_a_name_stated_twice_is_no_record(tmp_path: Path) -> None:
+    """One reader takes the first, another one the last."""
+    folder = Folder(written(tmp_path / "out", "violated"))
+    file = folder.path / "result.json"
+    file.write_text('{"verdict": "cleared", ' + file.read_text().lstrip().removeprefix("{"))
+    with pytest.raises(UnreadableError, match="a name twice"):
+        of_folder(folder.path)
+
+
+def test_other_criteria_in_the_table_are_those_of_the_evaluations(tmp_path: Path) -> None:
+    document = searching(DIRECT, **SHORT).document() | {"objectives": [{"component": "goal_miss"}]}
+    store = MemoryStore()
+    execute(load_document(document), store, threads=1)
+    folder = Folder(copied(made(load_document(document), store), tmp_path))
+    assert accepted(folder)
+    table = folder.path / "evaluations.csv"
+    head, *rows = (line.split(",") for line in table.read_text().splitlines())
+    at = head.index("goal_miss [m]")
+    table.write_text("\n".join(",".join([*row[:at], "0.0", *row[at + 1 :]]) for row in [head, *rows]) + "\n")
+    assert not accepted(folder)
+
+
+RECORDS = ("cleared", "violated", "noisy", "excluded", "alone", "counted", "estimated", "attracted")
+
+
+@pytest.mark.parametrize("name", nightly_but(("violated",), RECORDS))
+def test_bolder_words_in_any_sentence_are_rejected_or_documented(name: str, tmp_path: Path) -> None:
+    """The same words in the spans of a sentence and in its text."""
+    path = written(tmp_path / "out", name)
+    original = {file.name: file.read_bytes() for file in path.iterdir()}
+    for part, place in sentences(Folder(path)):
+        for file, content in original.items():
+            (path / file).write_bytes(content)
+        folder = Folder(path)
+        at = bolder(folder, part, place)
+        assert trusted(at) or not accepted(folder), at
+
+
+@pytest.mark.parametrize("name", ["checks", "findings", "results", "stages"])
+@pytest.mark.parametrize("value", [None, [], 7, [{}]])
+def test_a_record_of_another_form_is_refused(name: str, value: Any, tmp_path: Path) -> None:
+    folder = Folder(written(tmp_path / "out", "violated"))
+    (folder.evidence if name == "results" else folder.result)[name] = value
+    assert not accepted(folder)
 
 
 def passes(folder: Folder) -> None:

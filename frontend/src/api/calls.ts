@@ -49,14 +49,11 @@ export const cancelRun = (run: string) => answer(sdk.cancelRun({ path: { run } }
 export const retryRun = (run: string) => answer(sdk.retryRun({ path: { run } }))
 export const restartRun = (run: string) => answer(sdk.restartRun({ path: { run } }))
 export const continueRun = (run: string) => answer(sdk.continueRun({ path: { run } }))
-export const editRun = (run: string, change: RunEdit): Promise<RunDetail> =>
-  tagged(run, sdk.editRun({ path: { run }, body: change, headers: matching(run, change) }))
-
-/** A name or tags replace those that were read; notes have their own check, and the pin is set whatever it was. */
-function matching(run: string, change: RunEdit): { 'If-Match'?: string } {
-  const tag = tags.get(run)
-  return tag !== undefined && (change.name !== undefined || change.tags !== undefined) ? { 'If-Match': tag } : {}
-}
+/** The entity tag of a run as it is shown now. */
+export const tagOf = (run: string): string | undefined => tags.get(run)
+/** A name or tags replace those with the tag; notes have their own check, and the pin is set whatever it was. */
+export const editRun = (run: string, change: RunEdit, tag?: string): Promise<RunDetail> =>
+  tagged(run, sdk.editRun({ path: { run }, body: change, headers: tag === undefined ? {} : { 'If-Match': tag } }))
 
 export const cancelRuns = (runs: string[]) => answer(sdk.cancelRuns({ body: { runs } }))
 export const removeRuns = (runs: string[], reason: string) => answer(sdk.removeRuns({ body: { runs, reason } }))

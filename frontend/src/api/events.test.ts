@@ -50,3 +50,15 @@ it('writes a run into the paged lists, and leaves queries of other shapes alone'
   expect(cache.getQueryData(['runs', 'other', 0])).toEqual({ items: [old] })
   expect(cache.getQueryData(['runs', 'other', 1])).toEqual([old])
 })
+
+it('reads lists and counts again when the state of a listed run changes, and only then', () => {
+  const cache = new QueryClient()
+  const run = { id: 'R-0001', state: 'running', name: 'new' } as unknown as RunSummary
+  const listed = (item: RunSummary) => {
+    cache.setQueryData(['runs', { q: '' }], { pages: [{ items: [item] }], pageParams: [null] })
+    putRun(cache, run)
+    return cache.getQueryState(['runs', { q: '' }])?.isInvalidated
+  }
+  expect(listed({ ...run, name: 'old' })).toBe(false)
+  expect(listed({ ...run, state: 'queued' } as RunSummary)).toBe(true)
+})

@@ -109,17 +109,19 @@ const isPaged = (data: unknown) => typeof data === 'object' && data !== null && 
 
 /** Writes a run's new summary into the list and its own page; invalidates what depends on its end. */
 export function putRun(cache: QueryClient, run: RunSummary): void {
-  let listed = false
+  let [listed, moved] = [false, false]
   const lists = { queryKey: ['runs'], predicate: (query: { state: { data: unknown } }) => isPaged(query.state.data) }
   cache.setQueriesData<InfiniteData<RunPage>>(lists, (data) => {
     if (!data?.pages.some((page) => page.items.some((item) => item.id === run.id))) return data
     listed = true
+    moved ||= data.pages.some((page) => page.items.some((item) => item.id === run.id && item.state !== run.state))
     const items = (page: RunPage) => page.items.map((item) => (item.id === run.id ? run : item))
     return { ...data, pages: data.pages.map((page) => ({ ...page, items: items(page) })) }
   })
   const before = cache.getQueryData<RunDetail>(['run', run.id])
   if (before) cache.setQueryData<RunDetail>(['run', run.id], { ...before, ...run })
-  if (!listed || !isLive(run)) refreshRuns(cache)
+  // Counts and lists of one state change with it.
+  if (!listed || moved || !isLive(run)) refreshRuns(cache)
   if (before && isLive(before) && !isLive(run))
     for (const key of ['run', 'stages', 'evaluations', 'findings', 'traces', 'trace'])
       void cache.invalidateQueries({ queryKey: [key, run.id] })

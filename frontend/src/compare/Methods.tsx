@@ -49,7 +49,7 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
           { head: 'Method', cell: ({ method }) => <MethodName method={method} /> },
           ...runColumns<Row>(
             runs,
-            ({ values }, k) => (values[k] == null ? <span className="mut">not run</span> : fixed(values[k], decimals)),
+            ({ method, values }, k) => (values[k] == null ? <span className="mut">{absent(runs[k], method)}</span> : fixed(values[k], decimals)),
             ({ values }, k) => isBad(values[k], runs[k]) && 'bad-t',
           ),
           two && apartColumn<Row>(({ values: [a, b] }) => (typeof a === 'number' && typeof b === 'number' ? signed(b - a, decimals) : NONE)),
@@ -79,6 +79,13 @@ function bestsOf({ run }: Compared): Map<string, number> {
   for (const { method, best } of run.stages)
     if (method && best !== null) found.set(method, Math.min(best, found.get(method) ?? Infinity))
   return found
+}
+
+/** Why a method has no best value in a run. */
+function absent(of: Compared | undefined, method: string): string {
+  const stages = of?.run.stages.filter((stage) => stage.method === method) ?? []
+  if (stages.length === 0) return 'not run'
+  return stages.some(({ evaluations }) => evaluations > 0) ? 'no value' : 'waiting'
 }
 
 /** How many methods of all runs have a best value. */

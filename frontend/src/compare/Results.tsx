@@ -1,7 +1,7 @@
 // The results of the runs side by side, with the difference for two runs.
 import type { ReactNode } from 'react'
 import { independentSample } from '../api/stages'
-import { count, decimalsFor, fixed, NONE, signed } from '../format/numbers'
+import { atMost, count, decimalsFor, fixed, margin, NONE, percent, probability, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
@@ -17,7 +17,10 @@ interface Line {
   decimals: number
   /** Which values are a violation. */
   bad?: (value: number) => boolean
-  plus?: boolean
+  /** How a value is written; by default with the line's decimals. */
+  text?: (value: number | null, decimals: number) => string
+  /** How the difference of two values is written; by default with the line's decimals. */
+  apart?: (difference: number) => string
   /** The total of each value, if totals differ: then no difference is shown. */
   outOf?: (number | null)[]
 }
@@ -54,18 +57,19 @@ export function Results({ runs, className }: { runs: Compared[]; className: stri
   )
 }
 
-function Value({ line: { values, decimals, plus, outOf }, run }: { line: Line; run: number }) {
+function Value({ line: { values, decimals, text = fixed, outOf }, run }: { line: Line; run: number }) {
   const value = values[run]
   return (
     <>
-      {plus ? signed(value, decimals) : fixed(value, decimals)}
+      {text(value ?? null, decimals)}
       {value != null && outOf && <span className="mut small"> of {count(outOf[run])}</span>}
     </>
   )
 }
 
-function apartText({ values: [a, b], outOf, decimals }: Line): string {
-  return typeof a === 'number' && typeof b === 'number' && !outOf ? signed(b - a, decimals) : NONE
+function apartText({ values: [a, b], outOf, decimals, apart }: Line): string {
+  if (typeof a !== 'number' || typeof b !== 'number' || outOf) return NONE
+  return apart ? apart(b - a) : signed(b - a, decimals)
 }
 
 function linesOf(runs: Compared[]): Line[] {
@@ -76,15 +80,11 @@ function linesOf(runs: Compared[]): Line[] {
   const samples = runs.map(({ stages }) => independentSample(stages))
   const statistics = runs.map(({ run }) => run.summary?.statistics ?? null)
   const sizes = [...new Set(statistics.flatMap((sample) => (sample ? [sample.samples] : [])))]
-  const bounds = runs.map((compared) => {
-    const bound = boundOf(compared)
-    return bound === null ? null : 100 * bound
-  })
-  const confidence = statistics.find((sample) => sample !== null)?.confidence
+  const confidences = [...new Set(statistics.flatMap((sample) => sample?.confidence ?? []))]
   return [
     { key: 'worst', name: <>Worst <Sign text={quantity} /></>, unit, decimals, values: runs.map(({ run }) => run.worst_cost) },
     { key: 'criterion', name: 'Criterion', unit, decimals, values: runs.map(({ run }) => run.threshold) },
-    { key: 'margin', name: 'Margin', unit, decimals, values: runs.map(({ run }) => run.margin), bad: (v) => v <= 0, plus: true },
+    { key: 'margin', name: 'Margin', unit, decimals, values: runs.map(({ run }) => run.margin), bad: (v) => v <= 0, text: margin },
     { key: 'nominal', name: <>Nominal <Sign text={quantity} /></>, unit, decimals, values: runs.map(({ run }) => run.nominal_cost) },
     { key: 'lowest', name: 'Lowest sample', unit, decimals, values: samples.map((sample) => sample?.lowest ?? null) },
     {
@@ -98,10 +98,12 @@ function linesOf(runs: Compared[]): Line[] {
     },
     {
       key: 'bound',
-      name: `P(violation), ${confidence === undefined ? '' : `${count(confidence * 100)} % `}bound`,
-      unit: '%',
-      decimals: decimalsFor(bounds, 4),
-      values: bounds,
+      name: `P(violation), ${confidences.length === 1 ? `${percent(confidences[0])} ` : ''}bound`,
+      unit: '',
+      decimals: 0,
+      values: runs.map(boundOf),
+      text: (bound) => atMost(bound),
+      apart: (difference) => `${difference > 0 ? '+' : ''}${probability(difference)}`,
     },
     { key: 'closest', name: 'Closest approach at', unit: 's', decimals: 2, values: runs.map(({ worst }) => worst?.meta.closest?.time ?? null) },
     { key: 'evaluations', name: 'Evaluations', unit: '', decimals: 0, values: runs.map(({ run }) => run.evaluations) },

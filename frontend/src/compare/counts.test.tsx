@@ -18,8 +18,8 @@ const compared = (letter: string, failed: number, excluded: number) =>
 const RUNS = [compared('A', 0, 0), compared('B', 12, 25)]
 
 const text = (html: string) => html.replace(/<[^>]+>/g, '|').replaceAll('\u202f', ' ')
-const row = (name: string) => {
-  const found = renderToStaticMarkup(<Results runs={RUNS} className="" />).match(new RegExp(`<tr data-row="${name}">.*?</tr>`))
+const row = (name: string, runs = RUNS) => {
+  const found = renderToStaticMarkup(<Results runs={runs} className="" />).match(new RegExp(`<tr data-row="${name}">.*?</tr>`))
   return text(found?.[0] ?? '').split('|').map((part) => part.trim()).filter(Boolean)
 }
 
@@ -33,4 +33,17 @@ it('states how many evaluations of a sample failed and how many draws were exclu
   expect(violatedOf({ samples: 300, violations: 4, failed: 0, excluded: 0 })).toBe('4 of 300 samples violate')
   const lossy = { samples: 300, violations: 4, failed: 4, excluded: 20 }
   expect(violatedOf(lossy)).toBe('4 of 300 samples failed and count as violations; 20 draws excluded')
+})
+
+const bounded = (letter: string, upper_bound: number, confidence: number, margin: number) => {
+  const one = compared(letter, 0, 0)
+  const statistics = { samples: 3000, violations: 0, upper_bound, confidence }
+  return { ...one, run: { ...one.run, margin, upper_bound, summary: { statistics } } } as unknown as Compared
+}
+
+it('writes no bound below itself, no margin as zero, and a confidence only if all runs share it', () => {
+  const runs = [bounded('A', 0.02, 0.95, -4e-5), bounded('B', 3.00001e-6, 0.995, 1)]
+  expect(row('bound', runs).slice(0, 3)).toEqual(['P(violation), bound', '2 %', '3.01e−6'])
+  expect(row('margin', runs)).toContain('−4e−5')
+  expect(row('bound', [bounded('A', 0.02, 0.995, 1), bounded('B', 0.01, 0.995, 1)])).toEqual(['P(violation), 99.5 % bound', '2 %', '1 %', '−1 %'])
 })

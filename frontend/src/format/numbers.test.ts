@@ -34,8 +34,9 @@ describe('fields', () => {
     for (const value of [0, -1.5, 1e-7, 123456.789, 5.940000000000001]) expect(parse(field(value))).toBe(value)
   })
   it('refuses what is not a number', () => {
-    for (const text of ['', 'abc', '1e', '1 m', '--1', 'NaN']) expect(parse(text)).toBeNull()
+    for (const text of ['', 'abc', '1e', '1 m', '--1', 'NaN', '20,000', '-1,000']) expect(parse(text)).toBeNull()
     expect(parse('1 000,5')).toBe(1000.5)
+    expect(parse('0,125')).toBe(0.125)
   })
 })
 

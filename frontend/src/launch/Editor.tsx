@@ -67,12 +67,16 @@ export function Editor(props: EditorProps) {
   const cache = useQueryClient()
   const current = JSON.stringify([draft.edits, name, tags])
   const [seen, setSeen] = useState(current)
+  const sent = useRef(current)
   const going = useRef<{ pathname: string; draft?: string } | null>(null)
   const saved = useSaved(
     start.draft,
-    async () => ({ name: name.trim(), tags, text: await draft.typed() }),
+    async () => {
+      sent.current = current // what is typed from here on is not saved
+      return { name: name.trim(), tags, text: await draft.typed() }
+    },
     (kept) => {
-      setSeen(current)
+      setSeen(sent.current)
       going.current = { pathname: '/launch', draft: kept.id }
       props.onKept(kept)
     },

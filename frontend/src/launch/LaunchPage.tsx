@@ -1,6 +1,6 @@
 // Launching a run: choose a campaign, an earlier run or a draft, edit it as a form or as text, start it or save it as a draft.
 import { clsx } from 'clsx'
-import { useQuery } from '@tanstack/react-query'
+import { useQuery, useQueryClient } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo, useState } from 'react'
 import { asCampaign } from '../api/campaign'
@@ -59,6 +59,7 @@ export function LaunchPage() {
   useTitle('New run')
   const search = useSearch({ from: '/launch' })
   const navigate = useNavigate()
+  const cache = useQueryClient()
   const [own, setOwn] = useState<Own | null>(null)
   const kept = own && own.draft === search.draft ? own : null
   const unopened = kept ? undefined : search.draft
@@ -120,7 +121,7 @@ export function LaunchPage() {
       }}
       onReopen={() => {
         setOwn(null)
-        void draft.refetch()
+        void cache.resetQueries({ queryKey: ['draft', search.draft] })
       }}
     />
   )

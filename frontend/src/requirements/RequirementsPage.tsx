@@ -86,7 +86,7 @@ export function RequirementsPage() {
         flush={shown.length > 0}
         footer={query.hasNextPage && <ShowMore query={query} total={total} />}
       >
-        {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setDialog : undefined} /> : <Nothing narrowed={Boolean(q || status)} onAll={() => void navigate({ search: {}, replace: true })} />}
+        {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setDialog : undefined} /> : <Nothing of={query.hasNextPage ? items.length : null} narrowed={Boolean(q || status)} onAll={() => void navigate({ search: {}, replace: true })} />}
       </Card>
       <Files mayChange={mayChange} />
       <Modal opened={dialog === 'import'} onClose={done} title="Import requirements">
@@ -106,11 +106,12 @@ function counted(items: readonly RequirementRow[], total: number): string {
   return [some, ...(parts.length ? [parts.join(', ')] : [])].join(': ')
 }
 
-function Nothing({ narrowed, onAll }: { narrowed: boolean; onAll: () => void }) {
+/** `of` is the number of those that were looked at, where there are more. */
+function Nothing({ of, narrowed, onAll }: { of: number | null; narrowed: boolean; onAll: () => void }) {
   if (narrowed)
     return (
       <p className="sec">
-        No requirement matches.{' '}
+        {of === null ? 'No requirement matches.' : `None of the first ${count(of)} matches.`}{' '}
         <button type="button" className={buttons.linkbtn} onClick={onAll}>
           Show all requirements
         </button>

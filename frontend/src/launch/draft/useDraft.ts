@@ -131,7 +131,7 @@ export function useDraft(first: Beginning): Draft {
       : () =>
           setState((before) => {
             const [history, version] = go(before.history, before) ?? [before.history, before]
-            return { ...before, ...version, ...FORM, history, edits: before.edits + 1 }
+            return { ...before, ...version, ...FORM, source: 'text', history, edits: before.edits + 1 }
           })
   return {
     campaign: state.campaign,

@@ -3,6 +3,7 @@ import { TagsInput } from '@mantine/core'
 import { IconPencil, IconPin, IconPinnedFilled } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
+import { tagOf } from '../../api/calls'
 import { useBarredFromOwn } from '../../api/may'
 import { facetsQuery } from '../../api/queries'
 import type { RunDetail } from '../../client'
@@ -54,7 +55,8 @@ function EditForm({ run, onDone }: { run: RunDetail; onDone: () => void }) {
   // away from under the pointer.
   const [typed, setTyped] = useState('')
   const all = [...new Set([...tags, ...typed.split(/[\s,]+/).filter(Boolean)])]
-  const edit = useEdit(run, onDone)
+  const [tag] = useState(() => tagOf(run.id))
+  const edit = useEdit(run, onDone, tag)
   const known = useQuery(facetsQuery).data?.tags.map((tag) => tag.value) ?? []
   const wrong = all.filter((tag) => !/^[\p{L}\p{N}_.+-]{1,40}$/u.test(tag))
   return (

@@ -1,7 +1,7 @@
 // Notes on a run, in Markdown.
 import { clsx } from 'clsx'
 import { IconPencil } from '@tabler/icons-react'
-import { lazy, Suspense, useState } from 'react'
+import { lazy, Suspense, useEffect, useState } from 'react'
 import { useBarredFromOwn } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
@@ -18,11 +18,24 @@ const Parsed = lazy(() => import('../../ui/Markdown').then((module) => ({ defaul
 
 const MOST = 20_000
 
+/** What was written and not saved, by run: the card is another one once the run starts, and once it ends. */
+const unsaved = new Map<string, { draft: string; read: string }>()
+
 export function Notes({ run, className }: { run: RunDetail; className: string | undefined }) {
-  const [draft, setDraft] = useState<string | null>(null)
-  const [read, setRead] = useState('')
+  const [draft, setDraft] = useState<string | null>(() => unsaved.get(run.id)?.draft ?? null)
+  const [read, setRead] = useState(() => unsaved.get(run.id)?.read ?? '')
   const edit = useEdit(run, () => setDraft(null))
   const writing = draft !== null
+  useEffect(() => {
+    if (draft === null || draft === read) {
+      unsaved.delete(run.id)
+      return
+    }
+    unsaved.set(run.id, { draft, read })
+    const ask = (event: BeforeUnloadEvent) => event.preventDefault()
+    window.addEventListener('beforeunload', ask)
+    return () => window.removeEventListener('beforeunload', ask)
+  }, [run.id, draft, read])
   const barred = useBarredFromOwn('engineer', run)
   const begin = () => {
     setRead(run.notes)

@@ -4,10 +4,11 @@ import { editRun } from '../../api/calls'
 import { putRun } from '../../api/events'
 import type { RunDetail, RunEdit } from '../../client'
 
-export function useEdit(run: RunDetail, onDone?: () => void) {
+/** `tag` is that of the version which the edit replaces, where it must be the current one. */
+export function useEdit(run: RunDetail, onDone?: () => void, tag?: string) {
   const cache = useQueryClient()
   return useMutation({
-    mutationFn: (change: RunEdit) => editRun(run.id, change),
+    mutationFn: (change: RunEdit) => editRun(run.id, change, tag),
     onSuccess: (after) => {
       putRun(cache, after)
       cache.setQueryData<RunDetail>(['run', run.id], after)

@@ -18,7 +18,9 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
   const lower = run.nominal_cost !== null && run.worst_cost !== null ? run.nominal_cost - run.worst_cost : null
   const [worst] = data.findings
   const method = worst ? finderOf(data, worst) : run.worst_method
-  const at = run.stages.find((stage) => method !== null && stage.method === method)
+  const [at] = run.stages
+    .filter((stage) => method !== null && stage.method === method)
+    .sort((a, b) => (a.best ?? Infinity) - (b.best ?? Infinity))
   const target = numberOf(campaign.target_probability)
   const compute = run.stages.reduce((sum, stage) => sum + stage.seconds, 0)
   const [bound, percents] = atMost(statistics?.upper_bound).split('\u202f')

@@ -79,7 +79,7 @@ class Worst(Result):
     """Its cost as the search evaluated it; null in results of earlier versions."""
     parameters: Values
     method: str | None
-    """The method with the lowest best value."""
+    """The method that found it; of several the one with the lowest best value, or the quickest."""
     finding: str
 
 

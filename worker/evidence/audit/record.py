@@ -173,17 +173,16 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     return Record(campaign, throughout(claims), twice, stage, points, costs, status, again, left_out)
 
 
-def _read(file: Path) -> JsonObject:
+def _read(file: Path) -> Any:
     """The document of a file; raises `ValueError` if a name is stated twice, of which each reader takes another."""
 
-    def once(pairs: list[tuple[str, Any]]) -> JsonObject:
+    def once(pairs: list[tuple[str, Any]]) -> Any:
         twice = [name for name, times in Counter(name for name, _ in pairs).items() if times > 1]
         if twice:
             raise ValueError(f"{file.name} states a name twice: {', '.join(twice)}")
         return dict(pairs)
 
-    read: JsonObject = json.loads(file.read_text(encoding="utf-8"), object_pairs_hook=once)
-    return read
+    return json.loads(file.read_text(encoding="utf-8"), object_pairs_hook=once)
 
 
 def _digest(campaign: Any, columns: list[Rows], documents: Any) -> str:

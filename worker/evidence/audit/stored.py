@@ -64,7 +64,7 @@ def finder(run: Run) -> str | None:
     worst = run.worst or next(iter(run.findings), None)
     if worst is None or (run.claims.get("worst") or {}).get("method") == lowest:
         return lowest
-    stated = next(one for one in run.claims["findings"] if one["label"] == worst["label"])
+    stated = next(one for one, made in zip(run.claims["findings"], run.findings, strict=True) if made is worst)
     drawn = (stated.get("validation") or {}).get("realisation") is not None
     by = sorted(() if drawn else stated.get("found") or (), key=lambda one: one["evaluations"])
     found = [run.plan[one["position"]].method for one in by]

@@ -18,6 +18,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement
 from backend.http.errors import RefusedError
 from backend.http.matches import tag
+from backend.http.schema import unstorable_text
 from backend.requirements import against
 from backend.requirements.schemas import RequirementPage, RequirementRow, RequirementRun
 from backend.requirements.standing import Edge, Standing, standing
@@ -112,7 +113,10 @@ def _ids(q: str) -> sa.CompoundSelect[Any]:
 
 def _read(cursor: str) -> str:
     try:
-        return bytes.fromhex(cursor).decode()
+        text = bytes.fromhex(cursor).decode()
+        if unstorable_text(text) is not None:
+            raise ValueError(text)
+        return text
     except ValueError:
         detail = f"the cursor {cursor[:40]!r} is not one of this list: begin without one"
         raise RefusedError(422, "bad-cursor", detail) from None

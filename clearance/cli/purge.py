@@ -118,7 +118,7 @@ def _tell(runs: list[Removed], none: str) -> None:
         return
     for run in runs[:LISTED]:
         removed = run.removed is not None
-        day = time.strftime("%Y-%m-%d", time.localtime(run.removed if removed else run.finished))
+        day = time.strftime("%Y-%m-%d", time.gmtime(run.removed if removed else run.finished))
         typer.echo(
             f"{run_name(run.id)}  {f'removed {day} by {run.removed_by}' if removed else f'ended {day}'}  "
             f"{run.evaluations:,} evaluations, {_size(run.size)}  "

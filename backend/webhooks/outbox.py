@@ -75,10 +75,10 @@ class Outbox:
         with read(self.engine) as reader:
             found = reader.scalars(sa.select(Run.id).where(*wanted).order_by(Run.id).limit(BATCH)).all()
             if not found:
-                active = sa.select(sa.func.min(Run.id)).where(Run.id >= self._from, Run.state.not_in(ENDED))
+                active = sa.select(sa.func.min(Run.id)).where(Run.state.not_in(ENDED))  # a retried one may be old
                 newest = sa.select(sa.func.max(Run.id))
                 oldest = reader.scalar(active) or reader.scalar(newest) or 0
-                self._from = max(self._from, oldest - NEAR)
+                self._from = oldest - NEAR
             return found
 
     def claim(self) -> Message | None:

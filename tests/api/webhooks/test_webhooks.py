@@ -215,6 +215,24 @@ def test_runs_that_end_while_no_service_runs(stored: Any, monkeypatch: pytest.Mo
     assert Outbox(stored.engine, "u", "").fill() == 0  # not registered
 
 
+def test_the_second_end_of_a_run_that_is_retried_after_newer_ones(stored: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(outbox, "NEAR", 0)
+    box = registered_box(stored)
+    first, runs = stored.submit(), queue.Queue(stored.engine)
+    claimed = runs.claim("w")
+    assert claimed is not None
+    runs.fail(claimed, "the disk is full")
+    for _ in range(3):
+        stored.submit()
+        finish(stored)
+    assert (box.fill(), box.fill()) == (4, 0)
+    with stored.engine.begin() as writer:
+        queue.resume(writer, first)
+    assert box.fill() == 0
+    finish(stored)
+    assert box.fill() == 1
+
+
 @BOTH
 def test_a_kill_loses_no_message(stored: Any) -> None:
     one, other = registered_box(stored), Outbox(stored.engine, "t", "")

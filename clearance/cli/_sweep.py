@@ -94,7 +94,8 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     margin = "" if outcome.margin is None else f", worst margin {outcome.margin:.6g} {outcome.unit}".rstrip()
     bound = outcome.upper_bound
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
-    sampled = "" if bound is None else f", P(violation) at most {most} ({outcome.confidence:.0%} confidence)"
+    sure = f"{100 * (outcome.confidence or 0.0):.6g}%"
+    sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence)"
     return f"{start}  {outcome.verdict}{margin}{sampled}"
 
 

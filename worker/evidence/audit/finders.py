@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from campaigns.asked.allowance import validation
-from campaigns.claims.say import count, say
+from campaigns.claims.say import say
 from campaigns.claims.spans import Quantity
 from campaigns.claims.stages import ends
 from campaigns.results.base import OK
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
-from worker.evidence.audit.sentences import SPANS, alike
+from worker.evidence.audit.sentences import SPANS, alike, budget
 
 
 def found_by(run: Run, finding: Tree) -> list[Tree]:
@@ -24,16 +24,20 @@ def found_by(run: Run, finding: Tree) -> list[Tree]:
         return stated
     worst, point = float(finding["cost"]), np.array(finding["point"])
     near = limits.SAME_COST * _scale(run, worst)
-    every, own = [], []
+    exact = (
+        (run.status == OK) & (run.raw == worst) & (run.points == point).all(axis=1) & (run.stage < len(run.plan) - 1)
+    )
+    every: list[Tree] = []
+    own: list[list[Tree]] = [[]] if exact.any() and not np.isin(run.stage[exact], run.searches).any() else []
     for k in run.searches:
         points, raw, status = run.rows(k)
         low = (status == OK) & (raw <= worst + near)
         close = low & (np.abs(points - point) <= limits.SAME_PLACE).all(axis=1)
         if close.any():
             every.append(_entry(run, k, close))
-        exact = (status == OK) & (raw == worst) & (points == point).all(axis=1)
-        own += [[_entry(run, k, exact)]] if exact.any() else []
-    return stated if not finding.get("slices") and stated in (own or [[]]) else every
+        here = exact[run.stage == k]
+        own += [[_entry(run, k, here)]] if here.any() else []
+    return stated if not finding.get("slices") and stated in own else every
 
 
 def gathered(run: Run) -> Tree:
@@ -46,9 +50,8 @@ def gathered(run: Run) -> Tree:
         span.name: int(span.value) for span in SPANS.validate_python(stated["statement"]) if isinstance(span, Quantity)
     }
     total, kept = validation(run.campaign, run.calls.noisy).total, min(numbers.get("kept", 0), len(run.findings))
-    before, _, after = ends.BUDGET.partition("{budget}")
-    budget = say(before, count(numbers.get("budget", 0), "budget"), after)
-    partly = [*whole, ends.confirmed(kept, total), ends.skipped(numbers.get("points", 0), total), budget]
+    lost = [ends.confirmed(kept, total), ends.skipped(numbers.get("points", 0), total)]
+    partly = [*whole, *lost, budget(numbers.get("budget", 0))]
     possible = [ends.gathered(ended, stated["complete"]) for ended in (whole if stated["complete"] else partly)]
     return {"statement": next((one for one in possible if alike(stated["statement"], one)), possible[0])}
 

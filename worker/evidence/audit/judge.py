@@ -63,7 +63,7 @@ class Known(NamedTuple):
     titles: Mapping[str, tuple[Any, Any]]
     components: list[str] | Missing
     searches: Mapping[int, Searched | Missing | None] = {}
-    names: Sequence[str] = ()
+    names: list[str] | Missing = Missing("not compared")
 
 
 NOTHING = Known(Missing("not made again"), {}, Missing("not compared"))
@@ -111,7 +111,7 @@ def _worded(run: Run, known: Known) -> Iterator[Item]:
         yield Item(f"words.{path}", stated, spans)
     yield Item("components", [], known.components)
     if not run.reworded:
-        yield Item("names", [*known.names], [])
+        yield Item("names", known.names, [])
 
 
 def closing(items: Sequence[Item]) -> tuple[bool, str]:

@@ -95,7 +95,7 @@ def of_stage(run: Run, k: int, sample: Tree | None, stop: Any) -> Tree:
         and run.ended[k]["evaluations"] >= run.plan[k].planned
         and (stop or {}).get("kind") == "budget"
     ):
-        found["stop"] = {"statement": _budget(run.plan[k].planned)}
+        found["stop"] = {"statement": budget(run.plan[k].planned)}
     return found
 
 
@@ -146,6 +146,7 @@ def _terms(run: Run, certify: bool) -> templates.Terms:
     return templates.WITHOUT
 
 
-def _budget(evaluations: int) -> Spans:
+def budget(evaluations: int) -> Spans:
+    """That a stage used its budget."""
     before, _, after = ends.BUDGET.partition("{budget}")
     return say(before, count(evaluations, "budget"), after)

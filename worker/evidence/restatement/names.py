@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -15,15 +16,12 @@ from campaigns.results.verdicts import DescribedCheck
 from campaigns.stages.found import AnyResult
 from worker.evidence.audit.record import Record
 
-RESULT: TypeAdapter[Any] = TypeAdapter(AnyResult)
-FORMS: dict[str, TypeAdapter[Any]] = {
-    "checks": TypeAdapter(list[DescribedCheck]),
-    "findings": TypeAdapter(list[LikelyFinding | Finding]),
-    "most_likely_violation": TypeAdapter(MostLikely),
-    **{
-        name: TypeAdapter[Any](Verdict.model_fields[name].annotation or Any)
-        for name in ("statistics", "nominal", "worst", "evaluations", "regression", "sureness")
-    },
+OF_VERDICT = ("statistics", "nominal", "worst", "evaluations", "regression", "sureness")
+FORMS: dict[str, Any] = {
+    "checks": list[DescribedCheck],
+    "findings": list[LikelyFinding | Finding],
+    "most_likely_violation": MostLikely,
+    **{name: Verdict.model_fields[name].annotation for name in OF_VERDICT},
 }
 """By its name, the form of a part of result.json."""
 LABEL = {"finding": ""}
@@ -45,20 +43,25 @@ def beyond(record: Record) -> list[str]:
     for name, form in FORMS.items():
         found += _unknown(name, stated.get(name), form)
     for k, result in enumerate(claims.get("results") or ()):
-        found += _unknown(f"results.{k}", result, RESULT)
+        found += _unknown(f"results.{k}", result, AnyResult)
     for k, stage in enumerate(claims.get("stages") or ()):
         found += [f"stages.{k}.{name}" for name in sorted(stage.keys() - STAGE)]
-        found += _unknown(f"stages.{k}.minima", stage.get("minima"), TypeAdapter(list[Minimum]))
+        found += _unknown(f"stages.{k}.minima", stage.get("minima"), list[Minimum])
     for k, lost in enumerate(claims.get("failures") or ()):
         found += [f"failures.{k}.{name}" for name in sorted(lost.keys() - FAILURE)]
     return found
 
 
-def _unknown(name: str, stated: Any, form: TypeAdapter[Any]) -> list[str]:
+@cache
+def _adapter(form: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(form)
+
+
+def _unknown(name: str, stated: Any, form: Any) -> list[str]:
     if stated is None:
         return []
     try:
-        written = form.dump_python(form.validate_python(stated), mode="json")
+        written = _adapter(form).dump_python(_adapter(form).validate_python(stated), mode="json")
     except ValidationError:
         return []
     return [*_beside(stated, written, name)]

@@ -60,5 +60,5 @@ it('reads lists and counts again when the state of a listed run changes, and onl
     return cache.getQueryState(['runs', { q: '' }])?.isInvalidated
   }
   expect(listed({ ...run, name: 'old' })).toBe(false)
-  expect(listed({ ...run, state: 'queued' } as RunSummary)).toBe(true)
+  expect(listed({ ...run, state: 'queued' })).toBe(true)
 })

@@ -24,9 +24,9 @@ def found_by(run: Run, finding: Tree) -> list[Tree]:
         return stated
     worst, point = float(finding["cost"]), np.array(finding["point"])
     near = limits.SAME_COST * _scale(run, worst)
-    exact = (
-        (run.status == OK) & (run.raw == worst) & (run.points == point).all(axis=1) & (run.stage < len(run.plan) - 1)
-    )
+    exact = (run.status == OK) & (run.raw == worst) & (run.points == point).all(axis=1)
+    if not _alone(run, finding):
+        exact &= run.stage < len(run.plan) - 1
     every: list[Tree] = []
     own: list[list[Tree]] = [[]] if exact.any() and not np.isin(run.stage[exact], run.searches).any() else []
     for k in run.searches:
@@ -54,6 +54,14 @@ def gathered(run: Run) -> Tree:
     partly = [*whole, *lost, budget(numbers.get("budget", 0))]
     possible = [ends.gathered(ended, stated["complete"]) for ended in (whole if stated["complete"] else partly)]
     return {"statement": next((one for one in possible if alike(stated["statement"], one)), possible[0])}
+
+
+def _alone(run: Run, finding: Tree) -> bool:
+    """Whether an evaluation of the validation itself can be listed as it was: with its own noise, or since no descent
+    ended in a confirmed violation."""
+    if (finding.get("validation") or {}).get("realisation") is not None:
+        return True
+    return not any(f.get("slices") and (f.get("validation") or {}).get("violates") for f in run.findings)
 
 
 def _entry(run: Run, k: int, rows: Any) -> Tree:

@@ -17,7 +17,9 @@ from campaigns.stages.found import AnyResult
 from worker.evidence.audit.record import Record
 
 OF_VERDICT = ("statistics", "nominal", "worst", "evaluations", "regression", "sureness")
-FORMS: dict[str, Any] = {
+Form = Any
+"""A type that pydantic reads values as."""
+FORMS: dict[str, Form] = {
     "checks": list[DescribedCheck],
     "findings": list[LikelyFinding | Finding],
     "most_likely_violation": MostLikely,
@@ -53,11 +55,11 @@ def beyond(record: Record) -> list[str]:
 
 
 @cache
-def _adapter(form: Any) -> TypeAdapter[Any]:
+def _adapter(form: Form) -> TypeAdapter[Any]:
     return TypeAdapter(form)
 
 
-def _unknown(name: str, stated: Any, form: Any) -> list[str]:
+def _unknown(name: str, stated: Any, form: Form) -> list[str]:
     if stated is None:
         return []
     try:

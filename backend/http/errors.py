@@ -111,6 +111,7 @@ KINDS = {
     "other-version": Kind(409, "The run's campaign was stored by another version of Clearance."),
     "removed": Kind(409, "The run is removed: restore it first."),
     "requirement-conflict": Kind(409, "The requirement is changed elsewhere, or there are too many."),
+    "text-changed": Kind(409, "The text of a requirement has changed since it was reviewed."),
     "results-changed": Kind(409, "The results have changed since they were reviewed."),
     "too-many-drafts": Kind(409, "The maximum number of drafts is reached."),
     "withdrawn": Kind(409, "The sign-off is already withdrawn."),

@@ -92,8 +92,9 @@ def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[Requireme
         row, text = registered.get(key), worded.now.get(key, "")
         whole = [_whole(e, known.get(e.run_id), key, worded) for e in edges.get(key, [])]
         found = standing(whole, others)
+        beside = [_whole(e, known[e.run_id], key, worded) for e in others if e.run_id in known]
         notes = " ".join([found.sentence, *against.notes(ignored[key], similar.get(key, []))])
-        made.append(_row(key, row, text, whole, others, replace(found, sentence=notes), shown, known, ignored))
+        made.append(_row(key, row, text, whole, beside, replace(found, sentence=notes), shown, known, ignored))
     return made
 
 
@@ -160,10 +161,12 @@ def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present
         of = sa.select(Run.id, CampaignRow.name, CampaignRow.document, evidence, *identity.COLUMNS)
         of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(some))
         stored = {row.id: row for row in reader.execute(of)}
+        swept = set(reader.scalars(sa.select(Run.id).where(Run.id.in_(some), present.in_sweep())))
         for outcome in outcomes(reader, [Run.id.in_(some)]):
             run_id = run_number(outcome.id) or 0
             row = stored[run_id]
-            changed = tuple(present.changes(now, run_id, row.name, row.document, identity.of_row(row)))
+            name = "" if run_id in swept else row.name  # no variant is compared with the campaign it was made from
+            changed = tuple(present.changes(now, run_id, name, row.document, identity.of_row(row)))
             own = signed.get(run_id, UNSIGNED)
             found = [one for one in own.signatures if one.row.withdrawn is None]
             known[run_id] = Known(outcome, found, own.not_carried, changed, row.evidence)
@@ -217,6 +220,7 @@ def _row(
         etag=tag(key, None if row is None else row.text),
         runs=[_run(by[run_id], known[run_id], now, key) for run_id in shown.get(key, ()) if run_id in known],
         total=len(edges),
+        unlisted=len({e.run_id for e in edges} - set(shown.get(key, ()))),
         removed=ignored[key].removed,
         sweeps=ignored[key].sweeps,
     )

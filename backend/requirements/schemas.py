@@ -66,6 +66,8 @@ class RequirementRow(Schema):
     """Those that count, then the newest others."""
     total: int
     """How many runs there are, without removed ones and those of sweeps."""
+    unlisted: int
+    """How many of them `runs` does not have."""
     removed: int
     """Removed runs, which do not count."""
     sweeps: int

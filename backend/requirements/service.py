@@ -55,7 +55,8 @@ def _imported(writer: sa.Connection, upload: Upload, visitor: Visitor) -> Import
     at, digest = now(writer), hashlib.sha256(content).hexdigest()
     stored = {"kind": kind, "digest": digest, "content": content, "imported": at, "imported_by": visitor.user}
     file_id = _stored(writer, name, stored)
-    before = {row.id: row for row in writer.execute(sa.select(Requirement.__table__))}
+    held = sa.select(Requirement.__table__).order_by(Requirement.id).with_for_update()  # an edit waits, or is seen
+    before = {row.id: row for row in writer.execute(held)}
     ids = {one.id for one in found}
     _refuse_foreign(writer, file_id, [row for key, row in before.items() if key in ids])
     gone = sorted(key for key, row in before.items() if row.file_id == file_id and key not in ids)
@@ -139,24 +140,29 @@ def write(engine: sa.Engine, new: RequirementGiven, visitor: Visitor, match: str
     409 for one of a ReqIF file: it is changed where it was written, and imported again. 412 unless it is the one that
     `match` names.
     """
-    with engine.begin() as writer:
-        at, old = now(writer), _one(writer, new.id, hold=True)
-        require_match(match, tag(new.id, None if old is None else old.text), new.id)
-        if old is None:
-            if (writer.scalar(sa.select(sa.func.count()).select_from(Requirement)) or 0) >= MOST:
-                raise _conflict(f"there are already {MOST:,} requirements, which is the limit: delete some first")
-            writer.execute(sa.insert(Requirement).values(**_row(Read(new.id, new.text, {}), None, at, visitor)))
-            audit.note(writer, visitor, "requirement.added", new.id[:80], {"id": new.id, **stated_text(new.text)})
-        elif old.kind == "reqif":
-            raise _conflict(
-                f"{new.id} is from {old.file}: change it in the tool that wrote the file, and import it again"
-            )
-        elif old.text != new.text:
-            values = {"text": new.text, "changed": at, "changed_by": visitor.user}
-            writer.execute(sa.update(Requirement).where(Requirement.id == new.id).values(**values))
-            detail = {"id": new.id, **changed_text(old.text, new.text)}
-            audit.note(writer, visitor, "requirement.changed", new.id[:80], detail)
-        return matrix.rows(writer, [new.id], 5)[0]
+    try:
+        with engine.begin() as writer:
+            return _written(writer, new, visitor, match)
+    except sa.exc.IntegrityError:  # another writer, at the same time
+        raise _conflict(f"{new.id} was registered at the same time: read it again, then repeat the change") from None
+
+
+def _written(writer: sa.Connection, new: RequirementGiven, visitor: Visitor, match: str | None) -> RequirementRow:
+    at, old = now(writer), _one(writer, new.id, hold=True)
+    require_match(match, tag(new.id, None if old is None else old.text), new.id)
+    if old is None:
+        if (writer.scalar(sa.select(sa.func.count()).select_from(Requirement)) or 0) >= MOST:
+            raise _conflict(f"there are already {MOST:,} requirements, which is the limit: delete some first")
+        writer.execute(sa.insert(Requirement).values(**_row(Read(new.id, new.text, {}), None, at, visitor)))
+        audit.note(writer, visitor, "requirement.added", new.id[:80], {"id": new.id, **stated_text(new.text)})
+    elif old.kind == "reqif":
+        raise _conflict(f"{new.id} is from {old.file}: change it in the tool that wrote the file, and import it again")
+    elif old.text != new.text:
+        values = {"text": new.text, "changed": at, "changed_by": visitor.user}
+        writer.execute(sa.update(Requirement).where(Requirement.id == new.id).values(**values))
+        detail = {"id": new.id, **changed_text(old.text, new.text)}
+        audit.note(writer, visitor, "requirement.changed", new.id[:80], detail)
+    return matrix.rows(writer, [new.id], 5)[0]
 
 
 def delete(engine: sa.Engine, key: str, visitor: Visitor, match: str | None = None) -> None:

@@ -26,13 +26,15 @@ def requirements(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
     """All requirements with id, text and status, and the other attributes of their files.
 
     The most frequent attributes have columns of their own: every row has all columns, and files may name any number.
+    One that has the name of a column of the matrix, such as status, is headed `status (file)`.
     """
     listed = list(rows)
     fixed = ("id", "text", "status", "why", "file")
-    used = Counter(name for row in listed for name in row.attributes if name not in fixed)
+    used = Counter(name for row in listed for name in row.attributes)
     more = sorted(name for name, _ in used.most_common(MOST_COLUMNS))
     rest = set(used) - set(more)
-    yield written([[*fixed, *more, *(["other attributes"] if rest else [])]])
+    heads = [f"{name} (file)" if name in fixed else name for name in more]
+    yield written([[*fixed, *heads, *(["other attributes"] if rest else [])]])
     for row in listed:
         values = (row.id, row.text, row.status, row.sentence, row.file or "")
         others = "; ".join(f"{name}: {value}" for name, value in row.attributes.items() if name in rest)
@@ -40,7 +42,8 @@ def requirements(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
 
 
 def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
-    """A line for each requirement and run, the runs that count first; one line for a requirement without a run."""
+    """A line for each requirement and run, the runs that count first; one line for a requirement without a run, and one
+    that states how many older runs are not listed."""
     yield written([_MATRIX])
     for row in rows:
         before = [row.id, row.text, row.status, row.sentence]
@@ -48,6 +51,9 @@ def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
             yield written([[*before, *[""] * (len(_MATRIX) - len(before))]])
         for run in row.runs:
             yield written([[*before, *_run(run)]])
+        if row.unlisted:
+            more = f"{row.unlisted} older runs are not listed"
+            yield written([[*before, "", more, *[""] * (len(_MATRIX) - len(before) - 2)]])
 
 
 def _run(run: RequirementRun) -> list[object]:

@@ -44,9 +44,12 @@ _SUMMARIES = (
 Units = dict[tuple[str | None, str], tuple[str, str]]
 
 
-def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None, limit: int) -> RunPage:
-    """One page of the list, the cursor of the next page, and the total counts for the same search."""
-    order, conditions = Order(sort), filters.conditions()
+def page(
+    reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None, limit: int, pins: bool = True
+) -> RunPage:
+    """One page of the list, the cursor of the next page, and the total counts for the same search. pins: pinned runs
+    come first."""
+    order, conditions = Order(sort, pins), filters.conditions()
     if cursor is not None:
         conditions.append(order.after(cursor))
     keys = sa.select(Run.id, Run.pinned, order.value.label("value")).where(*conditions)

@@ -51,9 +51,10 @@ else:
 
 @dataclass(frozen=True)
 class Order:
-    """By pin, then by value with missing values last in both directions, then newest first."""
+    """By pin, if pins count, then by value with missing values last in both directions, then newest first."""
 
     sort: Sort
+    pins: bool = True
 
     @property
     def value(self) -> sa.ColumnElement[Any]:
@@ -61,15 +62,17 @@ class Order:
 
     @property
     def columns(self) -> list[sa.ColumnElement[Any]]:
-        down = self.sort.startswith("-")
+        down, first = self.sort.startswith("-"), [Run.pinned.desc()] if self.pins else []
         if self.sort.endswith("created"):
-            return [Run.pinned.desc(), Run.id.desc() if down else Run.id.asc()]
-        return [Run.pinned.desc(), self.value.is_(None), self.value.desc() if down else self.value.asc(), Run.id.desc()]
+            return [*first, Run.id.desc() if down else Run.id.asc()]
+        return [*first, self.value.is_(None), self.value.desc() if down else self.value.asc(), Run.id.desc()]
 
     def after(self, cursor: str) -> sa.ColumnElement[bool]:
         """The rows after the one named by the cursor; 422 for a cursor of another order."""
         pinned, value, run_id = self._decode(cursor)
         behind = self._after(value, run_id)
+        if not self.pins:
+            return behind
         if not pinned:
             return sa.and_(Run.pinned.is_(False), behind)
         return sa.or_(Run.pinned.is_(False), behind)

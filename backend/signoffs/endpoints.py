@@ -34,6 +34,7 @@ def list_signoffs(run: RunName, reader: Reader, visitor: CurrentVisitor) -> Sign
         "not-found",
         "no-verdict",
         "results-changed",
+        "text-changed",
         "already-signed",
         "own-run",
         "removed",
@@ -43,7 +44,10 @@ def list_signoffs(run: RunName, reader: Reader, visitor: CurrentVisitor) -> Sign
     ),
 )
 def sign_off(run: RunName, review: SignoffRequest, once: OnceOnly, visitor: CurrentVisitor) -> Signoff:
-    """Sign off the results of a run; the digest identifies the reviewed results and must match the current ones."""
+    """Sign off the results of a run; the digest identifies the reviewed results and must match the current ones.
+
+    So must the texts of requirements, if they are given.
+    """
     run_id = number(run)
 
     def work(writer: sa.Connection) -> Signoff:

@@ -24,6 +24,9 @@ class SignoffRequest(Given):
     comment: Comment = ""
     digest: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
     """The digest of the reviewed results; refused if it is not the run's current one."""
+    texts: Annotated[dict[str, str], Field(max_length=1000)] | None = None
+    """The texts of the requirements that were reviewed, as the list of sign-offs had them; refused if one has changed.
+    Without them the sign-off is of the texts of now."""
 
 
 class WithdrawalRequest(Given):
@@ -85,6 +88,8 @@ class Signoffs(Schema):
     """Why the caller may not sign it off, such as having launched it; null if they may."""
     signs_as: str | None = None
     """The account under which the caller signs; null on a service without accounts, where a name is typed."""
+    texts: dict[str, str] = Field(default_factory=dict)
+    """The requirements that the run states, by id, with the texts of now: a new sign-off is bound to them."""
     not_carried: str | None = None
     """Why the sign-offs of the newest signed run of this campaign before it do not count here, if none does."""
     items: list[Signoff]

@@ -37,7 +37,13 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
     signed = signatures(reader, [run_id]).get(run_id, UNSIGNED)
     items = [one.signoff() for one in signed.signatures]
     can_sign = verdict is not None and not removed
-    found = Signoffs(digest=digest, can_sign=can_sign, not_carried=signed.not_carried, items=items)
+    found = Signoffs(
+        digest=digest,
+        can_sign=can_sign,
+        texts=texts(reader, [run_id]).of_run(run_id),
+        not_carried=signed.not_carried,
+        items=items,
+    )
     if visitor is not None:
         found.barred, found.signs_as = _barred(reader, run_id, visitor, digest), signs_as(reader, visitor)
     return found
@@ -68,12 +74,23 @@ def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Vi
         raise repeated
     values = {"run_id": run_id, "name": name, "role": review.role, "comment": review.comment, "digest": digest}
     values |= {"user": visitor.user, "account": visitor.account, "created": now(writer)}
-    values["texts"] = texts(writer, [run_id]).of_run(run_id)
+    values["texts"] = _reviewed(writer, run_id, review)
     signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
     signed = signer(visitor.account, name)
-    noted = {"signoff": signoff_id, **review.model_dump(), **signed._asdict()} | ({"own": True} if own else {})
+    noted = {"signoff": signoff_id, **review.model_dump(exclude={"texts"}), **signed._asdict()} | (
+        {"own": True} if own else {}
+    )
     audit.note(writer, visitor, "signoff.created", run_name(run_id), noted)
     return one(writer, run_id, signoff_id)
+
+
+def _reviewed(writer: sa.Connection, run_id: int, review: SignoffRequest) -> dict[str, str]:
+    """The texts that the sign-off is bound to; 409 if the reviewer read others."""
+    now = texts(writer, [run_id]).of_run(run_id)
+    if review.texts is not None and review.texts != now:
+        (other, *_) = sorted(key for key in now.keys() | review.texts.keys() if now.get(key) != review.texts.get(key))
+        raise _conflict("text-changed", f"the text of {other} has changed since the review: read it again, then sign")
+    return now
 
 
 def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visitor: Visitor) -> Signoff:

@@ -18,6 +18,7 @@ from backend.db.tables import Run, Sweep, SweepRun
 from backend.http import bodies, keys
 from backend.http.errors import not_found
 from backend.http.keys import Keyed
+from backend.runs import edits
 from backend.runs.outcomes import outcomes
 from backend.runs.quota import Quota, refuse_beyond
 from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSummary
@@ -161,18 +162,10 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
     with engine.begin() as writer:
         owner = writer.scalar(sa.select(Sweep.owner).where(Sweep.id == sweep_id))
         require_own(visitor, owner, sweep_name(sweep_id))
-        changed = []
         of = sa.select(Run.id).join(SweepRun, SweepRun.run_id == Run.id)
         # Runs of which the results were purged have ended.
-        active = of.where(SweepRun.sweep_id == sweep_id, Run.purged.is_(None)).order_by(Run.id)
-        for run_id in writer.scalars(active).all():
-            before = writer.scalar(sa.select(Run.state).where(Run.id == run_id))
-            state = queue.request_cancel(writer, run_id)
-            if state != before:
-                changed.append((run_id, state))
-        for run_id, state in changed:
-            noted = {"state": state, "sweep": sweep_name(sweep_id)}
-            audit.note(writer, visitor, "run.cancelled", run_name(run_id), noted)
+        active = of.where(SweepRun.sweep_id == sweep_id, Run.purged.is_(None))
+        edits.cancelled(writer, writer.scalars(active).all(), visitor, sweep=sweep_name(sweep_id))
     with read(engine) as reader:
         return detail(reader, sweep_id)
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from backend.http.written import headed, lines
+from backend.runs.outcomes import Outcome
 from backend.sweeps.schemas import SweepDetail, SweepPoint
+from campaigns.results.verdict import headline
 
 PURGED = "purged"
 
@@ -27,9 +29,13 @@ def _row(point: SweepPoint) -> list[object]:
     numbers = (found.threshold, found.worst_cost, found.margin, found.upper_bound)
     counts = (found.violations, found.samples)
     return [
-        repr(point.value), point.run, found.state, found.verdict, *map(_number, numbers), *counts,
+        repr(point.value), point.run, found.state, _word(found), *map(_number, numbers), *counts,
         _number(found.confidence), found.seed, found.code, found.error,
     ]  # fmt: skip
+
+
+def _word(found: Outcome) -> str | None:
+    return None if found.verdict is None else headline(found.verdict, found.not_sampled)
 
 
 def _number(value: float | None) -> str | None:

@@ -22,7 +22,9 @@ from campaigns.runs import run_name, run_number
 def of_campaign(
     reader: sa.Connection, digest: str | None, name: str | None, limit: int, label: Sequence[tuple[str, str]] = ()
 ) -> Trend:
-    """The trend of one campaign, by its digest or by its name; 422 unless exactly one is given, 404 if unknown.
+    """The trend of one campaign, by its digest or by its name; 422 unless exactly one is given.
+
+    404 for an unknown digest; a name that no campaign has is one without runs, as before the first run.
 
     Removed runs are omitted. label: only runs with these labels, of which those of one key are alternatives.
     """

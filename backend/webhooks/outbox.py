@@ -52,12 +52,18 @@ class Outbox:
         count = 0
         while ids := self._unreported():
             with self.engine.begin() as writer:
-                for run_id in ids:
+                for run_id in self._still(writer, ids):
                     values = {"run_id": run_id, "body": self._body(writer, run_id)}
                     row = insert(writer, WebhookDelivery).values(**_new(writer, self.target, body.ENDED), **values)
                     once = row.on_conflict_do_nothing(index_elements=["target", "run_id"])
                     count += writer.scalar(once.returning(WebhookDelivery.id)) is not None
         return count
+
+    def _still(self, writer: sa.Connection, ids: Sequence[int]) -> Sequence[int]:
+        """Those of these runs that have ended, held until the transaction ends: one may have been queued again since it
+        was read, and its end is yet to come."""
+        held = sa.select(Run.id).where(Run.id.in_(ids), Run.state.in_(ENDED)).order_by(Run.id).with_for_update()
+        return writer.scalars(held).all()
 
     def _body(self, reader: sa.Connection, run_id: int) -> str:
         """Never fails for one run, which would hold up all others."""

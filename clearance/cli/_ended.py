@@ -27,6 +27,10 @@ OUTCOMES = {
 """The meaning of each exit code of a run, unless a policy decides it."""
 
 
+UNKNOWN = ("not compared", "unresolved")
+"""Of a finding of the baseline: standings that say what was not examined, not what has become of it."""
+
+
 @dataclass(frozen=True)
 class Case:
     """One finding: the value to state for it and its margin [unit of the criterion], parameters by path.
@@ -186,12 +190,12 @@ def exit_sentence(verdict: Verdict) -> str:
 
 
 def changes(verdict: Verdict) -> list[str]:
-    """The sentence on the changes since a baseline, each finding that is not compared, and why the exit code is not
-    that of the verdict; empty without a baseline."""
+    """The sentence on the changes since a baseline, each finding of which the change is not known, and why the exit
+    code is not that of the verdict; empty without a baseline."""
     regression = verdict.regression
     if regression is None:
         return []
-    lost = [f"{case.text}." for case in regression.cases if case.standing == "not compared"]
+    lost = [f"{case.text}." for case in regression.cases if case.standing in UNKNOWN]
     return [regression.text, *lost, *filter(None, [exit_sentence(verdict)])]
 
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
 from campaigns.claims.numbers import signed
-from campaigns.results.regression import FindingChange, Standing
-from clearance.cli._ended import Case, EndedRun, exit_sentence, sureness
+from campaigns.results.regression import FindingChange
+from clearance.cli._ended import UNKNOWN, Case, EndedRun, exit_sentence, sureness
 
 if TYPE_CHECKING:
     from campaigns.results import Verdict
@@ -147,7 +147,7 @@ def _case(suite: Xml.Element, ended: EndedRun, change: FindingChange) -> None:
     """The names do not contain the baseline's number, so that a CI service can follow a case from build to build."""
     name = f"{change.before} of the baseline" if change.before else f"new finding {change.now}"
     case = _added(suite, ended, name)
-    if change.standing in (Standing.NOT_COMPARED, Standing.UNRESOLVED) and not change.fails:
+    if change.standing in UNKNOWN and not change.fails:
         Xml.SubElement(case, "skipped", message=_clean(change.text))
     elif change.fails:
         lines = [*(f"{path} = {value!r}" for path, value in change.parameters.items()), ended.link]

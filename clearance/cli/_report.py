@@ -41,6 +41,7 @@ COLOURS = {
     Standing.WORSE: "red",
     Standing.BETTER: "green",
     Standing.FIXED: "green",
+    Standing.UNRESOLVED: "yellow",
     Standing.NOT_COMPARED: "yellow",
 }
 """Of what has become of a finding since a baseline."""

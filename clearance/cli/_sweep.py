@@ -85,6 +85,8 @@ def _lines(found: Sweep) -> list[str]:
 
 
 def _line(found: Sweep, point: SweepPoint) -> str:
+    from campaigns.results.verdict import headline
+
     outcome = point.outcome
     start = f"{found.path} = {point.value:.15g} {found.unit}".rstrip() + f"  {point.run}"
     if outcome is None:
@@ -96,7 +98,7 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
     sure = f"{100 * (outcome.confidence or 0.0):.6g}%"
     sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence)"
-    return f"{start}  {outcome.verdict}{margin}{sampled}"
+    return f"{start}  {headline(str(outcome.verdict), outcome.not_sampled)}{margin}{sampled}"
 
 
 def _code(found: Sweep) -> int:

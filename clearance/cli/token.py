@@ -65,4 +65,4 @@ def revoke(name: Name, data: Data = DATA, database: Database = "") -> None:
 
 
 def _shown(at: float | None) -> str:
-    return "-" if at is None else time.strftime("%Y-%m-%d %H:%M", time.localtime(at))
+    return "-" if at is None else time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(at))

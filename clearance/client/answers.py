@@ -404,6 +404,8 @@ class Signoffs(Answer):
     """Why the caller may not sign it off, such as having launched it; None if they may."""
     signs_as: str | None = None
     """The account under which the caller signs; None on a service without accounts, where a name is typed."""
+    texts: dict[str, str] = {}
+    """The requirements that the run states, by id, with the texts of now: a new sign-off is bound to them."""
     not_carried: str | None = None
     """Why the sign-offs of the newest signed run of this campaign before it do not count here, if none does."""
     items: list[Signoff]

@@ -186,10 +186,10 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
   // Whoever launched a run is not independent of it.
   const [role, setRole] = useState(own ? '' : (TITLES[0] ?? ''))
   const [comment, setComment] = useState('')
-  const [digest] = useState(seen.digest)
+  const [{ digest, texts }] = useState(seen)
   const sign = useChange(
     run.id,
-    () => signOff(run.id, { ...(account === null && { name: name.trim() }), role: role.trim(), comment: comment.trim(), digest }),
+    () => signOff(run.id, { ...(account === null && { name: name.trim() }), role: role.trim(), comment: comment.trim(), digest, texts }),
     onDone,
   )
   return (
@@ -206,6 +206,7 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
         {account === null && ' This service has no accounts: the name is recorded as typed.'}
         {own && ` You launched ${run.id}, and the sign-off states that.`}
       </p>
+      <Texts of={texts} />
       {account === null && <Field label="Name" value={name} maxLength={120} required data-autofocus onChange={setName} />}
       <Field label="Title" value={role} maxLength={120} required list="signoff-titles" onChange={setRole} />
       <datalist id="signoff-titles">
@@ -215,6 +216,21 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
       </datalist>
       <Field label="Comment" value={comment} maxLength={4000} rows={4} onChange={setComment} />
     </Form>
+  )
+}
+
+/** The texts of requirements that the sign-off is bound to. */
+function Texts({ of }: { of: Signoffs['texts'] }) {
+  if (Object.keys(of).length === 0) return null
+  return (
+    <dl className={styles.texts} aria-label="Requirements, with the texts that are signed">
+      {Object.entries(of).map(([id, text]) => (
+        <div key={id}>
+          <dt>{id}</dt>
+          <dd>{text || 'no text'}</dd>
+        </div>
+      ))}
+    </dl>
   )
 }
 

@@ -16,6 +16,7 @@ from backend.db.tables import Run
 from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
 from tests.given.refused_commands import refusal
 from tests.given.reported_runs import finish_fully
+from tests.given.row_changes import changed
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
@@ -87,9 +88,14 @@ def test_a_run_is_shown(violated: str, command: Command, capsys: pytest.CaptureF
     assert refusal(capsys.readouterr().err) == "not-found"
 
 
-def test_runs_are_cancelled(violated: str, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
+def test_runs_are_cancelled(
+    service: Service, violated: str, command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert command("cancel", "R-0003", violated) == 0
     assert statement(capsys).splitlines() == ["R-0003 cancelled", "R-0001 done: violated"]
+    with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="cleared", summary={})):
+        assert command("cancel", violated) == 0
+        assert statement(capsys) == "R-0001 done: cleared: not sampled\n"
     assert command("cancel", "R-0002", "../x") == WRONG_INPUT
     capsys.readouterr()
     assert command("runs", "--state", "queued", "--json") == 0

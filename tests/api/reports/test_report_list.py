@@ -45,6 +45,11 @@ def test_reports_of_ended_runs(service: Service, client: httpx.Client, monkeypat
     found = listed(client)
     assert [item["run"] for item in found["items"]] == runs[2::-1]
     assert (found["total"], found["next_cursor"]) == (3, None)
+    client.patch(f"/api/v1/runs/{runs[0]}", json={"pinned": True})
+    assert [item["run"] for item in listed(client)["items"]] == runs[2::-1], "the newest first, pinned or not"
+    newest = listed(client, limit=2)
+    older = listed(client, limit=2, cursor=newest["next_cursor"])
+    assert [item["run"] for item in (*newest["items"], *older["items"])] == runs[2::-1]
     first = found["items"][2]
     assert (first["verdict"], stood(first)) == ("cleared", [("Ada", "standing")])
     assert first["digest"] == client.get(f"/api/v1/runs/{runs[0]}/signoffs").json()["digest"]

@@ -18,9 +18,10 @@ import pytest
 import sqlalchemy as sa
 import yaml
 
-from backend.db.tables import Audit, CatalogueDocument, Finding, Run
+from backend.db.tables import Audit, CatalogueDocument, Finding, Run, SweepRun
 from backend.requirements import uploads
 from backend.signoffs.texts import OTHER_TEXT
+from campaigns.runs import run_number
 from tests.given.code_versions import CODE, OTHER, edited
 from tests.given.databases import AT_NIGHT, BOTH
 from tests.given.joined_users import joined
@@ -68,6 +69,26 @@ def sign(client: httpx.Client, run: str) -> None:
     digest = client.get(f"/api/v1/runs/{run}/signoffs").json()["digest"]
     body = {"name": "Grace Hopper", "role": "Independent review", "comment": "", "digest": digest}
     assert client.post(f"/api/v1/runs/{run}/signoffs", json=body).status_code == 201
+
+
+def test_sign_offs_of_runs_that_speak_against_it_are_stated(service: Service, client: httpx.Client) -> None:
+    """They need not state the requirement, nor be of a campaign of their own."""
+    violating = submit(client)
+    finish_fully(service, "violated")
+    sign(client, violating)
+    ran(service, client, "REQ-1", seed=2)
+    variant = submit(client)
+    finish_fully(service, "violated")
+    variants = {"campaign": campaign(), "path": "avoider.d_0", "values": [1.0, 2.0]}
+    assert client.post("/api/v1/sweeps", json=variants).status_code == 201
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(SweepRun).where(SweepRun.value == 1.0).values(run_id=run_number(variant)))
+    found = {one["id"]: one for one in row(client, "REQ-1")["runs"]}
+    assert (found[violating]["part"], found[violating]["signed"]) == ("violation", True)
+    lines = csv.DictReader(io.StringIO(client.get(f"{AT}/export/matrix.csv").text))
+    signed = {line["run"]: (line["signed"], line["signed_by"][:12]) for line in lines}
+    assert signed[violating] == ("yes", "Grace Hopper")
+    assert (found[variant]["part"], found[variant]["changes"]) == ("violation", []), "it is compared with no campaign"
 
 
 @AT_NIGHT

@@ -123,6 +123,10 @@ def test_several_runs_are_cancelled_at_once(service: Service, client: httpx.Clie
         (second, "cancelling"),
         (first, "done"),
     ]
+    client.post(f"/api/v1/runs/{second}/cancel")
+    with service.engine.connect() as reader:
+        noted = reader.scalars(sa.select(Audit.subject).where(Audit.action == "run.cancelled").order_by(Audit.id)).all()
+    assert noted == [second, third], "what a request did not change is not noted"
 
 
 def test_one_unknown_run_and_none_is_cancelled(client: httpx.Client) -> None:

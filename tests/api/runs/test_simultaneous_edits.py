@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -9,7 +10,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.tables import AuditHead, Draft
+from backend.db.tables import AuditHead, Draft, Requirement
 from tests.faults.processes import until
 from tests.given.databases import POSTGRESQL
 from tests.given.service import Service
@@ -20,6 +21,9 @@ EDITS: dict[str, tuple[str, str, list[dict[str, Any]]]] = {
     "a user": ("/api/v1/users/ann", "PATCH", [{"role": "engineer"}, {"disabled": True}]),
     "settings": ("/api/v1/settings", "PATCH", [{"own_sign_offs": True}] * 2),  # the default is false: both change it
 }
+
+
+WAITING = "select count(*) from pg_stat_activity where wait_event_type = 'Lock' and datname = current_database()"
 
 
 def _outside(service: Service) -> sa.Connection:
@@ -35,7 +39,6 @@ def test_of_two_who_edit_at_the_same_time_one_is_refused(service: Service, clien
     client.post("/api/v1/drafts", json=DRAFT)
     path, method, given = EDITS[name]
     read = client.get(path).headers["etag"]
-    waiting = "select count(*) from pg_stat_activity where wait_event_type = 'Lock' and datname = current_database()"
 
     def edit(body: dict[str, Any]) -> int:
         return client.request(method, path, json=body, headers={"If-Match": read}).status_code
@@ -45,8 +48,44 @@ def test_of_two_who_edit_at_the_same_time_one_is_refused(service: Service, clien
             holding.execute(sa.select(AuditHead.row).with_for_update())
             holding.execute(sa.select(Draft.id).with_for_update())
             answers = two.map(edit, given)
-            until(lambda: watching.scalar(sa.text(waiting)) == 2, "both wait")
+            until(lambda: watching.scalar(sa.text(WAITING)) == 2, "both wait")
         assert sorted(answers) == [200, 412]
+
+
+REQUIREMENTS = "/api/v1/requirements"
+
+
+def _while_held(service: Service, holding: sa.Executable, request: Callable[[], httpx.Response]) -> httpx.Response:
+    """The answer to a request that waits for another transaction, which then commits."""
+    with ThreadPoolExecutor(1) as one, _outside(service) as watching:
+        with service.engine.begin() as writer:
+            writer.execute(holding)
+            answer = one.submit(request)
+            until(lambda: watching.scalar(sa.text(WAITING)) == 1, "it waits")
+        return answer.result()
+
+
+@POSTGRESQL
+def test_a_requirement_that_is_added_twice_at_the_same_time_is_refused_once(
+    service: Service, client: httpx.Client
+) -> None:
+    row = {"id": "X", "text": "one", "attributes": {}, "created": 1.0, "changed": 1.0, "changed_by": "ada"}
+    body = {"id": "X", "text": "two"}
+    answer = _while_held(service, sa.insert(Requirement).values(**row), lambda: client.put(REQUIREMENTS, json=body))
+    assert (answer.status_code, answer.json()["type"].rpartition(":")[2]) == (409, "requirement-conflict")
+
+
+@POSTGRESQL
+def test_an_import_sees_the_edit_that_it_waited_for(service: Service, client: httpx.Client) -> None:
+    def imported() -> httpx.Response:
+        return client.post(
+            f"{REQUIREMENTS}/files", params={"name": "a.csv", "kind": "csv"}, content=b"id,text\nR,Hold.\n"
+        )
+
+    imported()
+    edit = sa.update(Requirement).where(Requirement.id == "R").values(text="Hold 50 m.", changed_by="ada")
+    answer = _while_held(service, edit, imported).json()
+    assert (answer["changed"], answer["unchanged"]) == (["R"], 0)
 
 
 @POSTGRESQL

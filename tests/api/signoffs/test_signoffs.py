@@ -102,6 +102,21 @@ def test_other_results_than_those_reviewed_are_not_signed(client: httpx.Client, 
 
 
 @AT_NIGHT
+def test_other_texts_than_those_reviewed_are_not_signed(service: Service, client: httpx.Client) -> None:
+    address = "/api/v1/requirements"
+    client.put(address, json={"id": "REQ-1", "text": "Keep 0.5 m."})
+    name = submit(client, criterion={"threshold": 0.5, "requirements": ["REQ-1"]})
+    finish_fully(service)
+    run = f"/api/v1/runs/{name}/signoffs"
+    read = client.get(run).json()["texts"]
+    assert read == {"REQ-1": "Keep 0.5 m."}
+    client.put(address, json={"id": "REQ-1", "text": "Keep 50 m."})
+    told = problem(client.post(run, json=given(client, run, texts=read)), 409)
+    assert "the text of REQ-1 has changed" in str(told["detail"])
+    assert client.get(run).json()["items"] == []
+    assert client.post(run, json=given(client, run, texts=client.get(run).json()["texts"])).status_code == 201
+
+
 def test_a_typed_name_signs_once(client: httpx.Client, run: str) -> None:
     """Under whatever title, and in whatever case, spaces, punctuation and form of characters."""
     body = given(client, run)

@@ -19,6 +19,7 @@ from tests.given.databases import BOTH
 from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
+from tests.given.row_changes import changed
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 
@@ -162,6 +163,10 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
     assert [row["state"] for row in rows] == ["done", "failed", "cancelling", "purged", "queued", "queued"]
     assert rows[0]["worst d_min [m]"] == "1.3"
     assert [row["margin [m]"] or "" for row in rows[1:]] == [""] * 5
+    assert rows[0]["verdict"] == "inconclusive"
+    with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="cleared", summary={})):
+        (row, *_) = csv.DictReader(io.StringIO(client.get("/api/v1/sweeps/S-0001/table.csv").text))
+    assert row["verdict"] == "cleared: not sampled"
 
 
 def test_cancelling_the_whole(service: Service, client: httpx.Client) -> None:

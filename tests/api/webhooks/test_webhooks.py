@@ -234,6 +234,29 @@ def test_the_second_end_of_a_run_that_is_retried_after_newer_ones(stored: Any, m
 
 
 @BOTH
+def test_a_run_that_is_queued_again_while_messages_are_made_is_reported_at_its_end(
+    stored: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    box, read = registered_box(stored), Outbox._unreported
+    run, runs = stored.submit(), queue.Queue(stored.engine)
+    claimed = runs.claim("w")
+    assert claimed is not None
+    runs.fail(claimed, "the disk is full")
+
+    def retried(box: Outbox) -> Any:
+        found = read(box)
+        with stored.engine.begin() as writer:
+            queue.resume(writer, run)
+        return found
+
+    with monkeypatch.context() as meanwhile:
+        meanwhile.setattr(Outbox, "_unreported", retried)
+        assert box.fill() == 0
+    finish(stored)
+    assert (box.fill(), box.fill()) == (1, 0)
+
+
+@BOTH
 def test_a_kill_loses_no_message(stored: Any) -> None:
     one, other = registered_box(stored), Outbox(stored.engine, "t", "")
     stored.submit()

@@ -44,7 +44,7 @@ def run(number: int, verdict: str | None = "cleared", **changes: Any) -> Require
 def row(key: str, status: Any, *runs: RequirementRun, text: str = "Keep clear") -> RequirementRow:
     return RequirementRow(
         id=key, text=text, status=status, sentence="Because.", registered=True, file=None, attributes={}, changed=None,
-        changed_by=None, etag="", runs=list(runs), total=len(runs), removed=0, sweeps=0,
+        changed_by=None, etag="", runs=list(runs), total=len(runs), unlisted=0, removed=0, sweeps=0,
     )  # fmt: skip
 
 

@@ -127,6 +127,19 @@ def test_columns_may_be_named() -> None:
     assert found == [Read("K", "W", {"id": "1", "text": "T"})]
 
 
+def test_an_export_states_the_runs_that_it_does_not_list_and_keeps_columns_of_any_name() -> None:
+    row = RequirementRow(
+        id="R1", text="t", status="no evidence", sentence="s", registered=True, file="doc7", changed=None,
+        attributes={"status": "obsolete", "file": "x", "owner": "ada"},
+        changed_by=None, etag="", runs=[], total=2345, unlisted=2345, removed=0, sweeps=0,
+    )  # fmt: skip
+    (line,) = csv.DictReader(io.StringIO(b"".join(sheet.requirements([row])).decode()))
+    assert (line["status"], line["status (file)"]) == ("no evidence", "obsolete")
+    assert (line["file"], line["file (file)"], line["owner"]) == ("doc7", "x", "ada")
+    *_, last = csv.DictReader(io.StringIO(b"".join(sheet.matrix([row])).decode()))
+    assert (last["requirement"], last["run"], last["counts"]) == ("R1", "", "2345 older runs are not listed")
+
+
 def test_an_export_has_columns_for_the_most_frequent_attributes_only(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files may name any number of attributes, and every row of a CSV file has every column."""
     monkeypatch.setattr(sheet, "MOST_COLUMNS", 2)
@@ -134,7 +147,7 @@ def test_an_export_has_columns_for_the_most_frequent_attributes_only(monkeypatch
     rows = [
         RequirementRow(
             id=f"R{i}", text="t", status="no evidence", sentence="", registered=True, file=None, attributes=attributes,
-            changed=None, changed_by=None, etag="", runs=[], total=0, removed=0, sweeps=0,
+            changed=None, changed_by=None, etag="", runs=[], total=0, unlisted=0, removed=0, sweeps=0,
         )
         for i, attributes in enumerate(given)
     ]  # fmt: skip

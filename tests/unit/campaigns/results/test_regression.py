@@ -22,7 +22,7 @@ from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin, Downhill
 from campaigns.results.verdict import VerdictWord
 from campaigns.stages.baseline import BaselineResult
-from clearance.cli._ended import EndedRun, by_policy, code, exit_sentence
+from clearance.cli._ended import EndedRun, by_policy, changes, code, exit_sentence
 from clearance.cli._junit import junit
 from clearance.cli._markdown import markdown
 from clearance.testing.problems import Problem
@@ -154,6 +154,8 @@ def test_what_is_known_of_a_basin_decides_whether_it_is_fixed(
     assert (case.standing, case.margin) == (standing, pytest.approx(margin))
     assert known in case.text.partition("; ")[2]
     assert case.fails == (standing is Standing.UNRESOLVED)
+    told = case.text in " ".join(changes(concluded(found)))
+    assert told == (standing is Standing.UNRESOLVED), "what was not examined is stated beside the counts"
 
 
 def test_cases_in_one_basin_that_is_not_listed_have_one_representative() -> None:

@@ -17,6 +17,7 @@ import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
 import { hiddenHead, Table } from '../ui/Table'
+import { headlineOf } from '../ui/VerdictBadge'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 import { detailOf, STANDINGS } from './SignedBy'
@@ -195,7 +196,7 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
   return (
     <Form sent={sign} onSend={() => sign.mutate(undefined)} send="Sign off" onLeave={onDone} off={(account === null && !name.trim()) || !role.trim()}>
       <p className="sec">
-        You sign the verdict <b>{run.verdict}</b> with its findings and stages, sha256{' '}
+        You sign the verdict <b>{headlineOf(run)}</b> with its findings and stages, sha256{' '}
         <span className="mono">{digest.slice(0, 16)}</span>
         {account !== null && (
           <>

@@ -17,6 +17,7 @@ import { Digest } from '../ui/Digests'
 import { FilterMenu } from '../ui/FilterMenu'
 import { Table } from '../ui/Table'
 import { usePolling } from '../ui/usePolling'
+import { headlineOf } from '../ui/VerdictBadge'
 import { type Along, apart, axisOf } from './axis'
 import { CodeCell, DateCell, outcomeColumns } from './cells'
 import { namesOf } from './code'
@@ -98,7 +99,7 @@ function Shown({ trend }: { trend: Trend }) {
     name: 'trend',
     columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'confidence', 'campaign', 'code', 'requirements', 'labels'],
     rows: runs.map((run) => [
-      run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, run.verdict, run.seed,
+      run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, headlineOf(run), run.seed,
       run.margin, run.unit, run.upper_bound, run.confidence, run.campaign_digest, run.code, run.requirements.join('; '),
       labelsText(run.labels, '; '),
     ]),

@@ -41,9 +41,13 @@ export function OutcomeIcon({ outcome, className = 'i' }: { outcome: Outcome; cl
 
 type Ended = Pick<RunSummary, 'state' | 'verdict'> & { readonly not_sampled?: boolean }
 
+const lacking = (run: Ended) => (run.verdict && run.not_sampled ? ': not sampled' : '')
+
 /** The outcome in words, with what alone is missing to clear the run. */
-export const wordOf = (run: Ended): string =>
-  `${LOOK[outcomeOf(run)].word}${run.verdict && run.not_sampled ? ': not sampled' : ''}`
+export const wordOf = (run: Ended): string => `${LOOK[outcomeOf(run)].word}${lacking(run)}`
+
+/** The verdict as files and sentences have it, null without one. */
+export const headlineOf = (run: Ended): string | null => run.verdict && `${run.verdict}${lacking(run)}`
 
 export const RunBadge = ({ run }: { run: Ended }) => <VerdictBadge outcome={outcomeOf(run)} word={wordOf(run)} />
 

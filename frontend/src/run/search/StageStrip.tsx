@@ -7,6 +7,7 @@ import { lossesOf } from '../../format/counts'
 import { atMost, count, decimalsFor, duration, fixed, plain } from '../../format/numbers'
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
+import { headlineOf } from '../../ui/VerdictBadge'
 import icons from '../../ui/icons.module.css'
 import styles from './search.module.css'
 
@@ -81,7 +82,7 @@ function stepsOf(run: RunDetail): Step[] {
     state: verdict ? 'done' : 'todo',
     losses: '',
     figures: verdict ? '' : isLive(run) ? 'waiting' : 'none',
-    text: run.verdict ?? (isLive(run) ? 'cleared, violated or inconclusive' : 'no verdict'),
+    text: headlineOf(run) ?? (isLive(run) ? 'cleared, violated or inconclusive' : 'no verdict'),
     share: verdict ? 1 : 0,
   })
   return steps

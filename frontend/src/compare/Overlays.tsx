@@ -120,7 +120,7 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
   const near = inside.length > 2 ? ([Math.min(...inside), Math.max(...inside)] as [number, number]) : whole
   const xRange = window === 'all' ? whole : near
   const [low, high] = extentOf(curves, xRange) ?? [0, 0]
-  const [bottom, top] = [Math.min(0, low, ...thresholds), Math.max(0, high)]
+  const [bottom, top] = [Math.min(0, low, ...thresholds), Math.max(0, high, ...thresholds)]
   const decimals = decimalsFor([lowest])
   const points: Point[] = drawn.flatMap(({ key, colour, trace, of }) => {
     const closest = trace.meta.closest
@@ -139,7 +139,7 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
     }),
     points,
     xRange,
-    yRange: [1.04 * bottom, top * 1.04 || 1],
+    yRange: [1.04 * bottom, top * 1.04 || (bottom < 0 ? 0 : 1)],
     yTitle: `Separation, ${unit}`,
     xTitle: 'Time since start, s',
     criterion: first === undefined ? undefined : { value: first, label: criterionText(first), tint: true },

@@ -19,7 +19,7 @@ interface DraftBarProps {
 }
 
 export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarProps) {
-  const { draft, foreign, saving, trouble, overtaken } = saved
+  const { draft, foreign, saving, trouble, overtaken, gone } = saved
   const barred = useBarred('engineer')
   // The error is shown below; the rejected promise needs no further handling.
   const save = (another = false) => void saved.save({ another }).catch(() => undefined)
@@ -46,7 +46,7 @@ export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarP
             {overtaken && (
               <div className={clsx(layout.acts, styles.acts)}>
                 <Button small onClick={() => save(true)}>Keep mine as a new draft</Button>
-                <Button small onClick={onReopen}>Open theirs</Button>
+                {!gone && <Button small onClick={onReopen}>Open theirs</Button>}
               </div>
             )}
           </div>

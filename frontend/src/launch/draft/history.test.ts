@@ -38,6 +38,11 @@ it('takes edits back one by one and makes them again', () => {
   expect(redo(history, version(text))).toBeNull()
 })
 
+it('takes two removals for two edits, however soon the second follows', () => {
+  const history = story(['b: 1', '', 0], ['c: 1', '', 100])
+  expect(history.done.map(({ text }) => text)).toEqual(['a: 1', 'b: 1'])
+})
+
 it('takes what is typed at one go for one edit, and forgets what was taken back once there is another', () => {
   const history = story(['a: 12', 'a', 0], ['a: 123', 'a', 500], ['a: 1234', 'a', 900])
   const [back, is] = undo(history, version('a: 1234')) ?? [history, version('none')]

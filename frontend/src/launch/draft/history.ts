@@ -33,11 +33,12 @@ export function stretch(before: string, after: string): { from: number; before: 
 /** Of what has more. */
 const versionOf = ({ text, campaign }: Version): Version => ({ text, campaign })
 
-/** Adds an edit. `what` identifies the field; successive edits of the same field within a short time are merged. */
+/** Adds an edit. `what` identifies the field, '' one that is whole by itself; successive edits of the same field within
+ * a short time are merged. */
 export function recorded(history: History, was: Version, is: Version, what: string, at: number): History {
   const { done, undone, last } = history
   if (was.text === is.text) return history
-  const goesOn = done.length > 0 && last?.what === what && at - last.at < TOGETHER && undone.length === 0
+  const goesOn = done.length > 0 && what !== '' && last?.what === what && at - last.at < TOGETHER && undone.length === 0
   return { done: goesOn ? done : [...done, versionOf(was)].slice(-MOST), undone: [], last: { what, at } }
 }
 

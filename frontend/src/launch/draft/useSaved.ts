@@ -18,13 +18,17 @@ export interface Saved {
   foreign: boolean
   saving: boolean
   trouble: Error | null
-  /** Another user has saved it in the meantime, or it is another user's: it can be kept as a new draft. */
+  /** Another user has saved or deleted it in the meantime, or it is another user's: it can be kept as a new draft. */
   overtaken: boolean
+  /** It was deleted: saving makes a new draft. */
+  gone: boolean
   /** Saves it, optionally as a new draft; does not call `onSaved` if the page is left. */
   save: (how?: { another?: boolean; leaving?: boolean }) => Promise<Draft>
   /** After a run was started from it: deletes it, or stores the run's number. */
   launched: (run: string, remove: boolean) => Promise<unknown>
 }
+
+const refusedWith = (error: unknown, ...statuses: number[]) => error instanceof Refusal && statuses.includes(error.status)
 
 /** `content` returns the content to be saved; `onSaved` is called afterwards. */
 export function useSaved(first: Draft | null, content: () => Promise<Content>, onSaved: (draft: Draft) => void): Saved {
@@ -36,7 +40,7 @@ export function useSaved(first: Draft | null, content: () => Promise<Content>, o
   const saving = useMutation({
     mutationFn: async ({ another }: { another?: boolean; leaving?: boolean }) => {
       const body = await content()
-      return draft && !another && !foreign ? saveDraft(draft.id, { ...body, version: draft.version }) : createDraft(body)
+      return draft && !another && !foreign && !gone ? saveDraft(draft.id, { ...body, version: draft.version }) : createDraft(body)
     },
     onSuccess: (kept, { leaving }) => {
       setDraft(kept)
@@ -45,6 +49,7 @@ export function useSaved(first: Draft | null, content: () => Promise<Content>, o
       if (!leaving) onSaved(kept)
     },
   })
+  const gone = refusedWith(saving.error, 404)
   const launched = async (run: string, remove: boolean) => {
     if (!draft || foreign) return
     if (remove) await deleteDraft(draft.id, draft.version)
@@ -57,7 +62,8 @@ export function useSaved(first: Draft | null, content: () => Promise<Content>, o
     foreign,
     saving: saving.isPending,
     trouble: saving.error,
-    overtaken: saving.error instanceof Refusal && [403, 409].includes(saving.error.status),
+    overtaken: gone || refusedWith(saving.error, 403, 409),
+    gone,
     save: (how = {}) => saving.mutateAsync(how),
     launched,
   }

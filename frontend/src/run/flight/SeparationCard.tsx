@@ -133,6 +133,8 @@ function specOf(all: Flown[], { threshold, unit, measured }: Judged, shown: Show
     drawn.map(({ curve }) => curve),
     xRange,
   )
+  const ends = [0, ...(extent ?? []), threshold ?? 0]
+  const [bottom, top] = [Math.min(...ends), Math.max(...ends)]
   return {
     label: `Separation over time, ${drawn.map(({ label }) => label.toLowerCase()).join(' and ')} flight, with the criterion`,
     x: xs,
@@ -142,7 +144,7 @@ function specOf(all: Flown[], { threshold, unit, measured }: Judged, shown: Show
     xTitle: 'Time since start, s',
     xRange,
     // Distances to surfaces are negative inside an obstacle.
-    yRange: [Math.min(0, (extent?.[0] ?? 0) * 1.04), (extent?.[1] ?? 0) * 1.04 || 1],
+    yRange: [1.04 * bottom, 1.04 * top || (bottom < 0 ? 0 : 1)],
     criterion:
       threshold === null
         ? undefined

@@ -10,7 +10,9 @@ import type { RunDetail } from '../../client'
 import { useEdit } from './useEdit'
 import { Field, Form } from '../../ui/Form'
 import { Modal } from '../../ui/Modal'
+import { Button } from '../../ui/Button'
 import buttons from '../../ui/buttons.module.css'
+import cards from '../../ui/cards.module.css'
 import fields from '../../ui/fields.module.css'
 
 export function EditRun({ run }: { run: RunDetail }) {
@@ -41,6 +43,11 @@ export function EditRun({ run }: { run: RunDetail }) {
       >
         {run.pinned ? <IconPinnedFilled className="i s" aria-hidden /> : <IconPin className="i s" aria-hidden />}
       </button>
+      {edit.isError && (
+        <span className={fields.ferr} role="alert">
+          {edit.error.message}
+        </span>
+      )}
       <Modal opened={open} onClose={() => setOpen(false)} title="Name and tags">
         {open && <EditForm run={run} onDone={() => setOpen(false)} />}
       </Modal>
@@ -55,7 +62,8 @@ function EditForm({ run, onDone }: { run: RunDetail; onDone: () => void }) {
   // away from under the pointer.
   const [typed, setTyped] = useState('')
   const all = [...new Set([...tags, ...typed.split(/[\s,]+/).filter(Boolean)])]
-  const [tag] = useState(() => tagOf(run.id))
+  const [tag, setTag] = useState(() => tagOf(run.id))
+  const newer = tagOf(run.id)
   const edit = useEdit(run, onDone, tag)
   const known = useQuery(facetsQuery).data?.tags.map((tag) => tag.value) ?? []
   const wrong = all.filter((tag) => !/^[\p{L}\p{N}_.+-]{1,40}$/u.test(tag))
@@ -83,6 +91,21 @@ function EditForm({ run, onDone }: { run: RunDetail; onDone: () => void }) {
         onSearchChange={setTyped}
         acceptValueOnBlur={false}
       />
+      {edit.isError && newer !== tag && (
+        <div className={cards.note} role="status">
+          <b>It is now:</b> {run.name}
+          {run.tags.length > 0 && `, ${run.tags.join(', ')}`}
+          <Button
+            small
+            onClick={() => {
+              setTag(newer)
+              edit.reset()
+            }}
+          >
+            I have read it; keep mine
+          </Button>
+        </div>
+      )}
       {wrong.length > 0 && (
         <p className={fields.ferr}>A tag has at most 40 characters, letters, digits and . _ + -: {wrong.join(', ')}</p>
       )}

@@ -21,10 +21,23 @@ const MOST = 20_000
 /** What was written and not saved, by run: the card is another one once the run starts, and once it ends. */
 const unsaved = new Map<string, { draft: string; read: string }>()
 
-export function Notes({ run, className }: { run: RunDetail; className: string | undefined }) {
+interface NotesProps {
+  run: RunDetail
+  className: string | undefined
+}
+
+/** Those of another run are another card: what is typed belongs to the run that it was typed on. */
+export const Notes = (props: NotesProps) => <NotesCard key={props.run.id} {...props} />
+
+function NotesCard({ run, className }: NotesProps) {
   const [draft, setDraft] = useState<string | null>(() => unsaved.get(run.id)?.draft ?? null)
   const [read, setRead] = useState(() => unsaved.get(run.id)?.read ?? '')
-  const edit = useEdit(run, () => setDraft(null))
+  const edit = useEdit(run, (after, sent) => {
+    setRead(after.notes)
+    setDraft((now) => (now === sent.notes ? null : now)) // what was typed meanwhile is not saved yet
+  })
+  // Saved, by a card of this run that is no more.
+  if (draft !== null && draft === run.notes && draft !== read) setDraft(null)
   const writing = draft !== null
   useEffect(() => {
     if (draft === null || draft === read) {
@@ -38,6 +51,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string | 
   }, [run.id, draft, read])
   const barred = useBarredFromOwn('engineer', run)
   const begin = () => {
+    edit.reset()
     setRead(run.notes)
     setDraft(run.notes)
   }
@@ -58,7 +72,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string | 
         <form
           onSubmit={(event) => {
             event.preventDefault()
-            edit.mutate({ notes: draft, notes_before: read })
+            if (!edit.isPending && draft !== run.notes) edit.mutate({ notes: draft, notes_before: read })
           }}
         >
           <div className={styles.writing}>

@@ -37,6 +37,8 @@ LIBRARY = ("campaigns/library", "tests/golden/library_verdicts.json")
 WHOLE_RUNS = tuple(f"{HERE}/{name}" for name in ("niching.py", "sureness.py", "verdicts.py"))
 RUNS = ("worker/evidence/verdicts", "campaigns/rules.py", "clearance/function", *WHOLE_RUNS)
 """Besides the code that a run uses, what decides the figures of whole runs."""
+WORDS = tuple(f"worker/evidence/verdicts/{name}" for name in ("regression.py", "sentence.py", "validation.py"))
+"""Of these: sentences, and the comparison with a baseline, which no cell has. They change no figure."""
 PRESENTATION = tuple(
     f"{HERE}/{name}"
     for name in (
@@ -106,7 +108,7 @@ def code(names: Iterable[str]) -> str:
 
 
 def _of_folder(path: Path) -> list[Path]:
-    without = {ROOT / name for name in (*WHOLE_RUNS, *PRESENTATION)}
+    without = {ROOT / name for name in (*WHOLE_RUNS, *PRESENTATION, *WORDS)}
     files = (file for file in path.rglob("*") if file.suffix in (".py", ".yaml", ".npz", ".json"))
     return sorted(file for file in files if file not in without)
 

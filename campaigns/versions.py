@@ -11,8 +11,9 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict
 
+from campaigns.claims.wording import WORDING
 from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE, Documented
-from campaigns.version import VERSION, WORDING
+from campaigns.version import VERSION
 
 SHORT = 12
 """Digits of a digest in a message."""

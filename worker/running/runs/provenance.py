@@ -13,9 +13,9 @@ from pathlib import Path
 from llvmlite import binding
 
 from campaigns.asked.spec import Campaign
+from campaigns.claims.wording import WORDING
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.stored.records import StageRecord
-from campaigns.version import WORDING
 from campaigns.versions import Processor, Versions
 from worker.engine.kernels.numba_internals import processor_features
 from worker.engine.stages.parts.store import Store

@@ -11,9 +11,7 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict
 
-from campaigns.claims.wording import WORDING
 from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE, Documented
-from campaigns.version import VERSION
 
 SHORT = 12
 """Digits of a digest in a message."""
@@ -91,13 +89,6 @@ class Versions(Documented):
     step: float | None = None
     """[s]"""
     integrator: str | None = None
-
-    @property
-    def reworded(self) -> str:
-        """Whose templates made the sentences, if not those of this installation; empty otherwise."""
-        if self.clearance not in (None, VERSION):
-            return f"clearance {self.clearance}"
-        return "" if self.wording == WORDING else "an earlier version of the templates"
 
     @staticmethod
     def of(document: Any) -> Versions:

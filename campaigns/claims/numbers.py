@@ -80,6 +80,20 @@ def rounded(value: float, form: Format, digits: int) -> Decimal:
     return Context(prec=digits, rounding=ROUNDED[form]).plus(Decimal(repr(float(value))))
 
 
+def digits_of(value: float, least: int = 6) -> int:
+    """The significant digits, at least so many, that a threshold needs to be read as it is."""
+    return next((n for n in range(least, 17) if float(f"{value:.{n}g}") == value), 17)
+
+
+def digits_beside(value: float, threshold: float, least: int = 6) -> int:
+    """The significant digits, at least so many, with which a value is read on its own side of a threshold."""
+
+    def side(shown: float) -> tuple[bool, bool]:
+        return shown < threshold, shown > threshold
+
+    return next((n for n in range(least, 17) if side(float(f"{value:.{n}g}")) == side(value)), 17)
+
+
 def number(value: float) -> str:
     """The number with six significant digits."""
     return written(value)
@@ -140,6 +154,11 @@ def decimals_apart(values: Iterable[float | None], digits: int = 4, most: int = 
     if not gaps:
         return base
     return min(max(base, math.ceil(-math.log10(min(gaps)) - 0.01)), decimals_for(ordered, most))
+
+
+def exact(value: float | None) -> str:
+    """As `plain`, with all digits of a threshold: nothing is compared with what it is not."""
+    return plain(value) if value is None or not known(value) else plain(value, digits_of(value))
 
 
 def plain(value: float | None, digits: int = 6) -> str:

@@ -1,5 +1,17 @@
 """The version of the sentences of results, which are no part of the code of a run."""
 
-WORDING = 4
+from __future__ import annotations
+
+from campaigns.version import VERSION
+from campaigns.versions import Versions
+
+WORDING = 5
 """Raised when a sentence of a result changes: the audit makes sentences again only where the same templates made them.
 Stored with the versions of a run since 2."""
+
+
+def reworded(versions: Versions) -> str:
+    """Whose templates made the sentences, if not those of this installation; empty otherwise."""
+    if versions.clearance not in (None, VERSION):
+        return f"clearance {versions.clearance}"
+    return "" if versions.wording == WORDING else "an earlier version of the templates"

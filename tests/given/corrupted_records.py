@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
+from backend.db import baselines
 from backend.db.engine import connect
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
@@ -101,6 +102,18 @@ def attracting(**changes: Any) -> Campaign:
     return load_document(document)
 
 
+def since(threshold: float = 0.94175, there: float = 0.94175, costs: tuple[float, ...] = (0.9417, 0.93)) -> Campaign:
+    """With a baseline: a case at the lowest corner, one that costs more here, one that this campaign cannot have."""
+    at = [{"vehicle.m": 6.0, "vehicle.J": 0.06}, {"vehicle.m": 4.5, "vehicle.J": 0.05}, {"vehicle.m": 9.0}]
+    cases = [
+        {"label": f"F{k}", "parameters": parameters, "cost": cost}
+        for k, (parameters, cost) in enumerate(zip(at, (*costs, 0.94), strict=True), 1)
+    ]
+    baseline = {"run": "R-0042", "digest": "0" * 64, "threshold": there, "cases": cases}
+    asked = {"baseline": baseline, "criterion__threshold": threshold, "stages__certify": None}
+    return searching(DIRECT, **(SHORT | asked))
+
+
 def in_a_second(patch: pytest.MonkeyPatch) -> None:
     """A region of attraction of four states is smaller, and found in a second instead of ten."""
     patch.setattr(region, "PHASES", 1)
@@ -113,6 +126,7 @@ RUNS: dict[str, Callable[[], Campaign]] = {
     "estimated": lambda: estimating(),
     "attracted": lambda: attracting(),
     "inconclusive": lambda: searching(DIRECT, scenario__horizon=1.0),
+    "since": since,
     "noisy": lambda: certifying(60, **NOISE),
     "alone": lambda: certifying(60, {"method": "auto", "evaluations": 300}),
     "counted": lambda: counting(1500),
@@ -157,7 +171,13 @@ VERDICTS = {
     "counted target": "violated",
     "counted violations": "violated",
 }
-VERDICTS |= {"noisy": "cleared", "alone": "cleared", "excluded": "inconclusive", "aliased": "cleared"}
+VERDICTS |= {
+    "since": "violated",
+    "noisy": "cleared",
+    "alone": "cleared",
+    "excluded": "inconclusive",
+    "aliased": "cleared",
+}
 
 
 MADE = TemporaryDirectory(prefix="clearance-records-")
@@ -219,7 +239,12 @@ def made(campaign: Campaign, store: MemoryStore) -> dict[str, bytes]:
 def stored(folder: Path, name: str) -> sa.Engine:
     """A database with a run as written by a worker, with every stage in two chunks."""
     engine = connect(migrated(folder))
-    campaign, memory = ran(name)
+    enter(engine, *ran(name))
+    return engine
+
+
+def enter(engine: sa.Engine, campaign: Campaign, memory: MemoryStore, baseline: int | None = None) -> None:
+    """Store a run as a worker does; baseline: the number of the run that it was launched with."""
     with engine.begin() as connection:
         submit(connection, campaign, name="a", tags=[], owner="", planned=most(campaign), seed=memory.sample_seed)
     claim = Queue(engine).claim("w")
@@ -243,7 +268,9 @@ def stored(folder: Path, name: str) -> sa.Engine:
         last = record.plan.kind == "validate"
         store.finish(position, record.result, 1.0, memory.findings if last else ())
     store.conclude(memory.verdict)
-    return engine
+    with engine.begin() as connection:
+        if baseline is not None:
+            baselines.store(connection, claim.run_id, f"R-{baseline:04d}", baseline)
 
 
 def copied(content: dict[str, bytes], folder: Path) -> Path:

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from campaigns import CampaignError
 from campaigns.claims.spans import words
 from campaigns.claims.stages import estimate as templates
+from campaigns.claims.stages import surroundings
 from campaigns.identity.identity import identity_of
 from campaigns.results.base import EXCLUDED
 from campaigns.versions import Versions
 from tests.given.corrupted_records import CERTIFY, ENCOUNTER, FINDING, GRID, SAMPLE_, STATISTICS, Folder, edit
+from worker.evidence.audit.judge import closing
+from worker.evidence.audit.record import UnreadableError
 from worker.evidence.audit.sentences import SPANS
+from worker.evidence.audit.trusted import TRUSTED
 
 ESTIMATE = 3
 ESTIMATE_ = f"evidence/results/{ESTIMATE}"
@@ -324,6 +330,49 @@ def _named(path: str, value: Any) -> Callable[[Folder], None]:
 
 SEARCHED = 4
 """The position of the sample among the searches of the violated run."""
+
+
+def _told(folder: Folder, old: str, new: str) -> None:
+    """Other words of the verdict where it names what is forged."""
+    if any(old in (span.get("text") or "") for span in folder.result["statement"]):
+        folder.restate(old, new)
+
+
+def _another_noise(folder: Folder) -> None:
+    """Of the finding with its own noise, wherever it is named."""
+    case = folder.result["findings"][0]["validation"]
+    _told(folder, f"seed {case['realisation']}", "seed 777")
+    case["realisation"] = 777
+
+
+def _no_noise(folder: Folder) -> None:
+    case = folder.result["findings"][0]["validation"]
+    _told(folder, f", with the noise realisation of seed {case['realisation']}", "")
+    case["realisation"] = None
+
+
+def _above_nothing(folder: Folder) -> None:
+    """A lower bound of DIRECT close to a value that no evaluation has, in its sentence as well."""
+    gap = folder.evidence["results"][2]["gap"]
+    gap |= {"lower_bound": 1.9, "gap": 1e-9}
+    stated = surroundings.possible_gain(gap["rectangles"], gap["without_value"], "d_min", 1.9, 1.9 + 1e-9, "m")
+    gap |= {"statement": [span.model_dump(mode="json") for span in stated], "text": words(stated)}
+
+
+def _other_reason(folder: Folder) -> None:
+    """In the table alone."""
+    table = folder.path / "evaluations.csv"
+    text = table.read_text()
+    other = text.replace("so avoidance cannot be tested", "the operator excluded it", 1)
+    assert other != text
+    table.write_text(other)
+
+
+def _failure(folder: Folder) -> None:
+    lost = {"status": "timeout", "reason": "power cut", "stage": 2, "index": 9, "output": "", "evaluations": 1}
+    folder.result["failures"] = [lost]
+
+
 FORGERIES: list[Forgery] = [
     Forgery("the honest result in the other file", "violated", _misplaced),
     Forgery("results in both files", "violated", lambda f: f.result.__setitem__("results", f.evidence["results"])),
@@ -454,6 +503,14 @@ FORGERIES: list[Forgery] = [
     Forgery("rays that contradict", "attracted", edit(f"{ATTRACTION_}/contradicting", 1)),
     Forgery("an end of a simulation in a section", "attracted", edit(f"{ATTRACTION_}/sections/0/simulated/1", 9.0),
             "results.#.sections.#.simulated"),
+    Forgery("another noise seed", "noisy", _another_noise),
+    Forgery("a noise seed of a counted draw", "counted noise", _another_noise),
+    Forgery("no noise of its own", "noisy", _no_noise),
+    Forgery("a gap above nothing", "violated", _above_nothing),
+    Forgery("a seed taken out", "cleared", lambda f: f.result.pop("seed")),
+    Forgery("the code of another check", "cleared", edit("result/checks/0/code", "agreement")),
+    Forgery("a reason in the table", "excluded", _other_reason),
+    Forgery("a failure that was none", "violated", _failure),
     Forgery("seconds of a stage", "cleared", edit("result/stages/2/seconds", 9e9), "result.stages.#.seconds"),
 ]  # fmt: skip
 
@@ -513,3 +570,17 @@ def _other(value: Any) -> Any:
     if isinstance(value, int | float):
         return value + 1 if isinstance(value, int) else value * 1.01 + 1e-6
     return 1.0 if value is None else value + BOLD
+
+
+def accepted(folder: Folder) -> bool:
+    """Whether the verdict follows from a record; one that cannot be read is rejected."""
+    try:
+        if "files" in folder.evidence:  # a record in the form of an earlier version has no digest
+            folder.reseal()
+        return closing(folder.items())[0]
+    except (UnreadableError, CampaignError, ValueError):
+        return False
+
+
+def trusted(path: str) -> bool:
+    return any(re.search(pattern, path) for one in TRUSTED for pattern in one.paths)

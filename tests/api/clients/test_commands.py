@@ -13,6 +13,7 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db.tables import Run
+from campaigns.results.verdict import headline
 from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
 from tests.given.refused_commands import refusal
 from tests.given.reported_runs import finish_fully
@@ -95,7 +96,7 @@ def test_runs_are_cancelled(
     assert statement(capsys).splitlines() == ["R-0003 cancelled", "R-0001 done: violated"]
     with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="cleared", summary={})):
         assert command("cancel", violated) == 0
-        assert statement(capsys) == "R-0001 done: cleared: not sampled\n"
+        assert statement(capsys) == f"R-0001 done: {headline('cleared', True)}\n"
     assert command("cancel", "R-0002", "../x") == WRONG_INPUT
     capsys.readouterr()
     assert command("runs", "--state", "queued", "--json") == 0

@@ -15,6 +15,7 @@ from backend.db.purge import purge
 from backend.db.queue import Queue
 from backend.db.tables import Audit, Run
 from campaigns import Campaign
+from campaigns.results.verdict import headline
 from tests.given.databases import BOTH
 from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
@@ -166,7 +167,7 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
     assert rows[0]["verdict"] == "inconclusive"
     with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="cleared", summary={})):
         (row, *_) = csv.DictReader(io.StringIO(client.get("/api/v1/sweeps/S-0001/table.csv").text))
-    assert row["verdict"] == "cleared: not sampled"
+    assert row["verdict"] == headline("cleared", True)
 
 
 def test_cancelling_the_whole(service: Service, client: httpx.Client) -> None:

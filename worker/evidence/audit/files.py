@@ -4,19 +4,26 @@ from __future__ import annotations
 
 import csv
 import hashlib
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from campaigns import Campaign, Catalogue, cube
+from campaigns.cells import safe
 from campaigns.checked.check import parameters
+from campaigns.claims.wording import reworded
 from campaigns.identity.identity import identity_of, simulator_of
-from campaigns.results.base import FLAKY, OK, STATUS
+from campaigns.results.base import EXCLUDED, FLAKY, OK, STATUS
 from campaigns.versions import Versions
 
 TABLE = "evaluations.csv"
+LISTED = 200
+"""Reasons of failures that a record lists."""
+OUTPUT, NO_REASON = "; its last output: ", "no reason was stored"
 EVIDENCE = {"results", "components", "files"}
 """Of evidence.json, and of no other file."""
 PARTS = EVIDENCE | {
@@ -29,7 +36,12 @@ PARTS = EVIDENCE | {
 
 
 def compared(
-    folder: Path, evidence: Mapping[str, Any], campaign: Campaign, arrays: Sequence[Any], stage: Any
+    folder: Path,
+    evidence: Mapping[str, Any],
+    campaign: Campaign,
+    arrays: Sequence[Any],
+    stage: Any,
+    reasons: Mapping[int, Mapping[str, str]],
 ) -> dict[str, tuple[Any, Any]]:
     """By name: the digest of each file as stated and as it is; the number of evaluations, and of those in the table."""
     known = evidence.get("files")
@@ -45,8 +57,41 @@ def compared(
     found["files.names"] = (sorted(evidence.keys() - PARTS), [])
     found |= {f"identity.{name}": pair for name, pair in _identity(evidence, campaign).items()}
     if isinstance(evidence.get("components"), Catalogue):
-        found["files.rows"] = (len(stage), _rows(folder / TABLE, campaign, evidence, arrays, stage))
+        found["files.rows"] = (len(stage), _rows(folder / TABLE, campaign, evidence, arrays, stage, reasons))
+    if not reworded(Versions.of(evidence["versions"])):
+        found["files.failures"] = (
+            evidence.get("failures", []),
+            [vars(f) for f in _failures(arrays[2], stage, reasons)],
+        )
+    if note := evidence.get("baseline"):
+        named = "No baseline: " if campaign.baseline is None else campaign.baseline.run
+        found["files.baseline"] = (note, note if named in note else f"one that states {named}")
     return found
+
+
+@dataclass(frozen=True)
+class _Failure:
+    status: str
+    reason: str
+    stage: int
+    index: int
+    output: str
+    evaluations: int
+
+
+def _failures(status: Any, stage: Any, reasons: Mapping[int, Mapping[str, str]]) -> list[_Failure]:
+    """The reasons of failed evaluations, the most frequent first, each with the first that it has."""
+    found: dict[tuple[str, str], _Failure] = {}
+    many: Counter[tuple[str, str]] = Counter()
+    for k in np.unique(stage).tolist():
+        for index, code in enumerate(status[stage == k].tolist()):
+            if code in (OK, EXCLUDED) or code >= len(STATUS):
+                continue
+            why, _, output = (reasons.get(k, {}).get(str(index)) or NO_REASON).partition(OUTPUT)
+            key = (STATUS[code], why)
+            many[key] += 1
+            found.setdefault(key, _Failure(*key, k, index, output, 0))
+    return [replace(found[key], evaluations=times) for key, times in many.most_common(LISTED)]
 
 
 def _identity(evidence: Mapping[str, Any], campaign: Campaign) -> dict[str, tuple[Any, Any]]:
@@ -62,7 +107,10 @@ def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: Sequence[Any], stage: Any) -> int:
+def _rows(
+    path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: Sequence[Any], stage: Any,
+    reasons: Mapping[int, Mapping[str, str]],
+) -> int:  # fmt: skip
     """How many rows of the table are the evaluations in their order, with nothing else; none under another header."""
     points, costs, status = arrays
     known = parameters(campaign, evidence["components"])
@@ -90,7 +138,8 @@ def _rows(path: Path, campaign: Campaign, evidence: Mapping[str, Any], arrays: S
             state, cost = states.get(status[k]), repr(float(costs[k, 0])) if ok else ""
             beside = [*map(repr, (signs * costs[k, 1:]).tolist())] if ok else [""] * len(further)
             begin = [str(stage[k]), of["kind"], of["method"] or "", str(index[k]), state, cost, *beside]
-            fits = row[:-1] == [*begin, *map(repr, values[k].tolist())]
+            why = reasons.get(int(stage[k]), {}).get(str(index[k]), "")
+            fits = row == [*begin, *map(repr, values[k].tolist()), safe(why)]
             # What succeeded has no reason, but that of an earlier call that failed.
-            same += fits and len(row) == len(header) and (not ok or not row[-1] or row[-1].startswith(FLAKY))
+            same += fits and (not ok or not why or why.startswith(FLAKY))
     return same

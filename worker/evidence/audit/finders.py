@@ -11,6 +11,7 @@ from campaigns.claims.say import say
 from campaigns.claims.spans import Quantity
 from campaigns.claims.stages import ends
 from campaigns.results.base import OK
+from campaigns.results.draws import of_draws
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.sentences import SPANS, alike, budget
@@ -38,6 +39,38 @@ def found_by(run: Run, finding: Tree) -> list[Tree]:
         here = exact[run.stage == k]
         own += [[_entry(run, k, here)]] if here.any() else []
     return stated if not finding.get("slices") and stated in own else every
+
+
+def noise(run: Run, finding: Tree) -> Tree:
+    """The noise seed of a finding that is a stored evaluation with its own noise, from the sample's seed and its index,
+    or that of the case of the baseline; none for one whose evaluation has the noise of the campaign."""
+    if run.reworded or run.calls.noisy or not run.random:
+        return {}
+    worst, point = float(finding["cost"]), np.array(finding["point"])
+    seeds: list[int | None] = []
+    for k in range(len(run.plan)):
+        points, raw, status = run.rows(k)
+        own = _seeds(run, k)
+        same = (status == OK) & (raw == worst) & (points == point).all(axis=1)
+        seeds += [own[row] if row < len(own) else None for row in np.flatnonzero(same).tolist()]
+    stated = finding["validation"]["realisation"]
+    return {"realisation": stated if stated in seeds else next(iter(seeds), None)}
+
+
+def _seeds(run: Run, k: int) -> list[int]:
+    """Those of a stage's first evaluations, each of which has its own."""
+    result = (run.claims.get("results") or [])[k] or {}
+    if result.get("realisations") is not None:
+        return [*result["realisations"]]
+    own = [
+        (case["index"], case["realisation"])
+        for case in result.get("cases") or ()
+        if case.get("realisation") is not None
+    ]
+    if own:
+        return [seed for _, seed in sorted(own)]
+    drawn = result.get("drawn_realisations") or 0
+    return of_draws(int(result["seed"]), 0, drawn).tolist() if drawn else []
 
 
 def gathered(run: Run) -> Tree:

@@ -26,7 +26,7 @@ ABSENT = "absent"
 """In place of a value that every run of this version stores."""
 
 
-MALFORMED = (TypeError, ValueError, KeyError, IndexError, AttributeError, ArithmeticError, AssertionError)
+MALFORMED = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError, AssertionError, StopIteration)
 """How reading a record of another form ends."""
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from campaigns import Catalogue, cube
 from campaigns.checked.check import parameters, seeded
+from campaigns.claims.wording import reworded
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
@@ -87,7 +88,7 @@ class Run:
     def __init__(self, record: Record) -> None:
         self.campaign, self.claims, twice, self.stage, self.points, costs, self.status, self.flaky, _ = record
         stored = self.claims.get("versions") or self.claims.get("provenance")
-        self.reworded = Versions.of(stored).reworded
+        self.reworded = reworded(Versions.of(stored))
         """Whose templates made the sentences, which are then not made again; empty if it is those of today."""
         self.sealed = SEAL not in twice or not isinstance(twice[SEAL][0], Missing)
         """Whether a version wrote it that states the evidence digest: then nothing of it may be absent."""

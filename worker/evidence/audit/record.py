@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -91,8 +91,9 @@ def of_folder(folder: Path) -> Record:
             rows = [
                 np.concatenate([arrays[f"{name}_{k}"] for k in positions]) for name in ("points", "costs", "status")
             ]
-            again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions)
-            left_out = sum((exclusions(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions), Counter[str]())
+            reasons = {k: _reasons(arrays, k) for k in positions}
+            again = sum(flaky(arrays[f"status_{k}"], reasons[k]) for k in positions)
+            left_out = sum((exclusions(arrays[f"status_{k}"], reasons[k]) for k in positions), Counter[str]())
             columns = [
                 Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions
             ]
@@ -100,10 +101,13 @@ def of_folder(folder: Path) -> Record:
         twice = {SEAL: (sealed or MISSING, _digest(document, columns, raw) if sealed else MISSING)}
         twice |= {"files.misplaced": (misplaced, [])} if sealed else {}
     except UNREADABLE as error:
-        raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
+        exported = " (of a run of a service: `clearance audit R-0001 --service URL`)" if _exported(folder) else ""
+        raise UnreadableError(
+            f"{folder} is not a readable folder of `clearance run --out`: {error}{exported}"
+        ) from None
     campaign = load_file(folder / "campaign.json")
     try:
-        twice |= files.compared(folder, claims, campaign, rows, stage) if sealed else {}
+        twice |= files.compared(folder, claims, campaign, rows, stage, reasons) if sealed else {}
     except UNREADABLE as error:
         raise UnreadableError(f"the files of {folder} are not those of a run: {error}") from None
     return Record(
@@ -119,8 +123,21 @@ def of_folder(folder: Path) -> Record:
     )
 
 
+def _exported(folder: Path) -> bool:
+    """Whether it has the files that `clearance export` saves, which are for people."""
+    return (folder / "run.json").exists() and not (folder / "result.json").exists()
+
+
 def of_database(connection: sa.Connection, run_id: int) -> Record:
     """The stored run; raises as `of_folder` does. Tables are read as they are, of any version."""
+    try:
+        return _of_database(connection, run_id)
+    except (LookupError, ValueError, TypeError, sa.exc.NoResultFound) as error:
+        message = f"what is stored of {run_name(run_id)} is not of a run: {type(error).__name__}: {error}"
+        raise UnreadableError(message, RefusalCode.UNREADABLE) from None
+
+
+def _of_database(connection: sa.Connection, run_id: int) -> Record:
     from backend.db.digest import EVIDENCE, current_digest  # late: the audit of a folder loads no database
 
     tables, name = sa.MetaData(), run_name(run_id)
@@ -152,6 +169,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     if unknown := undigested(flown, begun=True):
         twice["begun"] = (MISSING, Missing(unknown))
     twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in FIXED & provenance.keys()}
+    twice |= _launched(connection, rows, run_id, campaign)
     if asked.get("question") is not None:
         twice["question"] = (asked["question"], question(asked["document"]))
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
@@ -171,6 +189,30 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     reasons = [(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks]
     again, left_out = sum(flaky(*of) for of in reasons), sum((exclusions(*of) for of in reasons), Counter[str]())
     return Record(campaign, throughout(claims), twice, stage, points, costs, status, again, left_out)
+
+
+def _launched(
+    connection: sa.Connection, rows: Callable[..., list[Any]], run_id: int, campaign: Campaign
+) -> dict[str, tuple[Any, Any]]:
+    """The baseline of the campaign, and that of the run's launch, as its own run has it now."""
+    baseline = campaign.baseline
+    known = sa.inspect(connection).has_table("run_baselines")
+    launched = next(iter(rows("run_baselines", "run_id", run_id=run_id)), None) if known else None
+    if launched is None or baseline is None:
+        return {}
+    found: dict[str, tuple[Any, Any]] = {"baseline.run": (baseline.run, run_name(launched["baseline"] or 0))}
+    other = next(iter(rows("runs", "id", id=launched["baseline"])), None)
+    cases = rows("findings", "cost", run_id=launched["baseline"])
+    if other is None or not cases:
+        return found | {"baseline.cases": (MISSING, Missing("its results were deleted since"))}
+    names = ("label", "cost", "point", "parameters")
+    stated = sorted([getattr(case, name) for name in names] for case in baseline.cases)
+    stored = sorted([case[name] for name in names] for case in cases)
+    return found | {
+        "baseline.digest": (baseline.digest, other["campaign_digest"]),
+        "baseline.threshold": (baseline.threshold, other["threshold"]),
+        "baseline.cases": (stated, stored),
+    }
 
 
 def _read(file: Path) -> Any:

@@ -19,12 +19,12 @@ from worker.evidence.audit.agreement import apart, family
 from worker.evidence.audit.attraction import attracted
 from worker.evidence.audit.checks import as_stated, left_out, required_checks
 from worker.evidence.audit.estimate import estimated
-from worker.evidence.audit.finders import found_by, gathered
+from worker.evidence.audit.finders import found_by, gathered, noise
 from worker.evidence.audit.likelihood import likely
 from worker.evidence.audit.points import grid
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING
-from worker.evidence.audit.regression import evaluated, position, regression
+from worker.evidence.audit.regression import evaluated, examined, position, regression
 from worker.evidence.audit.sentences import needed, of_sample, of_stage
 from worker.evidence.audit.stored import finder, lowest_of
 from worker.evidence.audit.sureness import sureness
@@ -84,7 +84,7 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
         expected["regression"] = regression(run)
     if run.sealed:
         pairs = zip(run.findings, run.claims["findings"], strict=True)
-        expected["findings"] = [found | _found(run, recorded) for found, recorded in pairs]
+        expected["findings"] = [found | _found(run, found, recorded) for found, recorded in pairs]
         expected |= likely(run, expected["findings"])
     if run.sealed and run.findings:
         expected["worst"] = _worst(run)
@@ -108,7 +108,7 @@ def _possible(run: Run) -> bool:
         (0, violations["checked"], violations["stored"]),
         *((0, left, math.inf) for left in left_out(run).values()),
     ]
-    return all(low <= count <= most for low, count, most in of)
+    return examined(run) and all(low <= count <= most for low, count, most in of)
 
 
 def _continued(run: Run) -> int:
@@ -196,14 +196,21 @@ def _charts(run: Run, k: int) -> Tree:
         gap = stated["gap"]
         best = gap["lower_bound"] + gap["gap"]  # of the centres alone, as taken
         numbers = (gap["rectangles"], gap["without_value"], run.quantity, gap["lower_bound"], best, run.unit)
-        found["gap"] = {"statement": possible_gain(*numbers)}
+        found["gap"] = {
+            "statement": possible_gain(*numbers),
+            "rectangles": min(gap["rectangles"], run.ended[k]["evaluations"]),
+        }
+        _, raw, status = run.rows(k)
+        if not np.isclose(raw[status == OK], best, rtol=1e-9, atol=0.0).any():
+            found["gap"]["lower_bound"] = math.nan  # it is that of no centre
     return found
 
 
-def _found(run: Run, finding: Tree) -> Tree:
-    """The slices of a finding, and the methods that found it, each by its position."""
+def _found(run: Run, made: Tree, finding: Tree) -> Tree:
+    """The slices of a finding, the methods that found it, each by its position, and its noise; made: what is known."""
     by = found_by(run, finding)
     found: Tree = {"found": by, "methods": list(dict.fromkeys(one["method"] for one in by))}
+    found["validation"] = made["validation"] | noise(run, finding)
     return found | (
         {"slices": charts.slices(run, finding["point"], finding["slices"])} if finding.get("slices") else {}
     )

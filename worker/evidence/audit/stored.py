@@ -35,9 +35,9 @@ def of_evaluations(run: Run) -> Tree:
         "findings": run.findings,
         "verdict": "violated" if run.confirmed else MISSING,
     }
-    if "quantity" in run.claims:  # the table of runs has the whole verdict
+    if "run" in run.claims if run.sealed else "quantity" in run.claims:  # the table of runs has the whole verdict
         expected |= {"provenance": {"seed": run.campaign.seed}, "quantity": run.quantity, "unit": run.unit}
-    elif "seed" in run.claims:
+    elif run.sealed or "seed" in run.claims:
         expected["seed"] = run.campaign.seed
     if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]):
         expected["evaluations"]["flaky"] = run.flaky

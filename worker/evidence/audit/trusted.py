@@ -33,6 +33,16 @@ TRUSTED = (
          r"\.apart\.#\.(member|title|family|index)", r"evaluations$", r"gap\.(?!statement)", r"candidates", r"rounds"),
     ),
     Trusted(
+        "Why an evaluation failed or was excluded, and that one succeeded only when its call was tried again",
+        "its simulator said so; the table, the list of failures and the counts that follow are compared",
+        (r"arrays\.reasons",),
+    ),
+    Trusted(
+        "In a folder: the baseline, whose run is not in it",
+        "the database has that run, and there its findings, threshold and campaign are compared",
+        (r"campaign\.baseline",),
+    ),
+    Trusted(
         "In a folder: that a sample's seed was drawn at the launch",
         "only the database has the launch, and there it is compared",
         (r"drawn_at_launch",),
@@ -75,10 +85,10 @@ TRUSTED = (
         (r"boundary", r"morris", r"sobol"),
     ),
     Trusted(
-        "Versions, machine, times, names, tags, notes, labels, lists of failures, convergence history",
+        "Versions, machine, times, names, tags, notes, labels, convergence history",
         "they are no claims; what differs here is named by `clearance replay`",
         (r"versions", r"identity\.(machine|evaluating)", r"seconds",
-         r"^result\.(labels|failures|continues|baseline|given)", r"components", r"best_so_far"),
+         r"^result\.(labels|continues|given)", r"components", r"best_so_far"),
     ),
     Trusted(
         "In a database: values under names that no version has",

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
+from campaigns.claims.wording import reworded
 from campaigns.results import Finding, Verdict
 from campaigns.results.verdict import Check
 from campaigns.results.verdicts import described
@@ -49,8 +50,8 @@ def restated(record: Record) -> dict[str, Sentence] | Missing:
         return Missing(MISSING)
     try:
         versions = Versions.of(claims["versions"] if "versions" in claims else claims["provenance"])
-        if versions.reworded:
-            return Missing(f"{versions.reworded} worded it")
+        if by := reworded(versions):
+            return Missing(f"{by} worded it")
         scope = "".join(str(span.get("text", "")) for span in claims["holds_for"])
         systems = recorded.systems(record.campaign, claims["components"], versions, scope)
         made = [_made(record, Problem(record.campaign, system), versions) for system in systems]

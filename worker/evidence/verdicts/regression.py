@@ -1,10 +1,11 @@
 """Regression: what has become of every finding of the baseline, and which findings are new.
 
-A finding of the baseline is worse if it costs less on this model by more than the tolerance, or if the search found a
-case in its basin that is lower than any finding of the baseline there: of that one the tolerance is larger, because two
-searches do not stop at the same point. A case that begins or ceases to violate has changed whatever the tolerance; it
-is fixed only if nothing known in its basin violates, listed as a finding or not, and unresolved if validation could not
-examine the basin.
+A finding of the baseline violated there if it is at or below both runs' thresholds: one that a raised threshold makes a
+violation violates newly, and one that a lowered threshold makes none is not fixed. It is worse if it costs less on this
+model by more than the tolerance, or if the search found a case in its basin that is lower than any finding of the
+baseline there: of that one the tolerance is larger, because two searches do not stop at the same point. A case that
+begins or ceases to violate has changed whatever the tolerance; it is fixed only if nothing known in its basin violates,
+listed as a finding or not, and unresolved if validation could not examine the basin.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from dataclasses import dataclass
 
 from campaigns import rules
 from campaigns.asked.regression import BaselineCase, Policy
+from campaigns.claims.numbers import digits_of
 from campaigns.claims.say import Part, count, finding, joined, number, say, signed, symbol
 from campaigns.claims.spans import Spans
 from campaigns.results import Finding
@@ -47,7 +49,8 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
         lowest[basin.key] = min(case.cost, lowest.get(basin.key, case.cost))
     cases = [_known(problem, evidence, *row, row[0].cost <= lowest[row[2].key]) for row in rows]
     cases += [_new(problem, f, baseline.run) for f in evidence.findings if f.label not in matched]
-    cases = [case.model_copy(update={"fails": _fails(policy, case)}) for case in cases]
+    strictest = max(baseline.threshold, problem.threshold) - problem.threshold
+    cases = [case.model_copy(update={"fails": _fails(policy, case, strictest)}) for case in cases]
     cases.sort(key=lambda case: (not case.fails, case.margin is None, case.margin or 0.0))
     failing = [case for case in cases if case.fails]
     violating = [case for case in cases if case.margin is not None and case.margin <= 0]
@@ -60,7 +63,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
         accepted="violation" not in policy.fail_on and _all_known(violating),
         quantity=problem.quantity,
         unit=problem.unit,
-        statement=_statement(baseline.run, cases, failing),
+        statement=_statement(problem, cases, failing),
     )
 
 
@@ -122,7 +125,8 @@ def _known(
     tolerance = _tolerance(problem, evidence, before, there)
     lower = stands and basin.cost < again.cost
     cost = basin.cost if lower else again.cost
-    standing = _standing(problem, evidence, before.cost, again.cost, cost, tolerance)
+    violated = before.cost <= _limit(problem)
+    standing = _standing(problem, evidence, (before.cost, again.cost, cost), violated, tolerance)
     if standing is Standing.FIXED and basin.violates(threshold):
         standing = Standing.BETTER
     elif standing is Standing.FIXED and not basin.resolved:
@@ -138,19 +142,26 @@ def _known(
         margin=cost - threshold,
         change=cost - before.cost,
         tolerance=tolerance,
-        newly_violating=cost <= threshold < before.cost,
+        newly_violating=cost <= threshold and not violated,
         statement=_described(problem, run, before, again.cost, cost, standing, basin),
     )
 
 
+def _limit(problem: Problem) -> float:
+    """The highest cost that violated in the baseline, and would by this run's threshold."""
+    baseline = problem.campaign.baseline
+    return problem.threshold if baseline is None else min(baseline.threshold, problem.threshold)
+
+
 def _standing(
-    problem: Problem, evidence: Evidence, before: float, again: float, cost: float, tolerance: float
+    problem: Problem, evidence: Evidence, costs: tuple[float, float, float], violated: bool, tolerance: float
 ) -> Standing:
-    """before: its cost in the baseline; again: on this model; cost: the lowest known in its basin."""
+    """costs: in the baseline, on this model, the lowest known in its basin; violated: in the baseline."""
+    before, again, cost = costs
     threshold, nominal = problem.threshold, evidence.nominal.cost
-    if cost <= threshold < before:
+    if cost <= threshold and not violated:
         return Standing.WORSE
-    if before <= threshold < cost:
+    if violated and cost > threshold:
         return Standing.FIXED
     # Where two searches of the same model end in a basin may differ by so much.
     search = 0.0 if nominal is None else rules.SAME_COST.value * max(nominal - cost, 0.0)
@@ -189,12 +200,13 @@ def _all_known(violating: list[FindingChange]) -> bool:
     return bool(violating) and not any(case.newly_violating for case in violating)
 
 
-def _fails(policy: Policy, case: FindingChange) -> bool:
+def _fails(policy: Policy, case: FindingChange, strictest: float) -> bool:
+    """strictest: the margin below which a case violates by the higher of both thresholds."""
     fail_on = policy.fail_on
     if case.standing is Standing.UNRESOLVED:
         return "not_compared" in fail_on
     if case.standing is Standing.NOT_COMPARED:  # other bounds or names must not hide a violation that was known
-        known = case.margin_before is not None and case.margin_before <= 0
+        known = case.margin_before is not None and case.margin_before <= strictest
         return "not_compared" in fail_on or ("violation" in fail_on and known)
     return (
         ("new_violation" in fail_on and case.newly_violating)
@@ -247,14 +259,20 @@ def _unexamined(known: CaseBasin | None) -> str:
     return f"{left} to look for a barrier between it and {known.not_compared} stored violations"
 
 
-def _statement(run: str, cases: list[FindingChange], failing: list[FindingChange]) -> Spans:
+def _statement(problem: Problem, cases: list[FindingChange], failing: list[FindingChange]) -> Spans:
     """How many findings have each standing, and which of them fail."""
+    baseline = problem.campaign.baseline
+    assert baseline is not None
+    run, limits = baseline.run, (baseline.threshold, problem.threshold)
     counts = [
-        say(count(number), f" {standing}")
+        say(count(many), f" {standing}")
         for standing in ORDER
-        if (number := sum(case.standing == standing for case in cases))
+        if (many := sum(case.standing == standing for case in cases))
     ]
     whole = say(f"Changes of the findings since {run}: ", joined(", ", counts), ".")
+    if limits[0] != limits[1]:
+        there, here = (number(limit, problem.unit, digits=digits_of(limit)) for limit in limits)
+        whole = say(whole, " The threshold there is ", there, ", here it is ", here, ".")
     if not failing:
         return say(whole, " No change fails the policy of the campaign.")
     return say(whole, *_clauses(failing))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from campaigns.claims.numbers import digits_beside, digits_of
 from campaigns.claims.say import (
     Part,
     capital,
@@ -35,7 +36,8 @@ def sentence(
 ) -> Spans:
     """The verdict as a sentence; all counts are of stored evaluations."""
     found = evidence.finding
-    quantity, limit = symbol(problem.quantity), number(problem.threshold, problem.unit, "threshold")
+    quantity = symbol(problem.quantity)
+    limit = number(problem.threshold, problem.unit, "threshold", digits_of(problem.threshold))
     if found is None:
         return say(f"No {terms(problem.system).words.one} could be evaluated: ", checks[0].statement, ".")
     stated = evidence.violation or found
@@ -82,7 +84,7 @@ def _reason(check: Check) -> Spans:
 
 def _worst(problem: Problem, found: Finding, which: str) -> Spans:
     margin = signed(found.granted - problem.threshold, problem.unit, "margin")
-    cost = number(found.granted, problem.unit, "worst")
+    cost = number(found.granted, problem.unit, "worst", digits_beside(found.granted, problem.threshold))
     by = "" if found.granted == found.cost else " in every evaluation of it"
     has = say(f"The worst case {which} has ", symbol(problem.quantity), " = ", cost, by)
     return say(has, ", a margin of ", margin, _noise(found.realisation), ".")
@@ -95,7 +97,8 @@ def _shown(problem: Problem, found: Finding, violation: Finding) -> Spans:
         return say(none, finding(violation.label), " independent of the search do; it was found")
     if violation is found:
         return say("It was confirmed by validation and found")
-    lower = say(finding(found.label), ", evaluated as ", number(found.cost, problem.unit, "lowest"))
+    digits = digits_beside(found.cost, problem.threshold)
+    lower = say(finding(found.label), ", evaluated as ", number(found.cost, problem.unit, "lowest", digits))
     why = "violates by less in its other evaluations" if found.violates else "was not confirmed"
     return say("It is ", finding(violation.label), "; ", lower, _noise(found.realisation), f", {why}; both were found")
 

@@ -20,7 +20,7 @@ def worded(problem: Problem, result: StageResult, findings: Sequence[Finding]) -
         return result
     words = terms(problem.system).words
     cases = [found for found in (result.nominal, *(f.validation for f in findings)) if found is not None]
-    statement = _agreement(words, cases) if all(found.repeats is None for found in cases) else _repeated(cases)
+    statement = _agreement(words, cases) if all(found.repeats is None for found in cases) else _repeated(words, cases)
     counts, spot = result.violations, result.spot_checks
     compared = () if spot is None else _apart(words, spot, problem.unit, result.spent)
     return result.model_copy(
@@ -47,10 +47,10 @@ def _agreement(words: Words, cases: Sequence[Validation]) -> Spans:
     return joined("; ", statement)
 
 
-def _repeated(cases: Sequence[Validation]) -> Spans:
+def _repeated(words: Words, cases: Sequence[Validation]) -> Spans:
     """What the independent calls of a simulator that does not repeat show."""
     parts = [say(case(v.name), " ", v.repeats.statement) for v in cases if v.repeats is not None]
-    of = say("in independent calls, each in a fresh process, ", joined(", ", parts))
+    of = say(f"in independent calls, each {words.reference}, ", joined(", ", parts))
     unknown = [case(v.name) for v in cases if not v.ok]
     but = say("; not confirmed for ", listed(unknown)) if unknown else ()
     return unnamed(say(of, but))

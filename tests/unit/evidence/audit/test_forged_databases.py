@@ -117,6 +117,8 @@ FORGERIES: dict[str, Forgery] = {
     ),
     "a smaller bound of the sample": Forgery(result(CERTIFY, lambda r: r["sample"].update(upper_bound=1e-4))),
     "more samples": Forgery(result(CERTIFY, lambda r: r["sample"].update(samples=3000))),
+    "the code of another check": Forgery(summary(lambda s: s["checks"][0].update(code="agreement"))),
+    "no quantity": Forgery(summary(lambda s: s.pop("quantity"))),
     "another worst cost": Forgery(of_run(worst_cost=2.0)),
     "another nominal cost": Forgery(of_run(nominal_cost=2.0)),
     "another bound": Forgery(of_run(upper_bound=1e-4)),

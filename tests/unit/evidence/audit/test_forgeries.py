@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,28 +17,13 @@ from campaigns.rules import SAME_COST
 from tests.given.at_night import nightly_but
 from tests.given.case_campaigns import searching
 from tests.given.corrupted_records import CALLS, CORRUPTIONS, DIRECT, SHORT, Folder, copied, made, write_called, written
-from tests.given.forgeries import FORGERIES, Forgery, bolder, changed, places, sentences
+from tests.given.forgeries import FORGERIES, Forgery, accepted, bolder, changed, places, sentences, trusted
 from worker.evidence.audit.judge import closing
 from worker.evidence.audit.record import SEAL, UnreadableError, of_folder
 from worker.evidence.audit.sentences import SPANS
-from worker.evidence.audit.trusted import TRUSTED
 from worker.evidence.verdicts.sureness import FORMER, FORMER_LOW, LOW, Model, chance
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
-
-
-def accepted(folder: Folder) -> bool:
-    """Whether the verdict follows from a record; one that cannot be read is rejected."""
-    try:
-        if "files" in folder.evidence:  # a record in the form of an earlier version has no digest
-            folder.reseal()
-        return closing(folder.items())[0]
-    except (UnreadableError, CampaignError, ValueError):
-        return False
-
-
-def trusted(path: str) -> bool:
-    return any(re.search(pattern, path) for one in TRUSTED for pattern in one.paths)
 
 
 @pytest.mark.parametrize("forgery", FORGERIES, ids=[f.text for f in FORGERIES])

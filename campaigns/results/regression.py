@@ -44,7 +44,7 @@ class FindingChange(Described):
     parameters: Values
     """Of the lowest known case in its basin."""
     margin_before: float | None = None
-    """In the baseline."""
+    """In the baseline, to the threshold of this run."""
     margin_again: float | None = None
     """The same case on this model, as evaluated."""
     margin: float | None = None
@@ -55,7 +55,7 @@ class FindingChange(Described):
     tolerance: float | None = None
     """A change up to this is no change."""
     newly_violating: bool = False
-    """It violates, and it did not violate in the baseline, or the baseline does not have it."""
+    """It violates, and in the baseline it did not, by the lower of both thresholds, or the baseline does not have it."""
     fails: bool = False
     """By the policy of the campaign."""
 

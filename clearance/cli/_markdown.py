@@ -53,7 +53,7 @@ def _table(ended: EndedRun, regression: Regression) -> list[str]:
     heads = [
         "Finding",
         "",
-        f"Margin in {_text(regression.run)}{unit}",
+        f"Margin in {_text(regression.run)}, to the threshold here{unit}",
         "Same case here",
         "Lowest here",
         "Change",

@@ -33,12 +33,12 @@ from worker.evidence.verdicts.regression import regression
 AT = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 
 
-def asked(*costs: float, difference: float = 0.0, **changes: Any) -> Campaign:
-    """Case 1 with a baseline whose findings have these costs."""
+def asked(*costs: float, difference: float = 0.0, there: float = 0.5, **changes: Any) -> Campaign:
+    """Case 1 with a baseline whose findings have these costs; there: its threshold. That of this run is 0.5 m."""
     cases = [
         {"label": f"F{i}", "parameters": AT, "cost": cost, "difference": difference} for i, cost in enumerate(costs, 1)
     ]
-    baseline = {"run": "R-0001", "digest": "0" * 64, "threshold": 0.5, "cases": cases}
+    baseline = {"run": "R-0001", "digest": "0" * 64, "threshold": there, "cases": cases}
     return campaign(baseline=baseline, **changes)
 
 
@@ -156,6 +156,34 @@ def test_what_is_known_of_a_basin_decides_whether_it_is_fixed(
     assert case.fails == (standing is Standing.UNRESOLVED)
     told = case.text in " ".join(changes(concluded(found)))
     assert told == (standing is Standing.UNRESOLVED), "what was not examined is stated beside the counts"
+
+
+@pytest.mark.parametrize(
+    ("there", "cost", "standing", "new"),
+    [
+        (0.3, 0.40, Standing.WORSE, True),  # it violated nothing there, and does now
+        (0.3, 0.29, Standing.SAME, False),
+        (0.7, 0.60, Standing.SAME, False),  # a lower threshold mends nothing
+        (0.7, 0.40, Standing.SAME, False),
+    ],
+)
+def test_a_case_violated_in_the_baseline_by_the_threshold_of_its_run(
+    there: float, cost: float, standing: Standing, new: bool
+) -> None:
+    """The same value in both runs, of which only the thresholds differ."""
+    found = compared((cost,), (cost,), (cost,), ("F1",), there=there)
+    (case,) = found.cases
+    assert (case.standing, case.newly_violating, case.fails) == (standing, new, new)
+    assert found.ok != new
+    assert not (found.accepted and new)
+    assert [f"{limit:g}" in found.text for limit in (there, 0.5)] == [True, True]
+    lost = one(cost, None, there=there)
+    assert lost.fails == (cost <= max(there, 0.5)), "other bounds hide no violation of either threshold"
+
+
+@pytest.mark.parametrize(("there", "before", "now"), [(0.3, 0.40, 0.60), (0.7, 0.60, 0.80)])
+def test_what_violates_by_one_threshold_only_is_not_fixed(there: float, before: float, now: float) -> None:
+    assert one(before, now, now, there=there).standing == Standing.BETTER
 
 
 def test_cases_in_one_basin_that_is_not_listed_have_one_representative() -> None:

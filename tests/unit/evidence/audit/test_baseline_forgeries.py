@@ -14,9 +14,9 @@ from backend.db.tables import Finding, Run, RunBaseline
 from campaigns.claims.spans import words
 from campaigns.results.baselines import with_baseline
 from campaigns.results.regression import Standing
-from tests.audited import recorded
+from tests.audited import audited, recorded
 from tests.given.at_night import nightly_but
-from tests.given.corrupted_records import Folder, enter, ran, stored, written
+from tests.given.corrupted_records import Folder, enter, ran, since, stored, written
 from tests.given.forgeries import accepted, changed, leaves, trusted
 from worker.engine.stages.parts import offered
 from worker.evidence.audit.judge import audit, closing
@@ -168,3 +168,10 @@ def test_a_state_that_no_run_has_is_refused(compared: sa.Engine) -> None:
         writer.execute(sa.text("UPDATE runs SET state = 'asleep' WHERE id = 2"))
     with pytest.raises(UnreadableError, match="R-0002"), compared.connect() as reader:
         of_database(reader, 2)
+
+
+@pytest.mark.parametrize("there", [0.9, 0.96])
+def test_of_another_threshold_the_comparison_is_accepted(there: float) -> None:
+    campaign, store = since(there=there), MemoryStore()
+    execute(campaign, store, threads=1)
+    audited(store, campaign)

@@ -65,7 +65,7 @@ def separation(cases: Sequence[Case], of: Quantity) -> Markup:
     axes = Axes(WIDE, SEPARATION_HEIGHT, span, (min(0.0, lowest), 1.04 * highest))
     axes.tint(of.threshold)
     axes.frame("Time since start, s", 8)
-    axes.criterion(of.threshold, f"Criterion, {numbers.plain(of.threshold)} {of.unit}")
+    axes.criterion(of.threshold, f"Criterion, {numbers.exact(of.threshold)} {of.unit}")
     for case, curve in zip(cases, curves, strict=True):
         axes.line(curve, case.colour, 1.7, case.dash)
     approaches = [(case, case.closest) for case in cases]

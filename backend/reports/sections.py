@@ -20,6 +20,7 @@ from campaigns.claims.spans import Spans
 from campaigns.results import SearchResult, ValidateResult, verdicts
 from campaigns.results.finding import unsearched
 from campaigns.results.validate import Compared
+from campaigns.runs import ENDED, StageState
 
 Row = dict[str, object]
 """One row of a table, by the names that the template uses."""
@@ -161,13 +162,21 @@ def _near(other: Compared | None) -> str:
     return numbers.count(other.to_near_best) if other.to_near_best else "not reached"
 
 
+def _state(record: Record, state: StageState) -> str:
+    """Of a run that has ended, no stage runs or waits any more."""
+    if record.run.state not in ENDED:
+        return state
+    never = {StageState.RUNNING: "not finished", StageState.WAITING: "not started"}
+    return never.get(state, str(state))
+
+
 def stages(record: Record) -> list[Row]:
     """All stages with their evaluations, so that every one is counted."""
     titles = _titles(record)
     rows: list[Row] = [
         {
             "name": stage.title + (f", {titles.get(stage.method, stage.method)}" if stage.method else ""),
-            "state": stage.state,
+            "state": _state(record, stage.state),
             "evaluations": numbers.count(stage.evaluations),
             "failed": numbers.count(stage.failed),
             "excluded": numbers.count(stage.excluded),

@@ -259,4 +259,5 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters["plain"] = numbers.plain
+    environment.filters["exact"] = numbers.exact
     return environment

@@ -11,7 +11,7 @@ from backend.reports import words
 from backend.reports.record import Record
 from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
-from campaigns.claims.say import count, joined, number, say, symbol
+from campaigns.claims.say import joined, number, say, symbol
 from campaigns.claims.spans import Spans
 from campaigns.results import ValidateResult, verdicts
 from campaigns.results.finding import ClosestApproach, Neighbours, Validation
@@ -76,13 +76,13 @@ def again(record: Record) -> list[Spans]:
         part.statement for part in (result.violations, result.spot_checks) if part is not None and part.statement
     ]
     at = None if result.spot_checks is None else result.spot_checks.at
-    if at is not None:
+    if at is not None and at.cost != at.reference:
         seed = "" if at.realisation is None else f", noise seed {at.realisation}"
         symbols = {path: symbol(path, record.symbol(path)) for path in at.parameters}
         values = joined(", ", [say(symbols[path], " = ", number(value)) for path, value in at.parameters.items()])
         found.append(
             say(
-                *("the largest difference is at evaluation ", count(at.index + 1), f" of stage {at.position + 1} ("),
+                f"the largest difference is at {at.position}:{at.index}, the stage and index of evaluations.csv (",
                 *(values, seed, "): ", number(at.cost, record.of.unit, digits=9), " and "),
                 number(at.reference, record.of.unit, digits=9),
             )

@@ -19,7 +19,7 @@ from backend.requirements.schemas import RequirementRow, RequirementRun
 from backend.signoffs.schemas import signed_by
 from campaigns.asked.reading import Dumper
 from campaigns.claims.numbers import number, signed
-from campaigns.results.verdict import headline
+from campaigns.results.verdict import VerdictWord, headline
 
 Element = dict[str, str | bool | list[str]]
 Nodes = dict[str, Element]
@@ -136,6 +136,8 @@ def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> Eleme
     parts = [f"{run.id} is {headline(run.verdict or run.state, run.not_sampled)}"]
     if run.margin is not None:
         parts.append(f"worst margin {signed(run.margin)} {run.unit}".strip())
+    if run.part == "violation" and run.verdict != VerdictWord.VIOLATED:
+        parts.append(run.role)
     current = [one for one in run.signoffs if one.current]
     parts += [f"signed off by {signed_by(one)}, {one.sentence}" for one in current] or [
         "not signed off" if not run.signoffs else "the sign-off is of other results"

@@ -226,11 +226,19 @@ def _row(
     )
 
 
+def _role(edge: Edge, violates: bool, counts: bool) -> str:
+    if not violates:
+        return "" if counts else "does not count"
+    found = edge.verdict == VerdictWord.VIOLATED
+    return "still violates" if found else "found a value at or below the newest threshold"
+
+
 def _run(edge: Edge, known: Known, now: Standing, key: str) -> RequirementRun:
     violates, counts = edge.run_id in now.violations, edge.run_id in now.evidence
     return RequirementRun(
         **dict(known.outcome),
         part="violation" if violates else "evidence" if counts else "other",
+        role=_role(edge, violates, counts),
         signoffs=[one.signoff(key) for one in known.signatures],
         signed=edge.signed,
         suspect=edge.signed and bool(edge.changes),

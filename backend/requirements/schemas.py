@@ -29,6 +29,9 @@ class RequirementRun(Outcome):
     part: Literal["evidence", "violation", "other"]
     """`evidence`: the newest run of its campaign with a verdict, or the newest if none has one; `violation`: it
     violates, or found a value that would, and nothing has changed since; `other`: it does not count."""
+    role: str
+    """The same in words; empty for evidence that does not violate. A run that found a value at or below a threshold
+    that was raised since has another verdict."""
     signoffs: list[Signoff]
     """Those that were not withdrawn, with those of an earlier run that this one repeats bit by bit."""
     signed: bool

@@ -55,7 +55,7 @@ class FindingChange(Described):
     tolerance: float | None = None
     """A change up to this is no change."""
     newly_violating: bool = False
-    """It violates, and in the baseline it did not, by the lower of both thresholds, or the baseline does not have it."""
+    """It violates, and in the baseline, by the lower of both thresholds, it did not or was not known."""
     fails: bool = False
     """By the policy of the campaign."""
 

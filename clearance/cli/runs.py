@@ -57,7 +57,7 @@ def _row(run: Run) -> list[str]:
     from campaigns.versions import SHORT
     from clearance.cli._following import plain
 
-    margin = "" if run.margin is None else f"{run.margin:+.6g} {run.unit}".rstrip()
+    margin = "" if run.margin is None or not run.verdict else f"{run.margin:+.6g} {run.unit}".rstrip()
     unread = run.document.get("unidentified")
     labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
     return [

@@ -76,9 +76,9 @@ def _sureness(found: RunDetail) -> list[str]:
 
 
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:
-    unit = found.unit
+    unit = f" {found.unit}" if found.unit else ""
     return [
-        f"{f.label}: {found.quantity} {f.cost:.6g} {unit}, margin {f.margin:+.6g} {unit}{f.beside}; "
+        f"{f.label}: {found.quantity} {f.cost:.6g}{unit}, margin {f.margin:+.6g}{unit}{f.beside}; "
         + ", ".join(f"{path} = {value!r}" for path, value in f.parameters.items())
         for f in map(case, findings)
     ]

@@ -105,7 +105,8 @@ def _print_usable(campaign: Campaign, where: str) -> None:
     from campaigns.stages.plan import bound, most
 
     typer.echo(f"{campaign.name}: can be run {where}. Digest {campaign.digest[:16]}")
-    typer.echo(f"{len(campaign.uncertain)} uncertain parameters, at most {most(campaign):,} evaluations:")
+    named = "uncertain parameter" if len(campaign.uncertain) == 1 else "uncertain parameters"
+    typer.echo(f"{len(campaign.uncertain)} {named}, at most {most(campaign):,} evaluations:")
     for stage in bound(campaign):
         # Certify draws excluded samples again; traces and confirmations are made again without being stored.
         again = f", and {stage.again:,} that are not stored" if stage.again else ""

@@ -1,7 +1,7 @@
 // Whether an axis includes the criterion: if it is far from all values, these would be flattened to one line, so it is
 // omitted with a note, and included on request.
 import { type ReactNode, useState } from 'react'
-import { plain } from '../format/numbers'
+import { exact } from '../format/numbers'
 import { Seg } from '../ui/Card'
 import figures from '../ui/figures.module.css'
 
@@ -33,7 +33,7 @@ export function useReach(values: readonly number[], threshold: number | null, un
     ),
     note: out && (
       <p className={figures.fig}>
-        The criterion, {plain(threshold)} {unit}, is outside {axis}.
+        The criterion, {exact(threshold)} {unit}, is outside {axis}.
       </p>
     ),
   }

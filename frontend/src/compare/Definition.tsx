@@ -1,6 +1,6 @@
 // Differences between the campaigns by setting; all settings on request.
 import { clsx } from 'clsx'
-import { plain } from '../format/numbers'
+import { exact } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card, Seg } from '../ui/Card'
 import type { Compared } from './data'
@@ -96,7 +96,7 @@ function SettingRow({ row }: { row: Row }) {
 function shownAs(value: Setting | undefined) {
   if (value === undefined) return <span className="mut">not present</span>
   if (value === null) return <span className="mut">none</span>
-  if (typeof value === 'number') return plain(value, 8)
+  if (typeof value === 'number') return exact(value)
   if (typeof value === 'boolean') return value ? 'yes' : 'no'
   return value
 }

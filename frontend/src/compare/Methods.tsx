@@ -1,5 +1,5 @@
 // The best value of each method in each run, on one axis with the criterion.
-import { decimalsApart, fixed, NONE, plain, signed } from '../format/numbers'
+import { decimalsApart, exact, fixed, NONE, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { useMethodLook } from '../ui/methods'
@@ -68,7 +68,7 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
           },
         ]}
       />
-      {shown.length > 0 && <p className="sr">Criterion: {shown.map((limit) => plain(limit)).join(', ')}</p>}
+      {shown.length > 0 && <p className="sr">Criterion: {shown.map((limit) => exact(limit)).join(', ')}</p>}
     </Card>
   )
 }

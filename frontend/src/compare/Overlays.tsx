@@ -6,7 +6,7 @@ import { Plot } from '../charts/Plot'
 import { type Curve, linesOn, stepsOn, union } from '../charts/series'
 import type { Line, PlotSpec, Point } from '../charts/spec'
 import type { TraceData } from '../client'
-import { count, decimalsFor, fixed, plain } from '../format/numbers'
+import { count, decimalsFor, exact, fixed } from '../format/numbers'
 import { convergenceOf, searchesOf } from '../run/data/data'
 import { curveOf, extentOf, firstOf } from '../run/flight/flown'
 import { MethodName } from '../ui/MethodMark'
@@ -129,7 +129,7 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
   const [first, ...further] = [...new Set(thresholds)]
   const criterionText = (limit: number) => {
     const of = runs.filter(({ run }) => run.threshold === limit).map(({ letter }) => letter)
-    return `Criterion${further.length > 0 ? ` of ${of.join(', ')}` : ''}, ${plain(limit)} ${unit}`
+    return `Criterion${further.length > 0 ? ` of ${of.join(', ')}` : ''}, ${exact(limit)} ${unit}`
   }
   return {
     label: `Separation over time of ${drawn.map(({ label }) => label).join(', ')}`,

@@ -1,7 +1,7 @@
 // The results of the runs side by side, with the difference for two runs.
 import type { ReactNode } from 'react'
 import { independentSample } from '../api/stages'
-import { atMost, count, decimalsFor, fixed, margin, NONE, percent, plain, probability, signed } from '../format/numbers'
+import { atMost, count, decimalsFor, exact, fixed, margin, NONE, percent, plain, probability, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
@@ -83,7 +83,7 @@ function linesOf(runs: Compared[]): Line[] {
   const confidences = [...new Set(statistics.flatMap((sample) => sample?.confidence ?? []))]
   return [
     { key: 'worst', name: <>Worst <Sign text={quantity} /></>, unit, decimals, values: runs.map(({ run }) => run.worst_cost) },
-    { key: 'criterion', name: 'Criterion', unit, decimals, values: runs.map(({ run }) => run.threshold), text: (limit) => plain(limit), apart: (by) => `${by > 0 ? '+' : ''}${plain(by)}` },
+    { key: 'criterion', name: 'Criterion', unit, decimals, values: runs.map(({ run }) => run.threshold), text: (limit) => exact(limit), apart: (by) => `${by > 0 ? '+' : ''}${plain(by)}` },
     { key: 'margin', name: 'Margin', unit, decimals, values: runs.map(({ run }) => run.margin), bad: (v) => v <= 0, text: margin },
     { key: 'nominal', name: <>Nominal <Sign text={quantity} /></>, unit, decimals, values: runs.map(({ run }) => run.nominal_cost) },
     { key: 'lowest', name: 'Lowest sample', unit, decimals, values: samples.map((sample) => sample?.lowest ?? null) },

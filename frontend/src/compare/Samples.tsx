@@ -6,7 +6,7 @@ import { AxisBelow } from '../charts/axes'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, padded } from '../charts/ticks'
 import { violatedOf } from '../format/counts'
-import { plain } from '../format/numbers'
+import { exact } from '../format/numbers'
 import { SvgSign } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import { type Compared, unitOf } from './data'
@@ -98,7 +98,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
           <g key={limit}>
             <path className={figures.cr} d={`M${x(limit)} ${TOP - 8}V${HEIGHT - BOTTOM}`} />
             <text className={clsx(figures.lab, figures.halo)} x={x(limit)} y={TOP - 11 + 13 * i} textAnchor={x(limit) > width / 2 ? 'end' : 'start'}>
-              Criterion {plain(limit)}
+              Criterion {exact(limit)}
             </text>
           </g>
         ))}

@@ -69,7 +69,7 @@ it('draws separations and criteria below zero', async () => {
   expect(await separation(1, 4, -2, 3)).toEqual([-2.08, 4.16])
   expect(await separation(-3, 4, -2, 3)).toEqual([-3.12, 4.16])
   // None is above zero.
-  expect(await separation(-3, -4, null, -5)).toEqual([-5.2, 1])
+  expect(await separation(-3, -4, null, -5)).toEqual([-5.2, 0])
 })
 
 const searched = (letter: string, stages: StageProgress[], ...best: [position: number, index: number[], cost: (number | null)[]][]) =>

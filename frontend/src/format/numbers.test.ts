@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest'
 import cases from '../../tests/numbers.json'
 import type { Quantity } from '../client'
-import { count, decimalsApart, decimalsFor, duration, field, fixed, margin, parse, percent, plain, signed, thinned } from './numbers'
+import { count, decimalsApart, decimalsFor, duration, exact, field, fixed, margin, parse, percent, plain, signed, thinned } from './numbers'
 import { quantityText } from './quantity'
 import { unitText } from './units'
 
@@ -44,4 +44,9 @@ it('writes a fraction with the digits of a sentence', () => {
   expect([0.0006, 0.1, 0.0004994, 0, null].map((fraction) => percent(fraction))).toEqual([
     '0.06\u202f%', '10\u202f%', '0.0499\u202f%', '0\u202f%', '\u2014',
   ])
+})
+
+it('writes a threshold in full', () => {
+  const written = [0.5, 0.1, 1.00000005, 123456.6, 0.9999996, -4.5, 1e-7].map((value) => exact(value))
+  expect(written).toEqual(['0.5', '0.1', '1.00000005', '123\u202f456.6', '0.9999996', '\u22124.5', '1e\u22127'])
 })

@@ -74,6 +74,14 @@ export function plain(value: Maybe, digits = 6): string {
   return (value < 0 ? MINUS : '') + grouped(trimmed(decimal(size, decimalsFor([size], digits))))
 }
 
+/** As `plain`, with all digits of a threshold or a setting: nothing is compared with what it is not. */
+export function exact(value: Maybe): string {
+  if (!known(value)) return NONE
+  let digits = 6
+  while (digits < 17 && Number(value.toPrecision(digits)) !== value) digits++
+  return plain(value, digits)
+}
+
 /** A number as a power of ten with significant digits, without trailing zeros. */
 export function powered(value: number, digits: number): string {
   if (value === 0) return '0'

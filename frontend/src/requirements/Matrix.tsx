@@ -107,8 +107,6 @@ function What({ row, onChange }: { row: RequirementRow; onChange: MatrixProps['o
   )
 }
 
-const PARTS: Record<RequirementRun['part'], string> = { evidence: '', violation: 'still violates', other: 'does not count' }
-
 function Cells({ run }: { run: RequirementRun }) {
   return (
     <>
@@ -118,7 +116,7 @@ function Cells({ run }: { run: RequirementRun }) {
             {run.id}
           </Link>
           <small>{run.campaign_name}</small>
-          {PARTS[run.part] && <small>{PARTS[run.part]}</small>}
+          {run.role && <small>{run.role}</small>}
         </span>
       </td>
       <td data-label="Verdict">

@@ -5,7 +5,7 @@ import { useStill } from '../api/still'
 import type { RunDetail, StageProgress } from '../client'
 import { unknownOf, withoutValue } from '../format/counts'
 import { age } from '../format/time'
-import { count, decimalsApart, decimalsFor, duration, fixed, margin as marginText, NONE, plain } from '../format/numbers'
+import { count, decimalsApart, decimalsFor, duration, exact, fixed, margin as marginText, NONE } from '../format/numbers'
 import { Card, Stat } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
@@ -136,7 +136,7 @@ function Figures({ data }: { data: RunData }) {
           bad={margin !== null && margin <= 0}
           note={
             <>
-              {`criterion ${plain(run.threshold)} ${run.unit}${run.nominal_cost === null ? '' : `, nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}`}
+              {`criterion ${exact(run.threshold)} ${run.unit}${run.nominal_cost === null ? '' : `, nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}`}
               {unknownOf(run) && <span className="unk-t">; {unknownOf(run)}</span>}
             </>
           }

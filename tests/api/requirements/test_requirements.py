@@ -175,6 +175,7 @@ def test_a_run_that_is_no_evidence_can_still_speak_against_it(service: Service, 
         found = row(client, "REQ-1")
         assert (found["status"], found["total"]) == ("inconclusive", 1), found["sentence"]
         assert [(one["id"], one["part"]) for one in found["runs"]] == [("R-0002", "evidence"), ("R-0001", "violation")]
+        assert "threshold" in found["runs"][1]["role"], "it has no verdict that violates"
         argument = yaml.safe_load(client.get(f"{AT}/export/argument.gsn.yaml").text)
         assert not [name for name in argument if name.startswith("Sn-")]
     with changed(service.engine, first.values(verdict="violated")):

@@ -4,7 +4,7 @@ import { clsx } from 'clsx'
 import type { KeyboardEvent } from 'react'
 import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../../client'
-import { count, decimalsApart, fixed, plain } from '../../format/numbers'
+import { count, decimalsApart, exact, fixed } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Button, Chip, ChipCount } from '../../ui/Button'
 import { Sign } from '../../ui/Sign'
@@ -175,7 +175,7 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
         <span className={clsx(lists.kv, styles.kv)}>
           <span className="mut">Criterion</span>
           <span className="num">
-            <Sign text={criterion?.quantity || 'value'} /> {high ? '<' : '>'} {plain(threshold)} {unitText(criterion?.unit ?? '')}
+            <Sign text={criterion?.quantity || 'value'} /> {high ? '<' : '>'} {exact(threshold)} {unitText(criterion?.unit ?? '')}
           </span>
           {value !== null && (
             <>

@@ -4,7 +4,7 @@ import { clsx } from 'clsx'
 import { useMemo } from 'react'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, Preview } from '../../client'
-import { decimalsApart, duration, fixed, plain } from '../../format/numbers'
+import { decimalsApart, duration, exact, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
@@ -138,7 +138,7 @@ function FlightNumbers({ flown, stale, criterion }: { flown: Preview; stale: boo
             ,{' '}
             {margin > 0
               ? `clear by ${fixed(margin, decimals)} ${unit}`
-              : `violates ${plain(threshold)} ${unit} by ${fixed(-margin, decimals)} ${unit}`}
+              : `violates ${exact(threshold)} ${unit} by ${fixed(-margin, decimals)} ${unit}`}
             {closest && `, closest after ${fixed(closest.time, 2)} s`}
           </span>
         </p>

@@ -7,7 +7,7 @@ import { Plot } from '../../charts/Plot'
 import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
 import type { FrontCriterion } from '../../client'
-import { count, decimalsFor, fixed, plain } from '../../format/numbers'
+import { count, decimalsFor, exact, fixed } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Seg } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
@@ -130,7 +130,7 @@ function specOf(
     yTitle: axisTitle(y),
     xRange: padded(xs, 0.04),
     yRange: near ? padded([...ys, threshold], 0.06) : range,
-    criterion: near ? { value: threshold, label: `Criterion, ${plain(threshold)} ${y.unit}`, tint: true, right: true } : undefined,
+    criterion: near ? { value: threshold, label: `Criterion, ${exact(threshold)} ${y.unit}`, tint: true, right: true } : undefined,
     height: 300,
     xText: (v) => `${symbolText(x.quantity)} = ${fixed(v, dx)} ${unitText(x.unit)}`,
     yText: (v) => `${symbolText(y.quantity)} = ${fixed(v, dy)} ${unitText(y.unit)}`,

@@ -7,7 +7,7 @@ import { linesOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
 import { counted } from '../../api/queries'
 import type { FlightAnswer, TraceData } from '../../client'
-import { decimalsFor, fixed, plain } from '../../format/numbers'
+import { decimalsFor, exact, fixed } from '../../format/numbers'
 import { type Shown, WindowSeg } from '../../ui/WindowSeg'
 import { calledOf } from '../data/chosen'
 import type { RunData } from '../data/data'
@@ -148,7 +148,7 @@ function specOf(all: Flown[], { threshold, unit, measured }: Judged, shown: Show
     criterion:
       threshold === null
         ? undefined
-        : { value: threshold, label: `Criterion, ${plain(threshold)} ${unit}`, tint: true, right: true },
+        : { value: threshold, label: `Criterion, ${exact(threshold)} ${unit}`, tint: true, right: true },
     height,
     sync: TIME,
     xText: (x) => `${fixed(x, 2)} s`,

@@ -5,7 +5,7 @@ import { type CSSProperties, type KeyboardEvent, useState } from 'react'
 import { flushSync } from 'react-dom'
 import { hasScenario } from '../../api/campaign'
 import type { FlightAnswer, FlightValue } from '../../client'
-import { decimalsFor, field, fixed, margin, NARROW, NONE, parse, plain } from '../../format/numbers'
+import { decimalsFor, exact, field, fixed, margin, NARROW, NONE, parse, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
@@ -179,7 +179,7 @@ function wordsOf(answer: FlightAnswer | null, whatIf: WhatIf | null): string {
   const seeds = trace.realisation
   const noise = !seeds ? [] : [`noise seed ${seeds.seed}${seeds.seeds > 1 ? `, the lowest of ${seeds.seeds}` : ''}`]
   const own = seeds && whatIf?.seed != null ? ['of the evaluation chosen in the parameter space'] : []
-  return [`criterion ${plain(threshold)}${NARROW}${unit}`, ...near, [...noise, ...own].join(' ')].filter(Boolean).join(', ')
+  return [`criterion ${exact(threshold)}${NARROW}${unit}`, ...near, [...noise, ...own].join(' ')].filter(Boolean).join(', ')
 }
 
 interface RowProps {

@@ -1,6 +1,6 @@
 // Nominal against worst: every uncertain parameter with its position within the bounds, and the results.
 import { clsx } from 'clsx'
-import { decimalsFor, fixed, NARROW, NONE, plain } from '../../format/numbers'
+import { decimalsFor, exact, fixed, NARROW, NONE, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { WithinBounds } from '../../ui/bars'
 import { Card } from '../../ui/Card'
@@ -93,7 +93,7 @@ export function NominalWorst({ data, className, title, note, column, worst }: No
               </td>
             )}
             <td className="small mut">
-              {run.threshold !== null && `criterion ${plain(run.threshold)}${NARROW}${run.unit}`}
+              {run.threshold !== null && `criterion ${exact(run.threshold)}${NARROW}${run.unit}`}
             </td>
           </tr>
         </tbody>

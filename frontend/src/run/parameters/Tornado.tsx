@@ -64,7 +64,9 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
 export function movedBy({ low, high }: Pick<Bar, 'low' | 'high'>, unit: string): string {
   const [least, most] = [Math.min(low, high), Math.max(low, high)]
   const by = (change: number) => `${signed(change, decimalsFor([low, high], 2))} ${unit}`
-  return least < 0 ? `has the largest effect: ${by(least)} at its worse bound.` : `has the largest effect: up to ${by(most)}; neither bound is worse than nominal.`
+  return least < 0 && 0.1 * most > -least
+    ? `has the largest effect: ${by(most)} at one bound, ${signed(least, decimalsFor([least], 1))} ${unit} at the other.`
+    : least < 0 ? `has the largest effect: ${by(least)} at its worse bound.` : `has the largest effect: up to ${by(most)}; neither bound is worse than nominal.`
 }
 
 function barsOf({ run, parameters }: RunData, result: SlicesResult): Bar[] {

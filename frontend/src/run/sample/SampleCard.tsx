@@ -8,7 +8,7 @@ import { AxisBelow, TicksBeside } from '../../charts/axes'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { lostOf } from '../../format/counts'
-import { count, decimalsFor, fixed, plain, short } from '../../format/numbers'
+import { count, decimalsFor, exact, fixed, plain, short } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { Seg } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
@@ -105,7 +105,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
   const decimals = tickDecimals(xs)
   const written = (value: number | null) => `${fixed(value, decimalsFor([value]))} ${run.unit}`
   const marks = [
-    { value: off ? null : threshold, text: `Criterion ${plain(threshold)} ${run.unit}`, colour: 'var(--c-crit)', dashed: true },
+    { value: off ? null : threshold, text: `Criterion ${exact(threshold)} ${run.unit}`, colour: 'var(--c-crit)', dashed: true },
     { value: run.worst_cost, text: `Worst ${written(run.worst_cost)}`, colour: 'var(--c-worst)' },
     { value: run.nominal_cost, text: `Nominal ${written(run.nominal_cost)}`, colour: 'var(--ink-2)' },
   ]
@@ -150,7 +150,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
       </svg>
       {off && threshold !== null && (
         <p className={figures.fig}>
-          The criterion, {plain(threshold)} {run.unit}, is outside this axis.
+          The criterion, {exact(threshold)} {run.unit}, is outside this axis.
         </p>
       )}
     </div>

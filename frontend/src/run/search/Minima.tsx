@@ -48,7 +48,7 @@ export function Minima({ data, search, position, className, tall }: MinimaProps)
       note={
         <>
           <MethodName method={search.method} title={search.title} />
-          {every ? ': every descent, in its order' : `: ${count(merged.length)} distinct of ${count(search.minima.length)} descents, the lowest first`}
+          {every ? ': every descent, in its order' : `: ${count(merged.length)} distinct of ${count(search.minima.length)} ${search.minima.length === 1 ? 'descent' : 'descents, the lowest first'}`}
         </>
       }
       className={className}

@@ -4,7 +4,7 @@ import { clsx } from 'clsx'
 import { isLive } from '../../api/queries'
 import type { RunDetail, SoFar, StageProgress, StageSummary } from '../../client'
 import { lossesOf } from '../../format/counts'
-import { atMost, count, decimalsFor, duration, fixed, plain } from '../../format/numbers'
+import { atMost, count, decimalsFor, duration, exact, fixed } from '../../format/numbers'
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { headlineOf } from '../../ui/VerdictBadge'
@@ -143,5 +143,5 @@ export function boundSoFar({ evaluations, planned, seconds }: StageProgress, { v
 
 function costText({ threshold, unit }: RunDetail, cost: number): string {
   const value = `${fixed(cost, decimalsFor([cost]))} ${unit}`
-  return threshold === null ? value : `${value}, ${cost > threshold ? 'clear of' : 'not above'} ${plain(threshold)} ${unit}`
+  return threshold === null ? value : `${value}, ${cost > threshold ? 'clear of' : 'not above'} ${exact(threshold)} ${unit}`
 }

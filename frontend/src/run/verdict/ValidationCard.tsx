@@ -22,6 +22,9 @@ interface ValidationCardProps {
   className: string | undefined
 }
 
+/** The checks of the verdict on what was evaluated again. */
+const CHECKS: ReadonlySet<string> = new Set(['validation', 'repetition'])
+
 export function ValidationCard({ data, result, className }: ValidationCardProps) {
   const { run } = data
   const cases = casesOf(result, data.findings)
@@ -30,6 +33,9 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
     cases.map((c) => c.cost),
     7,
   )
+  // The check also counts what was repeated besides the cases.
+  const failing = data.run.summary?.checks.some(({ name, ok }) => CHECKS.has(name) && !ok)
+  const passed = result.ok && !failing
   const repeated = cases.some((c) => c.again || c.repeats)
   const measured = resultWith(data.stages, 'measured')?.measured
   return (
@@ -40,9 +46,9 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
       id="validation"
       flush={cases.length > 0}
       right={
-        <span className={badges.vd} data-tone={result.ok ? 'ok' : 'unk'}>
-          {result.ok ? <IconCircleCheck className="i" aria-hidden /> : <IconCircleX className="i" aria-hidden />}
-          {result.ok ? 'Passed' : 'Not passed'}
+        <span className={badges.vd} data-tone={passed ? 'ok' : 'unk'}>
+          {passed ? <IconCircleCheck className="i" aria-hidden /> : <IconCircleX className="i" aria-hidden />}
+          {passed ? 'Passed' : 'Not passed'}
         </span>
       }
       footer={
@@ -130,7 +136,7 @@ function Again({ data: { run, stages }, repeated, violations, spots }: AgainProp
       <dt>Difference from the stored value</dt>
       <dd title={at ? Object.entries(at.parameters).map(([path, v]) => `${path} = ${plain(v, 9)}`).join('\n') : undefined}>
         median {apart(spots.median)}, largest {apart(spots.largest)}
-        {at && `, ${stage?.method ? methodLook(stage.method).title : (stage?.kind ?? 'stage')} evaluation ${count(at.index + 1)}`}
+        {at && `, ${stage?.method ? methodLook(stage.method).title : (stage?.kind ?? 'stage')}, ${at.position}:${at.index} in evaluations.csv`}
         {at && at.realisation !== null && `, noise seed ${at.realisation}`}
       </dd>
     </dl>

@@ -154,3 +154,11 @@ def test_a_duration_is_the_nearest_that_can_be_shown(value: float) -> None:
         read, unit = 3600.0 * int(number) + 60.0 * int(rest[1]), 60.0
         assert int(rest[1]) < 60
     assert math.fabs(read - value) <= unit / 2 + 1e-9
+
+
+@pytest.mark.parametrize("threshold", [0.5, 0.1, 1.00000005, 123456.6, 0.9999996, -4.5, 1e-7, 1 / 3])
+def test_a_threshold_is_read_as_it_is(threshold: float) -> None:
+    assert float(f"{threshold:.{numbers.digits_of(threshold)}g}") == threshold
+    for beside in (math.nextafter(threshold, 9e9), math.nextafter(threshold, -9e9), threshold):
+        read = float(f"{beside:.{numbers.digits_beside(beside, threshold)}g}")
+        assert (read < threshold, read > threshold) == (beside < threshold, beside > threshold)

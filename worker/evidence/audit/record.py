@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import sqlalchemy as sa
 
-from campaigns import Campaign, Catalogue, load_file
+from campaigns import Campaign, CampaignError, Catalogue, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import question
 from campaigns.claims.earlier import throughout
@@ -132,6 +132,8 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     """The stored run; raises as `of_folder` does. Tables are read as they are, of any version."""
     try:
         return _of_database(connection, run_id)
+    except CampaignError:
+        raise
     except (LookupError, ValueError, TypeError, sa.exc.NoResultFound) as error:
         message = f"what is stored of {run_name(run_id)} is not of a run: {type(error).__name__}: {error}"
         raise UnreadableError(message, RefusalCode.UNREADABLE) from None

@@ -184,5 +184,5 @@ def caption(cases: Sequence[Case], of: Quantity) -> str:
     if view is not None:
         moving = " Dashed: what else moves." if any(o.moving for o in cases[-1].head.obstacles) else ""
         return f"Seen {view.seen}, as the simulator declares; upwards: {view.up}. {drawn}.{moving}"
-    limit = f" Dashed: the criterion of {numbers.plain(of.threshold)} {of.unit}." if of.threshold else ""
+    limit = f" Dashed: the criterion of {numbers.exact(of.threshold)} {of.unit}." if of.threshold else ""
     return f"Flights seen from above. {drawn}.{limit} Moving obstacles are shown at the time of the closest approach."

@@ -18,7 +18,7 @@ import yaml
 from backend.requirements.schemas import RequirementRow, RequirementRun
 from backend.signoffs.schemas import signed_by
 from campaigns.asked.reading import Dumper
-from campaigns.claims.numbers import number, signed
+from campaigns.claims.numbers import digits_of, signed, written
 from campaigns.results.verdict import VerdictWord, headline
 
 Element = dict[str, str | bool | list[str]]
@@ -114,7 +114,9 @@ def _subgoal(
     against: runs that found a value that would violate it, without a verdict that confirms it.
     """
     key = f"{name}-{run.id}"
-    above = "its threshold" if run.threshold is None else f"{number(run.threshold)} {run.unit}".strip()
+    above = (
+        "its threshold" if run.threshold is None else written(run.threshold, run.unit, digits=digits_of(run.threshold))
+    )
     goal: Element = {"text": f"{run.campaign_name}: {run.quantity or 'the criterion'} stays above {above}"}
     nodes[f"G-{key}"] = goal
     if run.verdict == "cleared" and not run.not_sampled and run.signed and not run.suspect and not against:

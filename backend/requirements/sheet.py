@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import UTC, datetime
 
 from backend.http.written import lines as written
@@ -18,7 +18,7 @@ _MATRIX = (
     "requirement", "text", "status", "why", "run", "counts", "campaign", "verdict", "quantity", "unit", "threshold",
     "worst", "margin", "p_violation_bound", "campaign_sha256", "code_sha256",
     "evidence_sha256", "date", "signed", "signed_by", "suspect",
-    "changes",
+    "changes", "role",
 )  # fmt: skip
 
 
@@ -33,8 +33,10 @@ def requirements(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
     used = Counter(name for row in listed for name in row.attributes)
     more = sorted(name for name, _ in used.most_common(MOST_COLUMNS))
     rest = set(used) - set(more)
-    heads = [f"{name} (file)" if name in fixed else name for name in more]
-    yield written([[*fixed, *heads, *(["other attributes"] if rest else [])]])
+    heads = [*fixed]
+    for name in more:
+        heads.append(name if name not in heads else _free(f"{name} (file)", heads))
+    yield written([[*heads, *(["other attributes"] if rest else [])]])
     for row in listed:
         values = (row.id, row.text, row.status, row.sentence, row.file or "")
         others = "; ".join(f"{name}: {value}" for name, value in row.attributes.items() if name in rest)
@@ -52,8 +54,8 @@ def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
         for run in row.runs:
             yield written([[*before, *_run(run)]])
         if row.unlisted:
-            more = f"{row.unlisted} older runs are not listed"
-            yield written([[*before, "", more, *[""] * (len(_MATRIX) - len(before) - 2)]])
+            before[-1] = f"{row.unlisted} older runs are not listed"
+            yield written([[*before, *[""] * (len(_MATRIX) - len(before))]])
 
 
 def _run(run: RequirementRun) -> list[object]:
@@ -65,8 +67,12 @@ def _run(run: RequirementRun) -> list[object]:
         *("" if number is None else repr(number) for number in numbers), run.campaign_digest, run.code or "",
         run.evidence_digest or "",
         _date(run.finished or run.created), "yes" if run.signed else "no", signed, "yes" if run.suspect else "no",
-        "; ".join(run.changes),
+        "; ".join(run.changes), run.role,
     ]  # fmt: skip
+
+
+def _free(head: str, heads: Sequence[str]) -> str:
+    return head if head not in heads else _free(f"{head} (file)", heads)
 
 
 def _date(at: float) -> str:

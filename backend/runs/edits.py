@@ -89,8 +89,11 @@ def cancel(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[
 
 def cancelled(writer: sa.Connection, run_ids: Sequence[int], visitor: Visitor, **detail: object) -> None:
     """Cancel these runs; the audit trail has those that this changed. detail: what their entries have besides."""
-    for run_id in sorted(set(run_ids)):  # in one order, so that no two requests wait for each other
+    changed = []
+    for run_id in sorted(set(run_ids)):  # the runs in one order and then the trail, as every request takes them
         before = writer.scalar(sa.select(Run.state).where(Run.id == run_id).with_for_update())
         state = queue.request_cancel(writer, run_id)
         if state != before:
-            audit.note(writer, visitor, "run.cancelled", run_name(run_id), {"state": state, **detail})
+            changed.append((run_id, state))
+    for run_id, state in changed:
+        audit.note(writer, visitor, "run.cancelled", run_name(run_id), {"state": state, **detail})

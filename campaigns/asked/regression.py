@@ -15,8 +15,9 @@ from campaigns.asked.values import AS_NUMBER, AS_WHOLE, Name, Number, Path, Stri
 
 FailOn = Literal["violation", "new_violation", "new", "worse", "not_compared"]
 """violation: the verdict is violated, or a violation of the baseline is not compared; new_violation: a finding violates
-that the baseline lacks or that did not violate in it; new: the baseline lacks a finding; worse: a finding of the
-baseline is worse; not_compared: a finding of the baseline could not be evaluated, has no value, or is unresolved."""
+that the baseline lacks or that did not violate in it by both thresholds; new: the baseline lacks a finding; worse: a
+finding of the baseline is worse; not_compared: a finding of the baseline could not be evaluated, has no value, or is
+unresolved."""
 
 DEFAULT: list[FailOn] = ["violation", "new_violation"]
 

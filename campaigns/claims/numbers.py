@@ -158,7 +158,12 @@ def decimals_apart(values: Iterable[float | None], digits: int = 4, most: int = 
 
 def exact(value: float | None) -> str:
     """As `plain`, with all digits of a threshold: nothing is compared with what it is not."""
-    return plain(value) if value is None or not known(value) else plain(value, digits_of(value))
+    if value is None or not known(value):
+        return NONE
+    text = repr(abs(float(value)))
+    if value == 0 or "e" in text or not 1e-4 <= abs(value) < 1e9:
+        return plain(value, digits_of(value))
+    return fixed(value, len(text.partition(".")[2].rstrip("0")))
 
 
 def plain(value: float | None, digits: int = 6) -> str:

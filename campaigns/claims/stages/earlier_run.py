@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from campaigns.claims.numbers import number
+from campaigns.claims.numbers import digits_of, number, written
 from campaigns.claims.say import Part, count, joined, say
 from campaigns.claims.spans import Spans
 
@@ -39,7 +39,8 @@ def evaluated(run: str, cases: Sequence[Case], thresholds: tuple[float, float], 
     ]
     before, now = thresholds
     if before != now:
-        clauses.append(f"the threshold of {run} was {number(before)} {unit}, here it is {number(now)} {unit}")
+        there, here = (written(limit, unit, digits=digits_of(limit)) for limit in thresholds)
+        clauses.append(f"the threshold of {run} was {there}, here it is {here}")
     return joined("; ", clauses)
 
 

@@ -77,6 +77,8 @@ export function plain(value: Maybe, digits = 6): string {
 /** As `plain`, with all digits of a threshold or a setting: nothing is compared with what it is not. */
 export function exact(value: Maybe): string {
   if (!known(value)) return NONE
+  const text = String(Math.abs(value))
+  if (value !== 0 && !text.includes('e') && Math.abs(value) >= 1e-4 && Math.abs(value) < 1e9) return fixed(value, text.split('.')[1]?.length ?? 0)
   let digits = 6
   while (digits < 17 && Number(value.toPrecision(digits)) !== value) digits++
   return plain(value, digits)

@@ -18,6 +18,7 @@ import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
 import { hiddenHead, Table } from '../ui/Table'
 import { headlineOf } from '../ui/VerdictBadge'
+import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 import { detailOf, STANDINGS } from './SignedBy'
@@ -167,6 +168,8 @@ function useChange<T>(run: string, call: (body: T) => Promise<unknown>, onDone: 
       await cache.invalidateQueries({ queryKey: ['signoffs', run] })
       onDone()
     },
+    // Refused because results or texts have changed: show those of now.
+    onError: () => void cache.invalidateQueries({ queryKey: ['signoffs', run] }),
   })
 }
 
@@ -187,7 +190,8 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
   // Whoever launched a run is not independent of it.
   const [role, setRole] = useState(own ? '' : (TITLES[0] ?? ''))
   const [comment, setComment] = useState('')
-  const [{ digest, texts }] = useState(seen)
+  const [{ digest, texts }, setRead] = useState(seen)
+  const other = digest !== seen.digest || JSON.stringify(texts) !== JSON.stringify(seen.texts)
   const sign = useChange(
     run.id,
     () => signOff(run.id, { ...(account === null && { name: name.trim() }), role: role.trim(), comment: comment.trim(), digest, texts }),
@@ -208,6 +212,23 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
         {own && ` You launched ${run.id}, and the sign-off states that.`}
       </p>
       <Texts of={texts} />
+      {sign.isError && other && (
+        <div className={cards.note} role="status">
+          <p>
+            <b>It is now:</b> sha256 <span className="mono">{seen.digest.slice(0, 16)}</span>
+          </p>
+          <Texts of={seen.texts} />
+          <Button
+            small
+            onClick={() => {
+              setRead(seen)
+              sign.reset()
+            }}
+          >
+            I have read it
+          </Button>
+        </div>
+      )}
       {account === null && <Field label="Name" value={name} maxLength={120} required data-autofocus onChange={setName} />}
       <Field label="Title" value={role} maxLength={120} required list="signoff-titles" onChange={setRole} />
       <datalist id="signoff-titles">

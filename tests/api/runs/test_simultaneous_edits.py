@@ -10,10 +10,11 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.tables import AuditHead, Draft, Requirement
+from backend.db.tables import AuditHead, Draft, Requirement, Run
 from tests.faults.processes import until
 from tests.given.databases import POSTGRESQL
 from tests.given.service import Service
+from tests.given.submissions import submit
 
 DRAFT = {"name": "", "text": "name: x"}
 EDITS: dict[str, tuple[str, str, list[dict[str, Any]]]] = {
@@ -73,6 +74,21 @@ def test_a_requirement_that_is_added_twice_at_the_same_time_is_refused_once(
     body = {"id": "X", "text": "two"}
     answer = _while_held(service, sa.insert(Requirement).values(**row), lambda: client.put(REQUIREMENTS, json=body))
     assert (answer.status_code, answer.json()["type"].rpartition(":")[2]) == (409, "requirement-conflict")
+
+
+@POSTGRESQL
+def test_cancelling_several_waits_for_an_edit_of_one_and_not_the_other_way_round(
+    service: Service, client: httpx.Client
+) -> None:
+    """The edit holds a run, and then takes the audit trail, which the request must not hold yet."""
+    runs = [submit(client), submit(client)]
+    with ThreadPoolExecutor(1) as one, _outside(service) as watching:
+        with service.engine.begin() as edit:
+            edit.execute(sa.update(Run).where(Run.id == 2).values(name="edited"))
+            answer = one.submit(lambda: client.post("/api/v1/runs/cancel", json={"runs": runs}))
+            until(lambda: watching.scalar(sa.text(WAITING)) == 1, "it waits")
+            edit.execute(sa.select(AuditHead.row).with_for_update())
+        assert [run["state"] for run in answer.result().json()] == ["cancelled", "cancelled"]
 
 
 @POSTGRESQL

@@ -30,6 +30,11 @@ COARSER = "with a tolerance of "
 """How a reason begins with which the reference integrator has a value."""
 
 
+BASELINES = 5
+"""The version of the sentences since which records state all that a comparison with a baseline rests on, judged by the
+thresholds of both runs."""
+
+
 def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
     """Wilks: the r-th lowest of the sample, in which a failed evaluation is the lowest, bounds its quantile."""
     found = _of_quantile(len(ranked), fraction, confidence)
@@ -89,6 +94,7 @@ class Run:
         self.campaign, self.claims, twice, self.stage, self.points, costs, self.status, self.flaky, _ = record
         stored = self.claims.get("versions") or self.claims.get("provenance")
         self.reworded = reworded(Versions.of(stored))
+        self.wording = Versions.of(stored).wording or 0
         """Whose templates made the sentences, which are then not made again; empty if it is those of today."""
         self.sealed = SEAL not in twice or not isinstance(twice[SEAL][0], Missing)
         """Whether a version wrote it that states the evidence digest: then nothing of it may be absent."""

@@ -14,7 +14,7 @@ from campaigns.asked.regression import BaselineCase
 from campaigns.claims.stages import earlier_run
 from campaigns.results.base import OK, STATUS
 from worker.evidence.audit import limits
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.recompute import BASELINES, Run, Tree
 
 
 def position(run: Run) -> int:
@@ -28,14 +28,14 @@ def evaluated(run: Run) -> Tree:
     assert baseline is not None
     by_label = {recorded["label"]: recorded for recorded in stated}
     cases = [_evaluated(run, case, by_label.get(case.label, {})) for case in baseline.cases]
-    if run.reworded:
+    if not _compares(run):
         return {"cases": [{"label": case["label"], "cost": case["cost"]} for case in cases]}
     of = [
         earlier_run.Case(c["label"], c["index"] is not None, c["status"] == STATUS[OK], r["reason"], r["assumed"])
         for c, r in zip(cases, stated, strict=True)
     ]
     told = earlier_run.evaluated(baseline.run, of, (baseline.threshold, run.threshold), run.unit)
-    return {"run": baseline.run, "cases": cases, "statement": told}
+    return {"run": baseline.run, "cases": cases} | ({} if run.reworded else {"statement": told})
 
 
 def _evaluated(run: Run, case: BaselineCase, recorded: Tree) -> Tree:
@@ -82,7 +82,7 @@ def examined(run: Run) -> bool:
     parameters that are stated, and no higher than the case that a descent began from; a violation is one."""
     validated = run.claims["results"][-1]
     stored = validated.get("basins") or []
-    if run.reworded or not run.sealed or run.campaign.baseline is None or not stored:
+    if not _compares(run) or not run.sealed or run.campaign.baseline is None or not stored:
         return True
     return all(_seen(run, number, basin) for number, basin in enumerate(stored))
 
@@ -125,7 +125,7 @@ def regression(run: Run) -> Tree:
     left_out |= {case.label for case in baseline.cases} - {recorded["before"] for recorded in stated["cases"]}
     names = [(recorded["before"], recorded["before"] or recorded["now"]) for recorded in stated["cases"]]
     again = [label for label, times in Counter(names).items() if times > 1]
-    told = {} if run.reworded else {"fail_on": [*policy.fail_on], "quantity": run.quantity, "unit": run.unit}
+    told = {"fail_on": [*policy.fail_on], "quantity": run.quantity, "unit": run.unit} if _compares(run) else {}
     return told | {
         "run": baseline.run,
         "position": position(run),
@@ -145,35 +145,41 @@ def _case(run: Run, recorded: Tree) -> Tree:
     assert baseline is not None
     case = next(case for case in baseline.cases if case.label == recorded["before"])
     known = {other.label: _basin(run, number) for number, other in enumerate(baseline.cases)}
-    own = known[case.label]
-    basin, stands = own["margin"], True
+    own, limit = known[case.label], run.threshold
+    basin, stands = own["cost"], True
     if own["now"] is not None or math.isfinite(basin):  # the lowest finding of the baseline represents a basin
-        same = [o for o in baseline.cases if all(known[o.label][k] == own[k] for k in ("now", "margin"))]
+        same = [o for o in baseline.cases if all(known[o.label][k] == own[k] for k in ("now", "cost"))]
         stands = case.cost <= min(other.cost for other in same)
     _, costs, status = run.rows(position(run))
     index = {one["label"]: one["index"] for one in run.claims["results"][position(run)]["cases"]}
-    before, k = case.cost - run.threshold, recorded["evaluation"] if run.reworded else index[case.label]
+    before, k = case.cost, index[case.label] if _compares(run) else recorded["evaluation"]
     if k is None or status[k] != OK:
-        return _row("not compared", before, math.nan, math.nan, math.nan, False) | _told(run, k, None, case.parameters)
-    again = float(costs[k]) - run.threshold
+        row = _row("not compared", before - limit, math.nan, math.nan, math.nan, False)
+        return row | _told(run, k, None, case.parameters)
+    again = float(costs[k])
     lowest = min(again, basin) if stands else again
     tolerance = _tolerance(run, case.difference, recorded["now"])
-    violated = case.cost <= _violating(run)
-    new = lowest <= 0 and not violated
-    if violated and lowest > 0:
-        standing = "better" if basin <= 0 or own["violates"] else "fixed" if own["examined"] else "unresolved"
+    violated = before <= _violating(run)
+    new = lowest <= limit and not violated
+    if violated and lowest > limit:
+        standing = "better" if basin <= limit or own["violates"] else "fixed" if own["examined"] else "unresolved"
     else:
-        allowed = max(tolerance, limits.SAME_COST * max(run.nominal - run.threshold - lowest, 0.0))
+        allowed = max(tolerance, limits.SAME_COST * max(run.nominal - lowest, 0.0))
         worse = new or again < before - tolerance or lowest < before - allowed
         standing = "worse" if worse else "better" if lowest > before + tolerance else "same"
     place = own["parameters"] if stands and basin < again else run.values(run.rows(position(run))[0][k])
-    row = _row(standing, before, again, lowest, tolerance, new) | _told(run, k, own["now"], place)
-    return row | {"change": lowest - before}
+    row = _row(standing, before - limit, again - limit, lowest - limit, tolerance, new)
+    return row | _told(run, k, own["now"], place) | {"change": lowest - before}
+
+
+def _compares(run: Run) -> bool:
+    """Whether the record states all that its comparison rests on; those of earlier versions are judged by less."""
+    return run.wording >= BASELINES
 
 
 def _told(run: Run, evaluation: int | None, now: str | None, parameters: Any) -> Tree:
     """What a row names besides its numbers; earlier versions are not judged by it."""
-    return {} if run.reworded else {"evaluation": evaluation, "now": now, "parameters": dict(parameters)}
+    return {"evaluation": evaluation, "now": now, "parameters": dict(parameters)} if _compares(run) else {}
 
 
 def _basin(run: Run, number: int) -> Tree:
@@ -181,15 +187,15 @@ def _basin(run: Run, number: int) -> Tree:
     validated = run.claims["results"][-1]
     now = validated["since"][number]
     there: Tree = next((f for f in run.findings if f["label"] == now), {})
-    listed, at = there.get("margin", math.inf), there.get("parameters", {})
+    listed, at = there.get("cost", math.inf), there.get("parameters", {})
     if not validated.get("basins"):
-        return {"now": now, "margin": listed, "violates": False, "examined": True, "parameters": at}
+        return {"now": now, "cost": listed, "violates": False, "examined": True, "parameters": at}
     stored = validated["basins"][number]
     known = stored["lowest"] is not None
-    margin = stored["lowest"] - run.threshold if known and now is None else listed
+    cost = stored["lowest"] if known and now is None else listed
     examined = known and not stored["not_compared"]
     at = at or stored.get("parameters") or {}
-    return {"now": now, "margin": margin, "violates": "violation" in stored, "examined": examined, "parameters": at}
+    return {"now": now, "cost": cost, "violates": "violation" in stored, "examined": examined, "parameters": at}
 
 
 def _row(standing: str, before: float, again: float, lowest: float, tolerance: float, new: bool) -> Tree:
@@ -209,16 +215,16 @@ def _tolerance(run: Run, before: float, label: str | None) -> float:
 
 
 def _violating(run: Run) -> float:
-    """The highest cost that violates by both thresholds; earlier versions knew this run's only."""
+    """The highest cost that violates by both thresholds; earlier versions knew that of this run only."""
     baseline = run.campaign.baseline
-    there = run.threshold if run.reworded or baseline is None else baseline.threshold
+    there = baseline.threshold if baseline is not None and _compares(run) else run.threshold
     return min(there, run.threshold)
 
 
 def _strictest(run: Run) -> float:
     """The margin at which a case violates by the higher of both thresholds."""
     baseline = run.campaign.baseline
-    there = run.threshold if run.reworded or baseline is None else baseline.threshold
+    there = baseline.threshold if baseline is not None and _compares(run) else run.threshold
     return max(there, run.threshold) - run.threshold
 
 

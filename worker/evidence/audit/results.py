@@ -193,17 +193,23 @@ def _charts(run: Run, k: int) -> Tree:
     if stated.get("apart"):
         found["apart"] = apart(run, k)
     if stated.get("gap") and not run.reworded:
-        gap = stated["gap"]
-        best = gap["lower_bound"] + gap["gap"]  # of the centres alone, as taken
-        numbers = (gap["rectangles"], gap["without_value"], run.quantity, gap["lower_bound"], best, run.unit)
-        found["gap"] = {
-            "statement": possible_gain(*numbers),
-            "rectangles": min(gap["rectangles"], run.ended[k]["evaluations"]),
-        }
-        _, raw, status = run.rows(k)
-        if not np.isclose(raw[status == OK], best, rtol=1e-9, atol=0.0).any():
-            found["gap"]["lower_bound"] = math.nan  # it is that of no centre
+        found["gap"] = _gap(run, k, stated["gap"])
     return found
+
+
+def _gap(run: Run, k: int, gap: Tree) -> Tree:
+    """The sentence on DIRECT's possible gain; its lower bound and gap must end at the value of an evaluation."""
+    _, raw, status = run.rows(k)
+    best = gap["lower_bound"] + gap["gap"]  # of the centres alone, as taken; the sum has lost digits
+    known = raw[status == OK]
+    nearest = float(known[np.argmin(np.abs(known - best))]) if len(known) else math.nan
+    lost = 4 * np.finfo(float).eps * max(abs(gap["lower_bound"]), abs(gap["gap"]))
+    numbers = (gap["rectangles"], gap["without_value"], run.quantity, gap["lower_bound"], nearest, run.unit)
+    found: Tree = {
+        "statement": possible_gain(*numbers),
+        "rectangles": min(gap["rectangles"], run.ended[k]["evaluations"]),
+    }
+    return found if abs(nearest - best) <= lost else found | {"lower_bound": math.nan}
 
 
 def _found(run: Run, made: Tree, finding: Tree) -> Tree:

@@ -201,7 +201,7 @@ def _all_known(violating: list[FindingChange]) -> bool:
 
 
 def _fails(policy: Policy, case: FindingChange, strictest: float) -> bool:
-    """strictest: the margin below which a case violates by the higher of both thresholds."""
+    """strictest: the margin at or below which a case violates by the higher of both thresholds."""
     fail_on = policy.fail_on
     if case.standing is Standing.UNRESOLVED:
         return "not_compared" in fail_on

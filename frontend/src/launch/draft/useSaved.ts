@@ -33,6 +33,7 @@ const refusedWith = (error: unknown, ...statuses: number[]) => error instanceof 
 /** `content` returns the content to be saved; `onSaved` is called afterwards. */
 export function useSaved(first: Draft | null, content: () => Promise<Content>, onSaved: (draft: Draft) => void): Saved {
   const [draft, setDraft] = useState(first)
+  const [gone, setGone] = useState(false)
   const cache = useQueryClient()
   const low = useBarred('engineer')
   const barred = useBarredFromOwn('engineer', ...(draft ? [draft] : []))
@@ -40,16 +41,20 @@ export function useSaved(first: Draft | null, content: () => Promise<Content>, o
   const saving = useMutation({
     mutationFn: async ({ another }: { another?: boolean; leaving?: boolean }) => {
       const body = await content()
-      return draft && !another && !foreign && !gone ? saveDraft(draft.id, { ...body, version: draft.version }) : createDraft(body)
+      if (!draft || another || foreign || gone) return createDraft(body)
+      return saveDraft(draft.id, { ...body, version: draft.version }).catch((error: unknown) => {
+        setGone(refusedWith(error, 404))
+        throw error
+      })
     },
     onSuccess: (kept, { leaving }) => {
       setDraft(kept)
+      setGone(false)
       cache.setQueryData(['draft', kept.id], kept)
       void cache.invalidateQueries({ queryKey: ['drafts'] })
       if (!leaving) onSaved(kept)
     },
   })
-  const gone = refusedWith(saving.error, 404)
   const launched = async (run: string, remove: boolean) => {
     if (!draft || foreign) return
     if (remove) await deleteDraft(draft.id, draft.version)
@@ -62,7 +67,7 @@ export function useSaved(first: Draft | null, content: () => Promise<Content>, o
     foreign,
     saving: saving.isPending,
     trouble: saving.error,
-    overtaken: gone || refusedWith(saving.error, 403, 409),
+    overtaken: (saving.isError && gone) || refusedWith(saving.error, 403, 409),
     gone,
     save: (how = {}) => saving.mutateAsync(how),
     launched,

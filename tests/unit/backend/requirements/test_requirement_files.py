@@ -130,14 +130,15 @@ def test_columns_may_be_named() -> None:
 def test_an_export_states_the_runs_that_it_does_not_list_and_keeps_columns_of_any_name() -> None:
     row = RequirementRow(
         id="R1", text="t", status="no evidence", sentence="s", registered=True, file="doc7", changed=None,
-        attributes={"status": "obsolete", "file": "x", "owner": "ada"},
+        attributes={"status": "obsolete", "status (file)": "y", "file": "x", "owner": "ada"},
         changed_by=None, etag="", runs=[], total=2345, unlisted=2345, removed=0, sweeps=0,
     )  # fmt: skip
     (line,) = csv.DictReader(io.StringIO(b"".join(sheet.requirements([row])).decode()))
     assert (line["status"], line["status (file)"]) == (row.status, "obsolete")
+    assert line["status (file) (file)"] == "y"
     assert (line["file"], line["file (file)"], line["owner"]) == ("doc7", "x", "ada")
     *_, last = csv.DictReader(io.StringIO(b"".join(sheet.matrix([row])).decode()))
-    assert (last["requirement"], last["run"], last["counts"].split()[0]) == ("R1", "", "2345")
+    assert (last["requirement"], last["run"], last["why"].split()[0]) == ("R1", "", "2345")
 
 
 def test_an_export_has_columns_for_the_most_frequent_attributes_only(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,7 @@ import json
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from backend.db.engine import connect, write
 from backend.db.queue import submit
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
+from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.audited import audited, recorded
@@ -37,6 +39,7 @@ from tests.given.corrupted_records import (
 from tests.given.refused_commands import refused
 from tests.migrated import migrated
 from worker.engine.stages.parts import claims
+from worker.evidence.audit import results
 from worker.evidence.audit.binomial import cumulative, upper_bound
 from worker.evidence.audit.judge import Item, audit, closing
 from worker.evidence.audit.record import MISSING, SEAL, UnreadableError, of_folder
@@ -270,3 +273,14 @@ def test_its_order_is_wilks(samples: int, share: float) -> None:
     below = np.exp(cumulative(samples - 1, samples, share))
     assert int(np.count_nonzero(below <= 0.05)) == claims.order(samples, share, 0.95)
     assert below[-1] == pytest.approx(1.0 - share**samples)
+
+
+@pytest.mark.parametrize(("best", "lowest"), [(2.0675210081688604e-09, -0.12), (0.5, 0.5 - 1e-13), (3.0, -1e6)])
+def test_the_gap_of_direct_ends_at_an_evaluation_whatever_digits_the_sum_loses(best: float, lowest: float) -> None:
+    rows = (np.zeros((3, 1)), np.array([best, best + 1.0, 7.0]), np.zeros(3, dtype=np.uint8))
+    run: Any = SimpleNamespace(rows=lambda _: rows, quantity="d", unit="m", ended=[{"evaluations": 3}])
+    gap = {"lower_bound": lowest, "gap": best - lowest, "rectangles": 3, "without_value": 0}
+    found = results._gap(run, 0, gap)
+    assert found["statement"] == possible_gain(3, 0, "d", lowest, best, "m")
+    assert "lower_bound" not in found
+    assert "lower_bound" in results._gap(run, 0, gap | {"gap": best - lowest + 0.25})

@@ -11,6 +11,7 @@ import sqlalchemy as sa
 
 from backend.db.digest import EVIDENCE, current_digest
 from backend.db.tables import Finding, Run, RunBaseline
+from campaigns.claims import wording
 from campaigns.claims.spans import words
 from campaigns.results.baselines import with_baseline
 from campaigns.results.regression import Standing
@@ -171,7 +172,10 @@ def test_a_state_that_no_run_has_is_refused(compared: sa.Engine) -> None:
 
 
 @pytest.mark.parametrize("there", [0.9, 0.96])
-def test_of_another_threshold_the_comparison_is_accepted(there: float) -> None:
+def test_of_another_threshold_the_comparison_is_accepted(there: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also once later versions have other sentences."""
     campaign, store = since(there=there), MemoryStore()
     execute(campaign, store, threads=1)
     audited(store, campaign)
+    monkeypatch.setattr(wording, "WORDING", wording.WORDING + 1)
+    audited(store, campaign, lacks={"words"})

@@ -84,7 +84,7 @@ function linesOf(runs: Compared[]): Line[] {
   return [
     { key: 'worst', name: <>Worst <Sign text={quantity} /></>, unit, decimals, values: runs.map(({ run }) => run.worst_cost) },
     { key: 'criterion', name: 'Criterion', unit, decimals, values: runs.map(({ run }) => run.threshold), text: (limit) => exact(limit), apart: (by) => `${by > 0 ? '+' : ''}${plain(by)}` },
-    { key: 'margin', name: 'Margin', unit, decimals, values: runs.map(({ run }) => run.margin), bad: (v) => v <= 0, text: margin },
+    { key: 'margin', name: 'Margin', unit, decimals, values: runs.map(({ run }) => run.margin), bad: (v) => v <= 0, text: margin, apart: (by) => margin(by, decimals) },
     { key: 'nominal', name: <>Nominal <Sign text={quantity} /></>, unit, decimals, values: runs.map(({ run }) => run.nominal_cost) },
     { key: 'lowest', name: 'Lowest sample', unit, decimals, values: samples.map((sample) => sample?.lowest ?? null) },
     {

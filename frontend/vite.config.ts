@@ -79,6 +79,6 @@ export default defineConfig({
     isolate: false,
     // Only to end what hangs: the machine may be busy.
     testTimeout: 600_000, // `make test` runs them at the lowest priority, beside everything else
-    hookTimeout: 60_000,
+    hookTimeout: 600_000,
   },
 })

@@ -28,7 +28,7 @@ _SHIPPED = {Kind.ENVIRONMENT: ("environment/ground_slope.py", "ground_slope", "G
 _UNCERTAIN = {
     Kind.CONTROLLER: "controller.K_p: {low: 6.0, high: 10.0, unit: N s/m}",
     Kind.AVOIDER: "avoider.reach: {low: 2.0, high: 4.0, unit: m}",
-    Kind.OBSTACLE: "obstacles.0.swing: {low: 0.5, high: 1.5, unit: m}",
+    Kind.OBSTACLE: "obstacles.0.swing: {low: 0.8, high: 1.5, unit: m}",
     Kind.ENVIRONMENT: "environment.0.x: {low: -0.05, high: 0.05}",
     Kind.FAULT: "faults.0.offset: {low: -0.3, high: 0.3, unit: m}",
 }

@@ -5,9 +5,12 @@ CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019),
 few parameters differential evolution, SHADE, else CMA-ES, BIPOP), DIRECT for what none of them covers. The order is
 that of what each needs: a first descent takes tens of evaluations per parameter and solves what is smooth; the model
 goes on from there while it improves and evaluations are few; later, the evolution strategy (CMA-ES from where the model
-has come, if that still improves) and descents from the lowest unexplored points take turns. Once the evolution strategy
-of few parameters has converged, most of its share goes to MLSL, which begins all over the box. Up to three parameters
-MLSL comes first, alone: with so few evaluations nothing can be cleared anyway. Nothing is evaluated twice.
+has come, if that still improves) and descents take turns, every other one from the lowest unexplored point, the others
+from anywhere. Once the evolution strategy of few parameters has converged, most of its share goes to MLSL, which begins
+all over the box; of more parameters, some goes to the descents. Up to three parameters MLSL comes first, alone: with so
+few evaluations nothing can be cleared anyway. Where the lowest point has moved, each parameter takes values of its
+whole range with the others as they are there: the opposite end of one parameter can be far worse than where every
+member has come. Nothing is evaluated twice.
 
 The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
 and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
@@ -71,10 +74,17 @@ EQUAL = 1e-3
 """Two costs are equal if they differ by less than this fraction of the spread of the costs."""
 DESCENTS, COVER = 0.08, 0.02
 """Shares of the leading members' evaluations that descents and DIRECT get beside an evolution strategy."""
-SEVERAL, WIDE_COVER = 0.6, 0.1
+SEVERAL, WIDE_COVER = 0.8, 0.1
 """Those that MLSL and DIRECT get once the evolution strategy has converged; up to `SMALL` parameters."""
+RESTARTS = 0.15
+"""That of descents once the evolution strategy of more parameters has converged."""
+ACROSS, EVERY, MOVED = 4, 50, 0.05
+"""Values of each parameter with the others as in the lowest point; evaluations per parameter after which the next ones
+come, if some parameter of that point has moved by so much of its range."""
 LOW, EARLY = 3, 95
 """Parameters up to which MLSL leads first, and alone; evaluations per parameter until which it does."""
+PLANE, LATE = 2, 200
+"""Those up to which it goes on alone after the witness, and until when: no other method reaches as much by then."""
 FAILING = 0.1
 """Fraction of the evaluations of MLSL or the first descent that may fail: local searches end or crawl where others go
 on."""
@@ -114,7 +124,7 @@ def search(space: Space, options: Options) -> Parallel:
 class Running(Member):
     """A running search: whether it stays apart, and what it has found."""
 
-    def __init__(self, name: str, search: Parallel, space: Space, apart: bool = False) -> None:
+    def __init__(self, name: str, search: Parallel | None, space: Space, apart: bool = False) -> None:
         super().__init__(name, space.dimension, search)
         self.apart = apart
         self.stale = 0
@@ -122,6 +132,10 @@ class Running(Member):
         self.failed = 0
         self.credit = 0.0
         self.begun = False
+
+    def begin(self, search: Parallel) -> None:
+        """Run this search from now on."""
+        self.search, self.begun = search, False
 
     @property
     def failing(self) -> bool:
@@ -207,18 +221,22 @@ class Team:
         descent = lq_cma_es.Descent()
         self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once, descent))
         self.converged = False
-        """Whether the evolution strategy of few parameters has converged once."""
+        """Whether the evolution strategy has converged once."""
         if n <= SMALL:
             own = replace(self._own(), report=self._converge)
             self.evolving = self._member(differential_evolution.method, evolved(self.shared, own))
         else:
-            self.evolving = self._member(cma_es.method, adapted(self._own(), descent, self._improves))
+            own = replace(self._own(), report=self._converge)
+            self.evolving = self._member(cma_es.method, adapted(own, descent, self._improves))
         self.cover = self._member(direct.method, direct.search(self._own(), direct.Options()))
         few = turbo.search(self._own(), turbo.Options(batch=max(options.at_once, 4)))
         self.few = self._member(turbo.method, few, apart=True)
         many = contrast_racing.search(self._own(), contrast_racing.Options())
         self.many = self._member(contrast_racing.method, many, apart=True)
-        self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many]
+        self.axes = Running(lq_cma_es.method.name, None, space)
+        """Stars through the lowest point."""
+        self.centre, self.due, self.drawn = np.full(n, np.inf), EVERY * n, self._own().random
+        self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many, self.axes]
         self.low = n <= LOW and not self.costly
         """Whether MLSL comes first."""
         self.several = self._several() if self.low else None
@@ -271,24 +289,40 @@ class Team:
         n = self.space.dimension
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share, several = self._share(), self.several
-        if self.low and several and several.search and self.used < EARLY * n and not several.failing:
+        alone = self.used < EARLY * n or (n <= PLANE and share < 1.0 and self.used < LATE * n)
+        if self.low and alone and several and several.search and not several.failing:
             return [(several, 1.0)]
         opening = AMID_FAILURES if self.descents.failing else OPENING
         if not (self.shared.opened or self.descents.search is None or self.descents.used >= opening * n):
             return [(self.descents, 1.0 - share), (witness, share)]
         if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self._improves():
             return [(self.model, 1.0 - share), (witness, share)]
+        if self._looks_across():
+            return [(self.axes, 1.0)]
         lead = 1.0 - share
-        beside, most, cover = self.descents, DESCENTS, COVER
+        beside, most, cover = self.descents, RESTARTS if self.converged else DESCENTS, COVER
         if self.converged and several and several.search:
             beside, most, cover = several, SEVERAL, WIDE_COVER
         evolving = (self.evolving, (1.0 - most - cover) * lead)
         return [(beside, most * lead), evolving, (self.cover, cover * lead), (witness, share)]
 
+    def _looks_across(self) -> bool:
+        """Whether a star through the lowest point comes next; it begins."""
+        best = self.shared.best
+        if best is None or self.used < self.due or self.axes.search is not None:
+            return False
+        if np.abs(best - self.centre).max() < MOVED:
+            return False
+        self.centre, self.due = best, self.used + EVERY * len(best)
+        self.axes.begin(across(best, self.drawn))
+        return True
+
     def _converge(self, minimum: Minimum) -> None:
         """A run of the evolution strategy has ended."""
         self.space.report(minimum)
-        self.converged, self.several = True, self.several or self._several()
+        self.converged = True
+        if self.space.dimension <= SMALL:
+            self.several = self.several or self._several()
 
     def _improves(self) -> bool:
         """Whether the model improves."""
@@ -307,12 +341,16 @@ class Team:
 
 
 def descents(shared: Shared, space: Space) -> Search:
-    """A first descent from the centre, then from the lowest points away from all earlier starts."""
-    n = space.dimension
+    """A first descent from the centre, then in turns from the lowest point away from all earlier starts or anywhere."""
+    n, anywhere = space.dimension, True
     start = None if shared.stale or shared.best is not None else np.full(n, 0.5)
     settings, coarse = (replace(each, most=OPENING * n) for each in (FIRST, COARSE))
     while True:
         while start is None:
+            anywhere = not anywhere
+            if anywhere:
+                start = space.random.random(n)
+                continue
             yield from shared.explored.grow(2 * n)
             start = shared.record.start()
         end = yield from shared.archived(descend(start, settings))
@@ -326,6 +364,16 @@ def descents(shared: Shared, space: Space) -> Search:
             space.report(Minimum(end.point, end.cost, start, end.evaluations, end.text))
         shared.left(start, end.point)
         start = None
+
+
+def across(centre: Floats, random: np.random.Generator) -> Search:
+    """One request: each parameter at values all over its range, with the others as in a point (n,)."""
+    n = len(centre)
+    points = np.repeat(centre[None], n * ACROSS, axis=0)
+    drawn = (np.arange(ACROSS) + random.random((n, ACROSS))) / ACROSS
+    points[np.arange(n * ACROSS), np.repeat(np.arange(n), ACROSS)] = drawn.ravel()
+    yield points
+    return "evaluated every value"
 
 
 def evolved(shared: Shared, space: Space) -> Parallel:

@@ -36,9 +36,9 @@ class Texts:
 
         signed: the texts that were stored then, if they were; at: the time of the sign-off.
         """
-        if key not in self.stated.get(run_id, {}):
+        stated, now = self.stated.get(run_id, {}).get(key), self.now.get(key, "")
+        if stated is None:
             return  # such a sign-off is of the run's results, and of no text
-        stated, now = self.stated.get(run_id, {}).get(key, ""), self.now.get(key, "")
         if stated:
             if _plain(stated) != _plain(now):
                 yield OTHER_TEXT

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -26,6 +27,7 @@ from worker.engine.systems.simulators.cluster.node import LOST
 from worker.engine.systems.simulators.slots.guard import PLACE
 from worker.engine.systems.simulators.slots.pool import SlotPool
 from worker.engine.systems.simulators.slots.program import Program
+from worker.engine.systems.simulators.slots.slot import GUARD
 
 HELPERS = "86397.5"
 """How long the helpers sleep [s]; they are found by it."""
@@ -242,6 +244,25 @@ def test_a_run_of_the_command_line(tmp_path: Path, kind: str, number: signal.Sig
         until(lambda: running.process.poll() is not None, "it ended")
         until(lambda: not helpers(there), "no helper is left", 10)
         until(lambda: not site.folders(), f"no folder is left of {site.folders()}", 10)
+
+
+@pytest.mark.parametrize("others", [0, 1], ids=["last slot", "another slot"])
+@pytest.mark.parametrize("parent", ["ended", "another process"])
+def test_a_guard_whose_parent_ended_before_it_began(tmp_path: Path, parent: str, others: int) -> None:
+    """It starts nothing and removes the folder of its slot, with the last one that of all slots."""
+    place = tmp_path / f"{PLACE}slots"
+    own, started_file = place / "own", tmp_path / "started"
+    for folder in (own, *(place / f"{k}" for k in range(others))):
+        folder.mkdir(parents=True)
+    gone = subprocess.Popen(["true"])
+    gone.wait()
+    number = gone.pid if parent == "ended" else 1
+    words = [0, 1.0, 0.0, number, -1, own, "touch", started_file]
+    ended = subprocess.run([sys.executable, "-S", "-E", str(GUARD), *map(str, words)])
+    assert ended.returncode == 1
+    assert not started_file.exists()
+    assert place.exists() == bool(others)
+    assert not own.exists()
 
 
 def test_what_is_left_when_a_guard_is_killed(tmp_path: Path) -> None:

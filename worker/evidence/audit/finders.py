@@ -13,7 +13,7 @@ from campaigns.claims.stages import ends
 from campaigns.results.base import OK
 from campaigns.results.draws import of_draws
 from worker.evidence.audit import limits
-from worker.evidence.audit.recompute import BASELINES, Run, Tree
+from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.sentences import SPANS, alike, budget
 
 
@@ -44,7 +44,7 @@ def found_by(run: Run, finding: Tree) -> list[Tree]:
 def noise(run: Run, finding: Tree) -> Tree:
     """The noise seed of a finding that is a stored evaluation with its own noise, from the sample's seed and its index,
     or that of the case of the baseline; none for one whose evaluation has the noise of the campaign."""
-    if run.wording < BASELINES or run.calls.noisy or not run.random:
+    if run.wording < limits.BASELINES or run.calls.noisy or not run.random:
         return {}
     worst, point = float(finding["cost"]), np.array(finding["point"])
     seeds: list[int | None] = []

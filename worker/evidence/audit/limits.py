@@ -25,6 +25,9 @@ ORDER = (
 """Of the checks of a verdict."""
 TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 2
+BASELINES = 5
+"""The version of the sentences since which records state all that a comparison with a baseline rests on, judged by the
+thresholds of both runs, and how many evaluations failed for each reason."""
 
 
 def draws(requested: int, drawn: int) -> int:

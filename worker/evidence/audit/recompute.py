@@ -30,11 +30,6 @@ COARSER = "with a tolerance of "
 """How a reason begins with which the reference integrator has a value."""
 
 
-BASELINES = 5
-"""The version of the sentences since which records state all that a comparison with a baseline rests on, judged by the
-thresholds of both runs."""
-
-
 def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
     """Wilks: the r-th lowest of the sample, in which a failed evaluation is the lowest, bounds its quantile."""
     found = _of_quantile(len(ranked), fraction, confidence)

@@ -14,7 +14,7 @@ from campaigns.asked.regression import BaselineCase
 from campaigns.claims.stages import earlier_run
 from campaigns.results.base import OK, STATUS
 from worker.evidence.audit import limits
-from worker.evidence.audit.recompute import BASELINES, Run, Tree
+from worker.evidence.audit.recompute import Run, Tree
 
 
 def position(run: Run) -> int:
@@ -174,7 +174,7 @@ def _case(run: Run, recorded: Tree) -> Tree:
 
 def _compares(run: Run) -> bool:
     """Whether the record states all that its comparison rests on; those of earlier versions are judged by less."""
-    return run.wording >= BASELINES
+    return run.wording >= limits.BASELINES
 
 
 def _told(run: Run, evaluation: int | None, now: str | None, parameters: Any) -> Tree:

@@ -192,7 +192,7 @@ def _charts(run: Run, k: int) -> Tree:
     found = charts.front(run, k) | {"minima": charts.minima(run, k, stated["minima"]), "family": family(run, k)}
     if stated.get("apart"):
         found["apart"] = apart(run, k)
-    if stated.get("gap") and not run.reworded:
+    if stated.get("gap") and run.wording >= limits.BASELINES:
         found["gap"] = _gap(run, k, stated["gap"])
     return found
 
@@ -205,10 +205,8 @@ def _gap(run: Run, k: int, gap: Tree) -> Tree:
     nearest = float(known[np.argmin(np.abs(known - best))]) if len(known) else math.nan
     lost = 4 * np.finfo(float).eps * max(abs(gap["lower_bound"]), abs(gap["gap"]))
     numbers = (gap["rectangles"], gap["without_value"], run.quantity, gap["lower_bound"], nearest, run.unit)
-    found: Tree = {
-        "statement": possible_gain(*numbers),
-        "rectangles": min(gap["rectangles"], run.ended[k]["evaluations"]),
-    }
+    found: Tree = {} if run.reworded else {"statement": possible_gain(*numbers)}
+    found["rectangles"] = min(gap["rectangles"], run.ended[k]["evaluations"])
     return found if abs(nearest - best) <= lost else found | {"lower_bound": math.nan}
 
 

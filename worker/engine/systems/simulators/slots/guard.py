@@ -36,8 +36,10 @@ def main() -> None:
     try:
         owner = os.pidfd_open(parent)
     except OSError:
+        orphaned()
         os._exit(1)
     if os.getppid() != parent:  # the parent died before the line above
+        orphaned()
         os._exit(1)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     guard = os.getpid()
@@ -95,16 +97,25 @@ def guarded(program: int, owner: int, control: int) -> None:
             break
     left.end(patience)
     waiting.unregister(died)
-    orphaned = owner in dict(waiting.poll(0))
-    folder = sys.argv[6]
-    if orphaned and folder:
-        import shutil
-
-        shutil.rmtree(folder, ignore_errors=True)
-        place = os.path.dirname(folder)
-        if os.path.basename(place).startswith(PLACE) and not any(entry.is_dir() for entry in os.scandir(place)):
-            shutil.rmtree(place, ignore_errors=True)  # with the folder of the last slot
+    if owner in dict(waiting.poll(0)):
+        orphaned()
     leave(left.status)
+
+
+def orphaned() -> None:
+    """Remove the folder, if there is one, and with that of the last slot the folder that has those of all."""
+    if not sys.argv[6]:
+        return
+    import shutil
+
+    folder, place = sys.argv[6], os.path.dirname(sys.argv[6])
+    shutil.rmtree(folder, ignore_errors=True)
+    try:
+        empty = not any(entry.is_dir() for entry in os.scandir(place))
+    except OSError:  # another guard was faster
+        return
+    if empty and os.path.basename(place).startswith(PLACE):
+        shutil.rmtree(place, ignore_errors=True)
 
 
 class Left:

@@ -83,8 +83,6 @@ ACROSS, EVERY, MOVED = 4, 50, 0.05
 come, if some parameter of that point has moved by so much of its range."""
 LOW, EARLY = 3, 95
 """Parameters up to which MLSL leads first, and alone; evaluations per parameter until which it does."""
-PLANE, LATE = 2, 200
-"""Those up to which it goes on alone after the witness, and until when: no other method reaches as much by then."""
 FAILING = 0.1
 """Fraction of the evaluations of MLSL or the first descent that may fail: local searches end or crawl where others go
 on."""
@@ -289,8 +287,7 @@ class Team:
         n = self.space.dimension
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share, several = self._share(), self.several
-        alone = self.used < EARLY * n or (n <= PLANE and share < 1.0 and self.used < LATE * n)
-        if self.low and alone and several and several.search and not several.failing:
+        if self.low and several and several.search and self.used < EARLY * n and not several.failing:
             return [(several, 1.0)]
         opening = AMID_FAILURES if self.descents.failing else OPENING
         if not (self.shared.opened or self.descents.search is None or self.descents.used >= opening * n):

@@ -13,6 +13,7 @@ from tests.bench.scoreboard.searches import own_trace
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import contrast_racing, lq_cma_es
 from worker.engine.search.methods.auto import (
+    ACROSS,
     AMID_FAILURES,
     AT_MOST,
     COUNTED,
@@ -31,6 +32,8 @@ from worker.engine.search.methods.auto import (
 from worker.engine.search.parts.pycma import strategy
 
 Parts = list[tuple[str, Floats, Floats]]
+LEADING = ("sqp", "lq_cma_es", "cma_es", "direct")
+"""Of more than a few parameters."""
 
 
 def bowl(x: Floats) -> Floats:
@@ -191,6 +194,37 @@ def test_mlsl_searches_the_box_once_differential_evolution_has_converged(dimensi
 def test_beyond_that_cma_es_begins_again() -> None:
     count = counted(requested(rugged, SMALL + 1, 2000 * (SMALL + 1)))
     assert count["mlsl"] == 0 < count["cma_es"]
+
+
+def test_a_star_takes_each_parameter_over_its_range_with_the_others_as_in_the_lowest_point() -> None:
+    n = SMALL + 2
+    parts = requested(stairs, n, 500 * n)
+    stars = [k for k, (member, points, _) in enumerate(parts) if member == "lq_cma_es" and len(points) == ACROSS * n]
+    assert stars
+    for k in stars:
+        points = parts[k][1]
+        known = [(values.min(), before[values.argmin()]) for member, before, values in parts[:k] if member in LEADING]
+        centre = min(known, key=lambda one: float(one[0]))[1]
+        assert ((points != centre).sum(axis=1) == 1).all()
+        assert (np.sort(points[points != centre].reshape(n, ACROSS)) // (1 / ACROSS) == np.arange(ACROSS)).all()
+
+
+def test_a_star_comes_again_only_where_the_lowest_point_has_moved() -> None:
+    n = SMALL + 2
+    still = [len(points) for member, points, _ in requested(bowl, n, 1000 * n) if member == "lq_cma_es"]
+    assert still.count(ACROSS * n) == 1
+
+
+def test_every_other_descent_begins_anywhere() -> None:
+    """The lowest of several bowls is the steepest, so that no point of it is low but near its minimum."""
+    n = 2 * SMALL
+
+    def modes(x: Floats) -> Floats:
+        steep = 8.0 * ((x[:, 1:] - 0.8) ** 2).sum(axis=1)
+        return np.asarray(np.where(x[:, 0] < 0.3, steep, 0.2 + ((x[:, 1:] - 0.2) ** 2).sum(axis=1)))
+
+    lowest = [own_trace(method, modes, n, 1000 * n, seed, {}, stop=1e-3).lowest(1000 * n) for seed in range(3)]
+    assert max(lowest) <= 1e-3
 
 
 def test_the_witness_of_few_costly_evaluations_is_turbo() -> None:

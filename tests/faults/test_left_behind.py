@@ -254,11 +254,12 @@ def test_a_guard_whose_parent_ended_before_it_began(tmp_path: Path, parent: str,
     own, started_file = place / "own", tmp_path / "started"
     for folder in (own, *(place / f"{k}" for k in range(others))):
         folder.mkdir(parents=True)
-    gone = subprocess.Popen(["true"])
-    gone.wait()
-    number = gone.pid if parent == "ended" else 1
-    words = [0, 1.0, 0.0, number, -1, own, "touch", started_file]
-    ended = subprocess.run([sys.executable, "-S", "-E", str(GUARD), *map(str, words)])
+    with subprocess.Popen(["true"] if parent == "ended" else ["sleep", HELPERS]) as other:
+        if parent == "ended":
+            other.wait()
+        words = [0, 1.0, 0.0, other.pid, -1, own, "touch", started_file]
+        ended = subprocess.run([sys.executable, "-S", "-E", str(GUARD), *map(str, words)])
+        other.kill()
     assert ended.returncode == 1
     assert not started_file.exists()
     assert place.exists() == bool(others)

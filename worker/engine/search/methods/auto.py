@@ -5,12 +5,12 @@ CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019),
 few parameters differential evolution, SHADE, else CMA-ES, BIPOP), DIRECT for what none of them covers. The order is
 that of what each needs: a first descent takes tens of evaluations per parameter and solves what is smooth; the model
 goes on from there while it improves and evaluations are few; later, the evolution strategy (CMA-ES from where the model
-has come, if that still improves) and descents take turns, every other one from the lowest unexplored point, the others
-from anywhere. Once the evolution strategy of few parameters has converged, most of its share goes to MLSL, which begins
-all over the box; of more parameters, some goes to the descents. Up to three parameters MLSL comes first, alone: with so
-few evaluations nothing can be cleared anyway. Where the lowest point has moved, each parameter takes values of its
-whole range with the others as they are there: the opposite end of one parameter can be far worse than where every
-member has come. Nothing is evaluated twice.
+has come, if that still improves) and descents from the lowest unexplored points take turns, from then on every other
+one from anywhere. Once the evolution strategy of few parameters has converged, most of its share goes to MLSL, which
+begins all over the box; of more parameters, some goes to the descents. Up to three parameters MLSL comes first, alone:
+with so few evaluations nothing can be cleared anyway. Later, where the lowest point has moved, each parameter takes
+values of its whole range with the others as they are there, a star as lq-CMA-ES begins with: the opposite end of one
+parameter can be far worse than where every member has come. Nothing is evaluated twice.
 
 The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
 and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
@@ -64,8 +64,8 @@ STALE = 30
 COSTLY = 0.02
 """Time of an evaluation [s] from which the milliseconds of models do not count."""
 STUCK = 100
-"""Evaluations per parameter without a lower cost, of all and of the evolution strategy by itself, after which the
-others get no more than if the witness were equal."""
+"""Evaluations per parameter without a lower cost, of all and, until it has converged, of the evolution strategy by
+itself, after which the others get no more than if the witness were equal."""
 FEW = 60
 """Evaluations per parameter up to which TuRBO is the witness."""
 WITNESS = {"above": 0.2, "equal": 0.4, "below": 0.6}
@@ -77,10 +77,10 @@ DESCENTS, COVER = 0.08, 0.02
 SEVERAL, WIDE_COVER = 0.8, 0.1
 """Those that MLSL and DIRECT get once the evolution strategy has converged; up to `SMALL` parameters."""
 RESTARTS = 0.15
-"""That of descents once the evolution strategy of more parameters has converged."""
+"""That of descents once the evolution strategy has converged, where MLSL takes no part."""
 ACROSS, EVERY, MOVED = 4, 50, 0.05
-"""Values of each parameter with the others as in the lowest point; evaluations per parameter after which the next ones
-come, if some parameter of that point has moved by so much of its range."""
+"""Values of each parameter with the others as in the lowest point, from `MODELLED` on; evaluations per parameter after
+which the next ones come, if some parameter of that point has moved by so much of its range since."""
 LOW, EARLY = 3, 95
 """Parameters up to which MLSL leads first, and alone; evaluations per parameter until which it does."""
 FAILING = 0.1
@@ -180,7 +180,7 @@ class Shared:
         self.record.see(points, values)
 
     def report(self, minimum: Minimum) -> None:
-        """Where a descent ended; no later one begins there, or where it began."""
+        """Where a descent ended; no later one begins at a low point there, or where it began."""
         self.space.report(minimum)
         if minimum.start is not None:
             self.left(minimum.start, minimum.point)
@@ -215,7 +215,7 @@ class Team:
         n = space.dimension
         self.space, self.costly = space, options.seconds >= COSTLY
         self.shared = Shared(space, Explored(space, options.at_once), Record(n))
-        self.descents = self._member(sqp.method, descents(self.shared, self._own()))
+        self.descents = self._member(sqp.method, descents(self.shared, self._own(), self._broad))
         descent = lq_cma_es.Descent()
         self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once, descent))
         self.converged = False
@@ -233,7 +233,7 @@ class Team:
         self.many = self._member(contrast_racing.method, many, apart=True)
         self.axes = Running(lq_cma_es.method.name, None, space)
         """Stars through the lowest point."""
-        self.centre, self.due, self.drawn = np.full(n, np.inf), EVERY * n, self._own().random
+        self.centre, self.due, self.drawn = np.full(n, np.inf), 0, self._own().random
         self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many, self.axes]
         self.low = n <= LOW and not self.costly
         """Whether MLSL comes first."""
@@ -270,7 +270,8 @@ class Team:
 
     def turn(self, busy: Collection[Running]) -> list[Running]:
         """The member whose turn it is: every request of a member costs it credit, which all get by their shares."""
-        able = [(m, w) for m, w in self._weights() if w > 0.0 and m not in busy and m.ready()]
+        star = self.axes not in busy and self._looks_across()
+        able = [(m, w) for m, w in self._weights(star) if w > 0.0 and m not in busy and m.ready()]
         if not able:
             return []
         total = sum(w for _, w in able)
@@ -282,20 +283,20 @@ class Team:
         chosen.credit -= len(chosen.requested)
         return [chosen]
 
-    def _weights(self) -> list[tuple[Running, float]]:
-        """The shares of the coming evaluations."""
+    def _weights(self, star: bool) -> list[tuple[Running, float]]:
+        """The shares of the coming evaluations; star: whether one through the lowest point comes next."""
         n = self.space.dimension
         witness = self.few if self.costly and self.used < FEW * n else self.many
         share, several = self._share(), self.several
         if self.low and several and several.search and self.used < EARLY * n and not several.failing:
             return [(several, 1.0)]
+        if star:
+            return [(self.axes, 1.0 - share), (witness, share)]
         opening = AMID_FAILURES if self.descents.failing else OPENING
         if not (self.shared.opened or self.descents.search is None or self.descents.used >= opening * n):
             return [(self.descents, 1.0 - share), (witness, share)]
         if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self._improves():
             return [(self.model, 1.0 - share), (witness, share)]
-        if self._looks_across():
-            return [(self.axes, 1.0)]
         lead = 1.0 - share
         beside, most, cover = self.descents, RESTARTS if self.converged else DESCENTS, COVER
         if self.converged and several and several.search:
@@ -304,15 +305,21 @@ class Team:
         return [(beside, most * lead), evolving, (self.cover, cover * lead), (witness, share)]
 
     def _looks_across(self) -> bool:
-        """Whether a star through the lowest point comes next; it begins."""
+        """Whether a star through the lowest point comes next; it begins where that has moved."""
         best = self.shared.best
-        if best is None or self.used < self.due or self.axes.search is not None:
+        if self.axes.search is not None:
+            return True
+        if best is None or not self._broad() or self.used < self.due:
             return False
         if np.abs(best - self.centre).max() < MOVED:
             return False
         self.centre, self.due = best, self.used + EVERY * len(best)
         self.axes.begin(across(best, self.drawn))
         return True
+
+    def _broad(self) -> bool:
+        """Whether so much is evaluated that looking elsewhere is worth more than the lowest points."""
+        return self.used >= MODELLED * self.space.dimension
 
     def _converge(self, minimum: Minimum) -> None:
         """A run of the evolution strategy has ended."""
@@ -332,19 +339,21 @@ class Team:
         ours, its = self.shared.lowest, min(self.few.lowest, self.many.lowest)
         tie = EQUAL * self.shared.record.spread()
         if not np.isfinite(its) or its > ours + tie:
-            stuck = min(self.shared.stale, self.evolving.stale) >= STUCK * self.space.dimension
+            alone = self.shared.stale if self.converged else min(self.shared.stale, self.evolving.stale)
+            stuck = alone >= STUCK * self.space.dimension
             return WITNESS["equal" if stuck else "above"]
         return WITNESS["equal"] if its >= ours - tie else WITNESS["below"]
 
 
-def descents(shared: Shared, space: Space) -> Search:
-    """A first descent from the centre, then in turns from the lowest point away from all earlier starts or anywhere."""
-    n, anywhere = space.dimension, True
+def descents(shared: Shared, space: Space, broad: Callable[[], bool]) -> Search:
+    """A first descent from the centre, then from the lowest points away from all earlier starts; later, every other one
+    from anywhere."""
+    n, anywhere = space.dimension, False
     start = None if shared.stale or shared.best is not None else np.full(n, 0.5)
     settings, coarse = (replace(each, most=OPENING * n) for each in (FIRST, COARSE))
     while True:
         while start is None:
-            anywhere = not anywhere
+            anywhere = broad() and not anywhere
             if anywhere:
                 start = space.random.random(n)
                 continue

@@ -3,9 +3,9 @@
 It adopts what the program starts (PR_SET_CHILD_SUBREAPER, prctl(2)), also what left the session or cleared its
 environment, and outlives its parent, as it is in no process group of it. When the parent has ended, or has written to
 CONTROL (a pipe; -1: none), what runs is asked to end and, after ASKED [s], killed; so is what is left DIED [s] after
-the program. Then, without a parent, FOLDER (if not empty) is removed. A process and not a function between fork
-and exec, which could deadlock in a parent with threads; without site-packages and further modules, it starts in
-milliseconds. Linux only.
+the program. Then, without a parent, FOLDER (if one is given) is removed, also where the parent has ended before
+anything began. A process and not a function between fork and exec, which could deadlock in a parent with threads;
+without site-packages and further modules, it starts in milliseconds. Linux only.
 """
 
 import ctypes
@@ -110,11 +110,13 @@ def orphaned() -> None:
 
     folder, place = sys.argv[6], os.path.dirname(sys.argv[6])
     shutil.rmtree(folder, ignore_errors=True)
+    if not os.path.basename(place).startswith(PLACE):
+        return
     try:
         empty = not any(entry.is_dir() for entry in os.scandir(place))
     except OSError:  # another guard was faster
         return
-    if empty and os.path.basename(place).startswith(PLACE):
+    if empty:
         shutil.rmtree(place, ignore_errors=True)
 
 

@@ -7,7 +7,6 @@ independent sample is drawn, as at any launch, because nothing is cleared with o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,15 +32,16 @@ def _cells(request: Request) -> list[Cell]:
     return made if JUDGED in request.methods else []
 
 
-def measure(cell: Cell, function: Function, budget: int | None = None) -> dict[str, Any]:
+def measure(cell: Cell, budget: int | None = None) -> dict[str, Any]:
     """The verdict, and whether it is a violation and not cleared."""
+    function, threshold = _problem(cell.problem)
     names = [f"x{i}" for i in range(cell.dimension)]
 
     def fly(**values: Floats) -> Floats:
         return function(np.stack([np.asarray(values[name]) for name in names], axis=1))
 
     result = clearance.search(
-        fly, dict.fromkeys(names, (0.0, 1.0)), _threshold(cell), vectorized=True, seed=cell.number, budget=budget
+        fly, dict.fromkeys(names, (0.0, 1.0)), threshold, vectorized=True, seed=cell.number, budget=budget
     )
     return {
         "verdict": str(result.verdict),
@@ -51,13 +51,11 @@ def measure(cell: Cell, function: Function, budget: int | None = None) -> dict[s
     }
 
 
-def function_of(cell: Cell) -> Function:
-    """What the searches of a cell evaluate."""
-    return PROBLEMS[cell.problem] if cell.problem in PROBLEMS else partial(costs, closed_loop(cell.problem))
-
-
-def _threshold(cell: Cell) -> float:
-    return 0.0 if cell.problem in PROBLEMS else closed_loop(cell.problem).threshold
+def _problem(name: str) -> tuple[Function, float]:
+    if name in PROBLEMS:
+        return PROBLEMS[name], 0.0
+    problem = closed_loop(name)
+    return (lambda points: costs(problem, points)), problem.threshold
 
 
 def _table(rows: Sequence[Row]) -> Table:
@@ -77,5 +75,4 @@ PART = Part(
     measure,
     _table,
     reach="runs",
-    function=function_of,
 )

@@ -37,7 +37,8 @@ def simulated(inputs: Floats, step: float, steps: int, each: int) -> Floats:
     y, v = np.array([0.0, 10.0, 20.0, 30.0, 40.0]), np.zeros(5)
     mode = np.zeros(5)
     signals = np.full((steps // each + 1, 5), nan)
-    k = np.zeros((4, 2, 5))
+    k, at, to = np.zeros((4, 2, 5)), np.zeros(5), np.zeros(5)
+    fractions = (0.0, 0.5 * step, 0.5 * step, step)
     pieces = len(inputs) // 2
     for i in range(steps + 1):
         for car in range(1, 5):
@@ -52,12 +53,15 @@ def simulated(inputs: Floats, step: float, steps: int, each: int) -> Floats:
             signals[i // each] = y
         piece = min(i * pieces // steps, pieces - 1)
         throttle, brake = inputs[piece], inputs[pieces + piece]
-        _slopes(y, v, mode, throttle, brake, k[0])
-        _slopes(y + 0.5 * step * k[0, 0], v + 0.5 * step * k[0, 1], mode, throttle, brake, k[1])
-        _slopes(y + 0.5 * step * k[1, 0], v + 0.5 * step * k[1, 1], mode, throttle, brake, k[2])
-        _slopes(y + step * k[2, 0], v + step * k[2, 1], mode, throttle, brake, k[3])
-        change = step / 6.0 * (k[0] + 2.0 * k[1] + 2.0 * k[2] + k[3])
-        y, v = y + change[0], v + change[1]
+        for stage in range(4):
+            for car in range(5):
+                before = k[max(stage - 1, 0)]
+                at[car] = y[car] + fractions[stage] * before[0, car] if stage else y[car]
+                to[car] = v[car] + fractions[stage] * before[1, car] if stage else v[car]
+            _slopes(at, to, mode, throttle, brake, k[stage])
+        for car in range(5):
+            y[car] += step / 6.0 * (k[0, 0, car] + 2.0 * k[1, 0, car] + 2.0 * k[2, 0, car] + k[3, 0, car])
+            v[car] += step / 6.0 * (k[0, 1, car] + 2.0 * k[1, 1, car] + 2.0 * k[2, 1, car] + k[3, 1, car])
     return signals
 
 

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 
 from backend.db.access import Visitor
 from backend.db.chain import COVERED, FIRST, Head, Verified, digest, verify
-from backend.db.engine import now
+from backend.db.engine import now, read
 from backend.db.tables import Audit, AuditHead, Token
 
 PAGE = 1000
@@ -70,17 +70,30 @@ def as_row(found: Mapping[Any, Any]) -> dict[str, Any]:
     return row
 
 
-def rows(reader: sa.Connection, until: int | None = None) -> Iterator[dict[str, Any]]:
-    """All rows in ascending order, at most up to a number; a limited number of them in memory."""
+def rows(reader: sa.Connection) -> Iterator[dict[str, Any]]:
+    """All rows in ascending order; a limited number of them in memory."""
+    found = _page(reader, None, None)
+    while found:
+        yield from found
+        found = _page(reader, found[-1]["id"], None) if len(found) == PAGE else []
+
+
+def all_rows(engine: sa.Engine, until: int) -> Iterator[dict[str, Any]]:
+    """As `rows`, up to a number, for a slow reader: between pages it holds no connection and no snapshot."""
     after = None
     while True:
-        of = sa.select(*COLUMNS).order_by(Audit.id).limit(PAGE)
-        of = of if after is None else of.where(Audit.id > after)
-        found = reader.execute(of if until is None else of.where(Audit.id <= until)).mappings().all()
-        yield from map(as_row, found)
+        with read(engine) as reader:
+            found = _page(reader, after, until)
+        yield from found
         if len(found) < PAGE:
             return
         after = found[-1]["id"]
+
+
+def _page(reader: sa.Connection, after: int | None, until: int | None) -> list[dict[str, Any]]:
+    of = sa.select(*COLUMNS).order_by(Audit.id).limit(PAGE)
+    of = of if after is None else of.where(Audit.id > after)
+    return [*map(as_row, reader.execute(of if until is None else of.where(Audit.id <= until)).mappings())]
 
 
 def verified(reader: sa.Connection, noted: Head | None = None) -> Verified:

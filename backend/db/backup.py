@@ -7,6 +7,7 @@ and so may never end). PostgreSQL: pg_dump and pg_restore of its own packages.
 from __future__ import annotations
 
 import os
+import secrets
 import shutil
 import sqlite3
 import subprocess
@@ -65,6 +66,10 @@ def restore(url: str, file: Path) -> Path | None:
         _tool(
             url, "pg_restore", "--clean", "--if-exists", "--single-transaction", "--no-owner", "--dbname={}", str(file)
         )
+        engine = connect(url)
+        with engine.begin() as writer:
+            writer.exec_driver_sql(_other_claims())
+        engine.dispose()
         return None
     _refuse_unusable(file)
     target = _file_of(url)
@@ -74,6 +79,8 @@ def restore(url: str, file: Path) -> Path | None:
             fresh.unlink(missing_ok=True)
             create_private(fresh)
             shutil.copyfile(file, fresh)
+            with closing(sqlite3.connect(fresh)) as connection, connection:
+                connection.execute(_other_claims())
             _on_disk(fresh)
             _give_to_owner(fresh, target)
             former = _set_aside(target)
@@ -84,6 +91,12 @@ def restore(url: str, file: Path) -> Path | None:
     finally:
         fresh.unlink(missing_ok=True)
     return former
+
+
+def _other_claims() -> str:
+    """Raises all fences by a random number: a worker that was cut off must not hold the claim of one that claims the
+    same run after the restore."""
+    return f"update runs set fence = fence + {1000 + secrets.randbelow(100_000)}"
 
 
 def _copy_sqlite(source: Path, part: Path) -> None:

@@ -21,6 +21,7 @@ from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import (
+    Campaign,
     EvaluationChunk,
     Run,
     RunBaseline,
@@ -29,9 +30,11 @@ from backend.db.tables import (
     RunRequirement,
     RunText,
     Signoff,
+    Stage,
     Trace,
 )
 from backend.db.waiting import RESULTS
+from campaigns.results.verdict import VerdictWord
 from campaigns.runs import ACTIVE, ENDED, RunState, run_name
 
 _EMPTY: dict[str, object] = {
@@ -189,12 +192,24 @@ def _may_go(at: float, age: float | None) -> tuple[sa.ColumnElement[bool], ...]:
 
 
 def _kept() -> sa.ColumnElement[bool]:
-    """Pinned, the baseline of a run that is listed, or of a campaign that states a requirement."""
+    """Pinned, the baseline of a run that is listed, of a campaign that states a requirement, or against such a one."""
     other = orm.aliased(Run)
     compared = sa.select(RunBaseline.run_id).join(other, other.id == RunBaseline.run_id)
     baseline = compared.where(RunBaseline.baseline == Run.id, other.removed.is_(None)).exists()
     required = sa.select(RunRequirement.run_id).where(RunRequirement.run_id == Run.id).exists()
-    return sa.or_(Run.pinned, baseline, required)
+    return sa.or_(Run.pinned, baseline, required, _against())
+
+
+def _against() -> sa.ColumnElement[bool]:
+    """It found a violation, and a run asks the same question for a requirement."""
+    of = sa.select(RunRequirement.run_id).join(Campaign, Campaign.question == RunRequirement.question)
+    return sa.and_(violates(), of.where(Campaign.digest == Run.campaign_digest).exists())
+
+
+def violates() -> sa.ColumnElement[bool]:
+    """Whether a run found a value at or below its threshold, whether it came to a verdict or not."""
+    best = sa.select(Stage.best).where(Stage.run_id == Run.id, Stage.best <= Run.threshold).exists()
+    return sa.or_(Run.verdict == VerdictWord.VIOLATED, Run.worst_cost <= Run.threshold, best)
 
 
 def _pragma(reader: sa.Connection, name: str) -> int:

@@ -12,10 +12,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import sqlalchemy as sa
+from pydantic import ValidationError
 
 from backend.db import labels, refusals, sizes, snapshots
 from backend.db.engine import insert, now, read
@@ -201,8 +203,9 @@ class Queue:
         with read(self.engine) as connection:
             query = query.where(*held, Run.lease_until >= now(connection), _able(simulators, installation))
             for row in connection.execute(query.order_by(Run.priority.desc(), Run.id)):
-                if Campaign.model_validate(row.document).shared:
-                    return Claim(row.id, row.fence, row.attempts, row.max_attempts, worker, row.document)
+                with suppress(ValidationError):  # of a newer version, whose workers share it
+                    if Campaign.model_validate(row.document).shared:
+                        return Claim(row.id, row.fence, row.attempts, row.max_attempts, worker, row.document)
         return None
 
     def beat(self, claim: Claim) -> bool:

@@ -25,6 +25,7 @@ from backend.results.evaluations import Bounds
 from campaigns import Campaign, cube
 from campaigns.checked.check import parameters
 from campaigns.results.base import OK, STATUS
+from campaigns.runs import run_name
 from campaigns.stored.records import Floats
 
 BLOCK = 16
@@ -96,8 +97,8 @@ class Sheet:
         while done < stage.evaluations:
             with read(engine) as reader:
                 chunks = _chunks(reader, self.run_id, stage.position, done)
-            if not chunks:
-                return
+            if not chunks:  # an ending stream would be taken for the whole
+                raise RuntimeError(f"{run_name(self.run_id)} lost its evaluations while they were exported")
             for chunk in chunks:
                 if chunk.first < stage.evaluations:
                     yield self._block(stage.position, chunk)

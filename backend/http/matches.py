@@ -39,9 +39,11 @@ def tag(*parts: Any) -> str:
     return f'"{hashlib.sha256(text.encode()).hexdigest()[:32]}"'
 
 
-def require_match(tags: str | None, current: str, what: str) -> None:
-    """Raise 412 unless the header is absent, `*`, or names the current tag; weak tags never match."""
-    if tags is None or tags.strip() == "*" or current in _TAG.findall(tags):
+def require_match(tags: str | None, current: str, what: str, there: bool = True) -> None:
+    """Raise 412 unless the header is absent, names the current tag, or is `*` and it is there; never by a weak tag."""
+    if tags is None or (tags.strip() == "*" and there) or current in _TAG.findall(tags):
         return
+    if not there:
+        raise RefusedError(412, "changed", f"{what} is not there: read what there is, then repeat the change")
     detail = f"{what} has changed since it was read: read it again, then repeat the change"
     raise RefusedError(412, "changed", detail)

@@ -11,16 +11,19 @@ import unicodedata
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import sqlalchemy as sa
 
+from backend.db.purge import violates
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
 from backend.requirements.standing import Edge
 from backend.runs import identity
 from backend.signoffs import present
 from backend.signoffs.present import chunks
+from campaigns.alike import plain
 from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
@@ -87,29 +90,30 @@ class Ignored:
     removed: int = 0
     sweeps: int = 0
     violated: tuple[int, ...] = ()
-    """The removed ones that violated it."""
+    """The removed ones that found a violation, also those that asked the same without stating it."""
 
 
 def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
     gone = sa.or_(Run.removed.is_not(None), Run.purged.is_not(None))
-    columns = (RunRequirement.requirement, Run.id, gone.label("gone"), Run.verdict)
+    columns = (RunRequirement.requirement, Run.id, gone.label("gone"))
     of = sa.select(*columns).join(Run, Run.id == RunRequirement.run_id)
     of = of.where(RunRequirement.requirement.in_(ids), sa.or_(gone, present.in_sweep())).order_by(Run.id)
     found: dict[str, Ignored] = defaultdict(Ignored)
     for row in reader.execute(of):
         now = found[row.requirement]
-        if not row.gone:
-            found[row.requirement] = replace(now, sweeps=now.sweeps + 1)
-            continue
-        violated = (row.id,) if row.verdict == VerdictWord.VIOLATED else ()
-        found[row.requirement] = replace(now, removed=now.removed + 1, violated=now.violated + violated)
+        found[row.requirement] = replace(now, removed=now.removed + row.gone, sweeps=now.sweeps + (not row.gone))
+    asks = sa.select(RunRequirement.requirement, Run.id).distinct()
+    asks = asks.join(CampaignRow, CampaignRow.question == RunRequirement.question)
+    asks = asks.join(Run, Run.campaign_digest == CampaignRow.digest).where(gone, violates())
+    for key, run_id in reader.execute(asks.where(RunRequirement.requirement.in_(ids)).order_by(Run.id)):
+        found[key] = replace(now := found[key], violated=(*now.violated, run_id))
     return found
 
 
+@lru_cache(maxsize=50_000)
 def _fold(key: str) -> str:
     """Equal for ids that a reader would take for the same."""
-    plain = "".join("-" if unicodedata.category(c) == "Pd" else c for c in unicodedata.normalize("NFKC", key))
-    return "".join(plain.casefold().split())
+    return "".join("".join("-" if unicodedata.category(c) == "Pd" else c for c in plain(key)).split())
 
 
 def similar(reader: sa.Connection, ids: Sequence[str], every: sa.CompoundSelect[Any]) -> dict[str, list[str]]:
@@ -126,7 +130,8 @@ def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
     if ignored.violated:
         runs = ", ".join(run_name(run_id) for run_id in ignored.violated[:MOST_NAMED])
         rest = len(ignored.violated) - MOST_NAMED
-        yield f"Removed runs do not count; of them, {runs}{f' and {rest} more' if rest > 0 else ''} violated it."
+        more = f" and {rest} more" if rest > 0 else ""
+        yield f"Removed runs do not count; of those that asked the same, {runs}{more} violated it."
     if similar:
         others = ", ".join(map(repr, similar[:MOST_NAMED]))
         yield f"Other ids differ only in case, spaces or the form of characters: {others}."

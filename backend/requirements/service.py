@@ -149,7 +149,7 @@ def write(engine: sa.Engine, new: RequirementGiven, visitor: Visitor, match: str
 
 def _written(writer: sa.Connection, new: RequirementGiven, visitor: Visitor, match: str | None) -> RequirementRow:
     at, old = now(writer), _one(writer, new.id, hold=True)
-    require_match(match, tag(new.id, None if old is None else old.text), new.id)
+    require_match(match, tag(new.id, None if old is None else old.text), new.id, there=old is not None)
     if old is None:
         if (writer.scalar(sa.select(sa.func.count()).select_from(Requirement)) or 0) >= MOST:
             raise _conflict(f"there are already {MOST:,} requirements, which is the limit: delete some first")

@@ -10,6 +10,7 @@ import sqlalchemy as sa
 from backend.db import users
 from backend.db.access import LOCAL, Visitor
 from backend.db.signed import signer
+from campaigns.alike import plain
 
 
 def signs_as(reader: sa.Connection, visitor: Visitor) -> str | None:
@@ -26,5 +27,5 @@ def person(row: Any) -> tuple[bool, str]:
 def folded(name: str) -> str:
     """Equal for names that a reader would take for the same: case, spaces, punctuation and the form of characters are
     no difference."""
-    plain = unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
-    return "".join(character for character in plain if unicodedata.category(character)[0] not in "PSZ") or plain
+    text = plain(name)
+    return "".join(character for character in text if unicodedata.category(character)[0] not in "PSZ") or text

@@ -9,7 +9,6 @@ import sqlalchemy as sa
 
 from backend.db import audit
 from backend.db.access import Visitor
-from backend.db.engine import read
 from backend.db.tables import Audit, Token
 from backend.http.errors import RefusedError
 from backend.trail.schemas import AuditEntry, AuditPage
@@ -52,9 +51,8 @@ def export(engine: sa.Engine, visitor: Visitor) -> Iterator[str]:
 
 
 def _lines(engine: sa.Engine, until: int) -> Iterator[str]:
-    with read(engine) as reader:
-        for row in audit.rows(reader, until):
-            yield json.dumps(row, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
+    for row in audit.all_rows(engine, until):
+        yield json.dumps(row, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
 
 
 def _entry(row: dict[str, object]) -> AuditEntry:

@@ -16,7 +16,7 @@ from backend.db import revision
 from backend.db.backup import BackupError, backup, restore
 from backend.db.damage import damage
 from backend.db.engine import connect, default_url, migrate, read
-from backend.db.queue import submit
+from backend.db.queue import LostLease, Queue, submit
 from backend.db.tables import Run
 from campaigns.stages.plan import most
 from clearance.cli import WRONG_INPUT, invoke
@@ -205,3 +205,26 @@ def test_the_doctor_finds_nothing_wrong_with_a_service_that_works(
     for name in ("data folder", "database", "schema", "workers", "clock", "pages"):
         assert found[name]["state"] == "ok", found[name]
     assert revision.newest() in found["schema"]["found"]
+
+
+def test_a_worker_that_was_cut_off_does_not_hold_the_run_of_another_one_after_a_restore(
+    stored: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "backup"
+    backup(stored, file)
+    engine = connect(stored)
+    cut_off = Queue(engine).claim("cut off")
+    engine.dispose()
+    restore(stored, file)
+    engine = connect(stored)
+    queue = Queue(engine)
+    claim = queue.claim("another")
+    assert cut_off is not None
+    assert claim is not None
+    assert claim.run_id == cut_off.run_id
+    with pytest.raises(LostLease):
+        queue.beat(cut_off)
+    with pytest.raises(LostLease):
+        queue.fail(cut_off, "it was cut off")
+    assert not queue.beat(claim)
+    engine.dispose()

@@ -144,6 +144,7 @@ def test_who_assists_leaves_for_a_run_that_waits(database: sa.Engine, tmp_path: 
 def test_what_cannot_be_shared_is_not(certify: dict[str, str], tmp_path: Path) -> None:
     from backend.db.engine import connect, default_url, migrate
     from backend.db.queue import Queue
+    from backend.db.tables import Campaign as CampaignRow
     from campaigns.stored.records import StagePlan
 
     migrate(url := default_url(tmp_path))
@@ -165,4 +166,10 @@ def test_what_cannot_be_shared_is_not(certify: dict[str, str], tmp_path: Path) -
         assert queue.shared("first") is None
         if found is not None:
             assert queue.shared("second", without=[found.run_id]) is None
+    with engine.begin() as connection:  # as a newer version writes them
+        documents = connection.execute(sa.select(CampaignRow.digest, CampaignRow.document)).all()
+        for digest, known in documents:
+            newer = {**known, "a field of later": 1}
+            connection.execute(sa.update(CampaignRow).where(CampaignRow.digest == digest).values(document=newer))
+    assert queue.shared("second") is None
     engine.dispose()

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from scipy.io import loadmat
 
 from backend.db.engine import read
-from backend.db.tables import CatalogueDocument, Run
+from backend.db.tables import CatalogueDocument, EvaluationChunk, Run
 from backend.exports.formats.evaluations_csv import evaluations_csv
 from backend.exports.sheet import sheet
 from backend.http.naming import named
@@ -230,3 +230,17 @@ def test_a_run_without_results_has_empty_files(client: httpx.Client) -> None:
 @pytest.mark.parametrize("file", ["run.json", "evaluations.csv", "traces.csv", "traces.mat", ""])
 def test_a_run_that_is_not_there_is_not_found(guest: httpx.Client, file: str) -> None:
     problem(guest.get(f"/api/v1/runs/R-0999/exports/{file}".rstrip("/")), 404)
+
+
+def test_an_export_whose_run_is_purged_meanwhile_breaks_off(service: Service, client: httpx.Client) -> None:
+    """A stream that ended as usual would be taken for the whole."""
+    submit(client)
+    work = Work(service, [StagePlan("search", "@odd", 9)])
+    work.store.append(0, 0, Columns(np.zeros((9, 2)), np.zeros((9, 1)), np.zeros(9, np.uint8), np.zeros(9), {}))
+    with read(service.engine) as reader:
+        found = sheet(reader, 1, campaign(reader, 1))
+    stage = next(stage for stage in found.stages if stage.evaluations)
+    with service.engine.begin() as writer:
+        writer.execute(sa.delete(EvaluationChunk).where(EvaluationChunk.run_id == 1))
+    with pytest.raises(RuntimeError, match="lost its evaluations"):
+        list(found.blocks(service.engine, stage))

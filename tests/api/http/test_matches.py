@@ -84,3 +84,12 @@ def test_equal_values_have_equal_tags() -> None:
     assert len({tag("a", "b"), tag("ab"), tag(["a", "b"]), tag("a", None), tag("a")}) == 5
     require_match(None, tag(1), "it")
     require_match(" * ", tag(1), "it")
+
+
+def test_any_tag_matches_only_what_is_there(client: httpx.Client) -> None:
+    """RFC 9110, 13.1.1: so that one that was deleted does not come back."""
+    given = {"id": "SYS-77", "text": "Keep away."}
+    refused = problem(client.put("/api/v1/requirements", json=given, headers={"If-Match": "*"}), 412)
+    assert "is not there" in str(refused["detail"])
+    assert client.put("/api/v1/requirements", json=given).status_code == 200
+    assert client.put("/api/v1/requirements", json=given, headers={"If-Match": "*"}).status_code == 200

@@ -218,3 +218,15 @@ def test_strange_values_are_found_and_the_rest_is_read(
     if "JSON" in change:
         with bare.signed_in() as admin:
             assert admin.get(AUDIT).json()["items"][-2]["detail"] == {"unreadable": "not JSON"}
+
+
+def test_a_slow_reader_of_an_export_holds_no_connection(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A snapshot that is held would keep SQLite's log from being reset while it is read."""
+    monkeypatch.setattr(audit, "PAGE", 50)
+    with read(service.engine) as reader:
+        until = audit.head(reader).row
+    reading = audit.all_rows(service.engine, until)
+    found = [next(reading)["id"] for _ in range(10)]
+    assert service.engine.pool.checkedout() == 0
+    found += [row["id"] for row in reading]
+    assert found == list(range(1, until + 1))

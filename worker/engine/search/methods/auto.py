@@ -233,7 +233,7 @@ class Team:
         self.many = self._member(contrast_racing.method, many, apart=True)
         self.axes = Running(lq_cma_es.method.name, None, space)
         """Stars through the lowest point."""
-        self.centre, self.due, self.drawn = np.full(n, np.inf), 0, self._own().random
+        self.centre, self.due, self.drawn = np.full(n, np.inf), 0, space.random.spawn(1)[0]
         self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many, self.axes]
         self.low = n <= LOW and not self.costly
         """Whether MLSL comes first."""

@@ -233,7 +233,7 @@ class Team:
         self.many = self._member(contrast_racing.method, many, apart=True)
         self.axes = Running(lq_cma_es.method.name, None, space)
         """Stars through the lowest point."""
-        self.centre, self.due, self.drawn = np.full(n, np.inf), 0, space.random.spawn(1)[0]
+        self.centre, self.due = np.full(n, np.inf), 0
         self.members = [self.descents, self.model, self.evolving, self.cover, self.few, self.many, self.axes]
         self.low = n <= LOW and not self.costly
         """Whether MLSL comes first."""
@@ -314,7 +314,7 @@ class Team:
         if np.abs(best - self.centre).max() < MOVED:
             return False
         self.centre, self.due = best, self.used + EVERY * len(best)
-        self.axes.begin(across(best, self.drawn))
+        self.axes.begin(across(best, self._own().random))
         return True
 
     def _broad(self) -> bool:

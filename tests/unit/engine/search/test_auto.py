@@ -17,9 +17,14 @@ from worker.engine.search.methods.auto import (
     AMID_FAILURES,
     AT_MOST,
     COUNTED,
+    COVER,
     EARLY,
+    EVERY,
     LOW,
+    MODELLED,
+    MOVED,
     OPENING,
+    RESTARTS,
     SEVERAL,
     SMALL,
     WIDE_COVER,
@@ -191,9 +196,30 @@ def test_mlsl_searches_the_box_once_differential_evolution_has_converged(dimensi
     assert counts["sqp"] == 0
 
 
-def test_beyond_that_cma_es_begins_again() -> None:
-    count = counted(requested(rugged, SMALL + 1, 2000 * (SMALL + 1)))
-    assert count["mlsl"] == 0 < count["cma_es"]
+def test_beyond_that_cma_es_begins_again_and_descents_get_more() -> None:
+    parts = requested(rugged, SMALL + 1, 2000 * (SMALL + 1))
+    assert counted(parts)["mlsl"] == 0
+    late = counted(parts[len(parts) // 2 :])
+    leading = sum(late.values()) - late["contrast_racing"]
+    assert late["sqp"] == pytest.approx(RESTARTS * leading, rel=0.2)
+    assert late["cma_es"] == pytest.approx((1.0 - RESTARTS - COVER) * leading, rel=0.1)
+
+
+def test_a_star_takes_nothing_from_the_member_apart_and_comes_where_the_lowest_point_has_moved() -> None:
+    n = SMALL + 2
+    team = Team(space(n, 1000 * n), Options())
+    team.shared.best, team.shared.lowest = np.full(n, 0.5), 1.0
+    assert not team._looks_across()
+    team.many.used = MODELLED * n
+    assert team._looks_across()
+    assert team._looks_across(), "until it is requested"
+    assert team._weights(True) == [(team.axes, 1.0 - WITNESS["above"]), (team.many, WITNESS["above"])]
+    team.axes.search, team.many.used = None, (MODELLED + 2 * EVERY) * n
+    assert not team._looks_across(), "it has not moved"
+    team.shared.best = np.full(n, 0.5 + MOVED)
+    assert team._looks_across()
+    team.axes.search, team.shared.best = None, np.full(n, 0.9)
+    assert not team._looks_across(), "too early"
 
 
 def test_a_star_takes_each_parameter_over_its_range_with_the_others_as_in_the_lowest_point() -> None:

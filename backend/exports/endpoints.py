@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 
+from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.exports import service
 from backend.exports.format import Format, known, named
@@ -60,7 +62,7 @@ def list_exports(run: RunName, reader: Reader) -> list[ExportFile]:
     responses=_ANSWERS | problems("not-found", "other-version", "purged", "no-package", "busy"),
 )
 async def export_file(
-    run: RunName, file: FileName, request: Request, engine: Engine, theme: Theme = "light"
+    run: RunName, file: FileName, request: Request, engine: Engine, visitor: CurrentVisitor, theme: Theme = "light"
 ) -> Response:
     """One export file of a run; large ones are streamed. The list has those that the run offers.
 
@@ -84,7 +86,8 @@ async def export_file(
     if service.unchanged(request, headers):
         return Response(status_code=304, headers=headers)
     if (streamed := one.streamed) is not None:
-        return BoundedStream(files, lambda: streamed(engine, run_id), headers=headers, media_type=one.media_type)
+        parts = functools.partial(streamed, engine, run_id)
+        return BoundedStream(files, parts, visitor.account, headers=headers, media_type=one.media_type)
     made = one.made
     assert made is not None
     content = await files.run(lambda: made(engine, run_id), request.is_disconnected)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import functools
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any, TypeVar
 
 from anyio import CancelScope, CapacityLimiter, to_thread
@@ -44,16 +44,17 @@ class Capacity:
         self.kind, self.sentence = kind, sentence or f"{at_once} {doing}, and the queue is full: try again in {retry} s"
         self.inside = 0
         """The number of running and waiting jobs."""
+        self._shares: dict[str, _Share] = {}
         self._turns = asyncio.Semaphore(at_once)
         self._threads = CapacityLimiter(at_once)
 
-    async def run(self, work: Callable[[], Result], gone: Gone | None = None) -> Result:
+    async def run(self, work: Callable[[], Result], gone: Gone | None = None, account: str = "") -> Result:
         """Run the work in a thread when its turn comes. Raises `RefusedError` (503).
 
         gone: whether the client has gone away; checked when the job's turn comes, so that no work is done for a closed
-        connection.
+        connection. account: see `turn`.
         """
-        async with self.turn():
+        async with self.turn(account):
             if gone is not None and await gone():
                 raise RefusedError(503, "busy", "the client closed the connection before the answer")
             return await self.thread(work)
@@ -63,22 +64,43 @@ class Capacity:
         return await to_thread.run_sync(work, limiter=self._threads)
 
     @asynccontextmanager
-    async def turn(self) -> AsyncIterator[None]:
-        """The turn of one job; raises `RefusedError` (503) if the queue is full or the wait too long."""
+    async def turn(self, account: str = "") -> AsyncIterator[None]:
+        """The turn of one job; raises `RefusedError` (503) if the queue is full or the wait too long.
+
+        account: whose job it is, if it has at most half of the turns and of the queue, as where a client that reads
+        slowly keeps its turn.
+        """
         self.refuse_full()
-        self.inside += 1
-        try:
+        async with self._share(account) as share:
+            self.inside += 1
             try:
-                async with asyncio.timeout(self.patience):
-                    await self._turns.acquire()
-            except TimeoutError:
-                raise self._busy() from None
-            try:
-                yield
+                async with AsyncExitStack() as held:
+                    try:
+                        async with asyncio.timeout(self.patience):
+                            for turns in (share.turns, self._turns):
+                                await held.enter_async_context(turns)
+                    except TimeoutError:
+                        raise self._busy() from None
+                    yield
             finally:
-                self._turns.release()
+                self.inside -= 1
+
+    @asynccontextmanager
+    async def _share(self, account: str) -> AsyncIterator[_Share]:
+        """What an account has of the turns; all of them without one."""
+        if not account:
+            yield _Share(self.at_once)
+            return
+        share = self._shares.setdefault(account, _Share(max(self.at_once // 2, 1)))
+        if share.inside >= max((self.at_once + self.waiting) // 2, 1):
+            raise self._busy()
+        share.inside += 1
+        try:
+            yield share
         finally:
-            self.inside -= 1
+            share.inside -= 1
+            if not share.inside:
+                del self._shares[account]
 
     def refuse_full(self) -> None:
         """Raise `RefusedError` (503) if the queue is full."""
@@ -89,15 +111,22 @@ class Capacity:
         return RefusedError(503, self.kind, self.sentence, headers={"Retry-After": str(self.retry)})
 
 
+class _Share:
+    """What one account has of the turns, and how many of its jobs run or wait."""
+
+    def __init__(self, turns: int) -> None:
+        self.turns, self.inside = asyncio.Semaphore(turns), 0
+
+
 class BoundedStream(StreamingResponse):
     """A streamed file whose parts are generated in the capacity's threads; its turn ends after the last byte."""
 
-    def __init__(self, capacity: Capacity, parts: Callable[[], Iterator[bytes]], **options: Any) -> None:
+    def __init__(self, capacity: Capacity, parts: Callable[[], Iterator[bytes]], account: str, **options: Any) -> None:
         super().__init__(iter(()), **options)
-        self._capacity, self._parts = capacity, parts
+        self._capacity, self._parts, self._account = capacity, parts, account
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        async with self._capacity.turn():
+        async with self._capacity.turn(self._account):
             parts = await self._capacity.thread(self._parts)  # refuse before the response starts
             self.body_iterator = self._each(parts)
             try:

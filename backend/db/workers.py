@@ -78,12 +78,6 @@ def published(connection: sa.Connection) -> float | None:
     return connection.scalar(sa.select(CatalogueDocument.published))
 
 
-def seen(connection: sa.Connection, within: float) -> sa.ColumnElement[bool]:
-    """Whether a heartbeat is of that time [s]; one of the future is from before the clock was put back."""
-    at = now(connection)
-    return Worker.beat.between(at - within, at + within)
-
-
 def arrive(connection: sa.Connection, name: str) -> None:
     at = now(connection)
     gone = sa.or_(Worker.name == name, Worker.beat < at - FORGOTTEN)
@@ -95,7 +89,7 @@ def arrive(connection: sa.Connection, name: str) -> None:
 def simulators(connection: sa.Connection, but: str = "") -> list[SimulatorEntry]:
     """The published simulators that a live worker has, other than that of this name; without those of which another
     version published an entry that this one cannot read."""
-    live = (seen(connection, LIVE), Worker.name != but)
+    live = (Worker.beat > now(connection) - LIVE, Worker.name != but)
     known = connection.execute(sa.select(Worker.simulators).where(*live)).scalars()
     had = {version for versions in known for version in versions}
     document = connection.scalar(sa.select(CatalogueDocument.document)) or {}
@@ -136,7 +130,7 @@ def beat(
 
 def drain(connection: sa.Connection, name: str) -> int | None:
     """Ask a live worker to take no further run and to end; returns its run, if it has one. Raises `KeyError`."""
-    live = (Worker.name == name, seen(connection, LIVE))
+    live = (Worker.name == name, Worker.beat > now(connection) - LIVE)
     asked = sa.update(Worker).where(*live).values(draining=True).returning(Worker.name, Worker.run_id)
     row = connection.execute(asked).first()
     if row is None:
@@ -148,7 +142,7 @@ def drain(connection: sa.Connection, name: str) -> int | None:
 def compared(connection: sa.Connection, simulator: str | None) -> float | None:
     """When every worker that may run a campaign with this simulator (None: without one) had compared its files with
     what it has published [s since 1970]; None if there is no such worker."""
-    alive = sa.select(Worker.simulators, Worker.compared).where(seen(connection, SEEN))
+    alive = sa.select(Worker.simulators, Worker.compared).where(Worker.beat > now(connection) - SEEN)
     able = [at for versions, at in connection.execute(alive) if simulator is None or simulator in versions]
     return min(able, default=None)
 
@@ -168,11 +162,11 @@ def last_seen(connection: sa.Connection) -> float | None:
 
 def live(connection: sa.Connection) -> list[str]:
     """The names of the live workers."""
-    found = sa.select(Worker.name).where(seen(connection, LIVE)).order_by(Worker.name)
+    found = sa.select(Worker.name).where(Worker.beat > now(connection) - LIVE).order_by(Worker.name)
     return list(connection.scalars(found))
 
 
 def alive(connection: sa.Connection, host: str) -> bool:
     """Whether a worker on that machine is live."""
-    found = sa.select(Worker.name).where(Worker.host == host[:120], seen(connection, LIVE))
+    found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - LIVE)
     return connection.scalar(found.limit(1)) is not None

@@ -88,7 +88,7 @@ def _stored(engine: sa.Engine) -> Stored:
         losses = reader.scalar(sa.select(sa.func.sum(Run.losses)).where(Run.state.in_(ACTIVE)))
         still = len(standing_still(reader))
         beats = reader.scalars(sa.select(Worker.beat)).all()
-    alive = sum(abs(beat - at) < SEEN for beat in beats)
+    alive = sum(beat > at - SEEN for beat in beats)
     return Stored(
         {state: number for state, number, _ in states},
         sum(evaluations or 0 for _, _, evaluations in states),

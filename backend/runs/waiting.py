@@ -13,7 +13,7 @@ from backend.db.engine import now
 from backend.db.queue import waiting_order
 from backend.db.space import VARIABLE
 from backend.db.tables import Run, Worker
-from backend.db.workers import SEEN, Doing, last_seen, seen
+from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs.schemas import RunDoing
 from campaigns.claims.numbers import count
 from campaigns.runs import RunState, run_name
@@ -47,7 +47,7 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]
         return {}
     at = now(reader)
     known = (Worker.run_id, Worker.simulators, Worker.installation, Worker.draining, Worker.short)
-    live = reader.execute(sa.select(*known).where(seen(reader, SEEN))).all()
+    live = reader.execute(sa.select(*known).where(Worker.beat > at - SEEN)).all()
     if not live:
         text = no_worker(last_seen(reader), at)
         return {row.id: Waits(text) for row in queued}
@@ -62,7 +62,7 @@ def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing
     if not run_ids:
         return {}
     query = sa.select(Worker.run_id, Worker.doing, Worker.name, Run.worker).join(Run, Run.id == Worker.run_id)
-    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == RunState.RUNNING, seen(reader, SEEN))
+    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == RunState.RUNNING, Worker.beat > now(reader) - SEEN)
     found = {}
     for row in reader.execute(query.where(live)):
         known = Doing.of(row.doing, row.run_id) if row.name == row.worker else None

@@ -219,17 +219,3 @@ def test_the_space_left_and_that_no_run_begins_are_news(
         seen._due = 0.0
         assert len(seen.look()) == sentences
         assert bool(asked(client)["space"]["short"]) == (left < found["limit"])
-
-
-def test_a_heartbeat_of_the_future_is_from_before_the_clock_was_put_back(
-    service: Service, client: httpx.Client
-) -> None:
-    run = submit(client)
-    arrive(service, "w1")
-    before = listed(client, run)["waits"]
-    silent(service, "w1", -3600.0)
-    with service.engine.begin() as connection:
-        assert workers.live(connection) == []
-    assert listed(client, run)["waits"] != before
-    arrive(service, "w2")
-    assert listed(client, run)["waits"] == before

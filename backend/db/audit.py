@@ -18,6 +18,8 @@ from backend.db.chain import COVERED, FIRST, Head, Verified, digest, verify
 from backend.db.engine import now, read
 from backend.db.tables import Audit, AuditHead, Token
 
+Row = dict[str, Any]
+"""A row of the trail by column."""
 PAGE = 1000
 """Rows that are read at a time."""
 
@@ -62,7 +64,7 @@ def head(reader: sa.Connection) -> Head:
     return Head(0, FIRST) if row is None else Head(row.row, row.hash)
 
 
-def as_row(found: Mapping[Any, Any]) -> dict[str, Any]:
+def as_row(found: Mapping[Any, Any]) -> Row:
     """A row of `COLUMNS`; a detail that is not JSON stays text, of which the hash is another one."""
     row = dict(found)
     with contextlib.suppress(ValueError, RecursionError, TypeError):
@@ -70,7 +72,7 @@ def as_row(found: Mapping[Any, Any]) -> dict[str, Any]:
     return row
 
 
-def rows(reader: sa.Connection) -> Iterator[dict[str, Any]]:
+def rows(reader: sa.Connection) -> Iterator[Row]:
     """All rows in ascending order; a limited number of them in memory."""
     found = _page(reader, None, None)
     while found:
@@ -78,7 +80,7 @@ def rows(reader: sa.Connection) -> Iterator[dict[str, Any]]:
         found = _page(reader, found[-1]["id"], None) if len(found) == PAGE else []
 
 
-def all_rows(engine: sa.Engine, until: int) -> Iterator[dict[str, Any]]:
+def all_rows(engine: sa.Engine, until: int) -> Iterator[Row]:
     """As `rows`, up to a number, for a slow reader: between pages it holds no connection and no snapshot."""
     after = None
     while True:
@@ -90,7 +92,7 @@ def all_rows(engine: sa.Engine, until: int) -> Iterator[dict[str, Any]]:
         after = found[-1]["id"]
 
 
-def _page(reader: sa.Connection, after: int | None, until: int | None) -> list[dict[str, Any]]:
+def _page(reader: sa.Connection, after: int | None, until: int | None) -> list[Row]:
     of = sa.select(*COLUMNS).order_by(Audit.id).limit(PAGE)
     of = of if after is None else of.where(Audit.id > after)
     return [*map(as_row, reader.execute(of if until is None else of.where(Audit.id <= until)).mappings())]

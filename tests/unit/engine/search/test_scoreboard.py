@@ -157,11 +157,13 @@ def test_the_guide_on_methods_has_the_boards_figures_of_niching() -> None:
 
 
 def test_the_guide_on_methods_has_the_boards_figures_of_verdicts_and_loops() -> None:
-    rows = kept_rows(verdicts.PART)
-    stated = re.search(r"(\d+) searches (\d+) state", GUIDE)
+    rows, stated = kept_rows(verdicts.PART), re.search(r"(\d+) searches (\d+) state", GUIDE)
+    measured = [row.figures for row in rows if row.figures]
     assert stated is not None
-    assert [*map(int, stated.groups())] == [len(rows), sum(row.figures["found"] for row in rows)]
-    assert all(row.figures["not cleared"] for row in rows)
+    assert ("not measured again" in GUIDE) == (len(measured) < len(rows))
+    if len(measured) == len(rows):
+        assert [*map(int, stated.groups())] == [len(rows), sum(found["found"] for found in measured)]
+    assert all(found["not cleared"] for found in measured)
     table = reaching.LOOPS.table([row for row in kept_rows(reaching.LOOPS) if row.figures])
     by = {name: value for name, value in table["all @ 1000"].items() if name in own_names()}
     best = max((name for name in by if name != "auto"), key=by.__getitem__)

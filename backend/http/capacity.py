@@ -48,13 +48,13 @@ class Capacity:
         self._turns = asyncio.Semaphore(at_once)
         self._threads = CapacityLimiter(at_once)
 
-    async def run(self, work: Callable[[], Result], gone: Gone | None = None, account: str = "") -> Result:
+    async def run(self, work: Callable[[], Result], gone: Gone | None = None) -> Result:
         """Run the work in a thread when its turn comes. Raises `RefusedError` (503).
 
         gone: whether the client has gone away; checked when the job's turn comes, so that no work is done for a closed
-        connection. account: see `turn`.
+        connection.
         """
-        async with self.turn(account):
+        async with self.turn():
             if gone is not None and await gone():
                 raise RefusedError(503, "busy", "the client closed the connection before the answer")
             return await self.thread(work)

@@ -1,7 +1,8 @@
-"""Polishes the minima of basins, also where the cost is rugged, and finds further ones from random points.
+"""Polishes the minima of basins, also where the cost is rugged, and finds further ones.
 
 Descents by gradients come first, then a compass search. Where the compass has lowered a minimum, gradients were of no
 use, and the compass ends in any small dip: an evolution strategy follows (`cma`), from the lowest such minima first.
+Further minima are looked for where the coordinates of known ones meet, and from random points.
 """
 
 from __future__ import annotations
@@ -23,8 +24,12 @@ STEP, SMALLEST = 1e-3, 1e-9
 """First and last step of the compass; the first is also the deviation of a strategy that follows it."""
 FEW = 4
 """Strategies side by side from known minima."""
+POPULATIONS = (2, 4, 8)
+"""Of a strategy, as multiples of the usual one; the larger ones follow where the smaller end in a dip."""
 WIDE, WAVE, LEAST = 0.1, 8, 100
 """Deviation of the strategies from random points, how many are side by side, and what each may take per parameter."""
+CROSSED = 2000
+"""Points of crossed coordinates in a round, at most."""
 
 Part = Generator[Floats, Batch, None]
 
@@ -42,13 +47,62 @@ def polished(found: list[Basin], rules: Rules, polish: Polish) -> Part:
     before = [(basin, basin.cost) for basin in found]
     yield from _poll(found, SMALL * rules.barrier)
     rugged = [basin for basin in found for b, cost in before if b is basin and cost - b.cost > rules.rugged]
-    left = polish.room() if rugged else 0
-    while rugged and left > 0:
-        few = [basin for basin in rugged[:FEW] if any(basin is b for b in found)]
-        del rugged[:FEW]
-        each, parts = left // max(len(few), 1), zip(few, polish.random.spawn(len(few)), strict=True)
-        left -= yield from _counted([_evolved(basin, found, STEP, each, rules, own) for basin, own in parts])
+    yield from _strategies(found, rugged, rules, polish.room() if rugged else 0, polish.random, POPULATIONS[0])
+
+
+def sharpened(found: list[Basin], same: float, rules: Rules, room: int, random: np.random.Generator) -> Part:
+    """Lower those minima that are higher than the lowest by `same` at most: they may be as low. Strategies of larger
+    populations follow, until nothing is between."""
+    for larger in POPULATIONS:
+        lowest = found[0].cost
+        between = [b for b in found if SMALL * rules.barrier < b.cost - lowest <= same]
+        room -= yield from _strategies(found, between, rules, room, random, larger)
+
+
+def _strategies(
+    found: list[Basin], waiting: list[Basin], rules: Rules, room: int, random: np.random.Generator, larger: int
+) -> Generator[Floats, Batch, int]:
+    """Strategies from these minima, a few at a time; `found` is up to date after each few. Returns the evaluations."""
+    left = room
+    while waiting and left > 0:
+        few = [basin for basin in waiting[:FEW] if any(basin is b for b in found)]
+        del waiting[:FEW]
+        each, parts = left // max(len(few), 1), zip(few, random.spawn(len(few)), strict=True)
+        left -= yield from _counted([_evolved(basin, found, STEP, each, rules, own, larger) for basin, own in parts])
         found[:] = close(found, rules.distance)
+    return room - left
+
+
+def crossed(
+    known: list[Basin], same: float, rules: Rules, room: int, random: np.random.Generator
+) -> Generator[Floats, Batch, list[Basin]]:
+    """Minima that are not known, of costs up to `same`, from points that have some coordinates of one known minimum as
+    low as that and the others of another: where parameters act independently, these are minima too."""
+    points = _meeting(known, same, min(CROSSED, room // 2), rules, random)
+    if not len(points):
+        return []
+    ranked = (yield points).ranked()
+    low = np.flatnonzero(ranked <= same + rules.barrier)
+    fresh = close([Basin(points[i].copy(), float(ranked[i]), []) for i in low], rules.distance)
+    del fresh[room // 2 // (ROUGH.iterations * (points.shape[1] + 2)) :]
+    for settings in (replace(ROUGH, gain=GAIN * rules.barrier), replace(FINE, gain=SMALL * rules.barrier)):
+        yield from lower(fresh, settings)
+        fresh = [b for b in close(fresh, rules.distance) if b.cost <= same and not _close_to(b, known, rules)]
+    return fresh
+
+
+def _meeting(known: list[Basin], same: float, most: int, rules: Rules, random: np.random.Generator) -> Floats:
+    """Points (m, n) of crossed coordinates of the lowest minima that are close to no known one."""
+    at, lowest = (np.array([b.point for b in known if b.cost <= limit]) for limit in (np.inf, same))
+    n = at.shape[1]
+    if len(lowest) < 2 or n < 2 or most < 1:
+        return np.empty((0, n))
+    parents = lowest[random.integers(len(lowest), size=(2, most))]
+    points = np.where(random.random((most, n)) < 0.5, parents[0], parents[1])
+    cells = np.floor(points / (rules.distance / 3)).astype(np.int64)
+    points = points[np.sort(np.unique(cells, axis=0, return_index=True)[1])]
+    near = [np.abs(at - point).max(axis=1).min() < rules.distance / 3 for point in points]
+    return np.asarray(points[~np.array(near)])
 
 
 def explored(
@@ -106,11 +160,17 @@ def _anywhere(
 
 
 def _evolved(
-    basin: Basin, others: list[Basin], deviation: float, most: int, rules: Rules, random: np.random.Generator
+    basin: Basin,
+    others: list[Basin],
+    deviation: float,
+    most: int,
+    rules: Rules,
+    random: np.random.Generator,
+    larger: int = POPULATIONS[0],
 ) -> Search:
     """Lower a basin by a strategy until the costs of a generation are the same; the sentence is empty if it ends before
     that, because a lower basin is close or `most` evaluations are made."""
-    population = 2 * default_population(len(basin.point))
+    population = larger * default_population(len(basin.point))
     strategy = Strategy(basin.point, deviation, population, random)
     for _ in range(most // population):
         if _close_to(basin, [b for b in others if b.cost < basin.cost], rules):

@@ -22,7 +22,7 @@ from worker.engine.search.base import Batch, Search
 from worker.engine.search.parts.basin import ROUGH, Basin, Rules, close, lower
 from worker.engine.search.parts.basins import added, distinct
 from worker.engine.search.parts.lowest import Lowest
-from worker.engine.search.parts.polish import Polish, explored
+from worker.engine.search.parts.polish import Polish, crossed, explored, sharpened
 from worker.engine.stages.parts import modes, seeds
 from worker.engine.stages.parts.boundary import Around, after
 from worker.engine.stages.parts.candidates import Candidate, gather, promising_rows, ranked_of, walked
@@ -169,6 +169,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
     alone = walked(context, position, found.candidates, starts)
     yield from _followed(context, found, starts)
     yield from _distinguished(context, found, starts, random, alone, lambda of: _spare(context, found, of) // 2)
+    yield from _sharpened(context, found, random)
     yield from _further(context, position, found, random)
     yield from _evidence(context, found, random)
     compared = True
@@ -273,15 +274,20 @@ def _distinguished(
 
 
 def _further(context: Context, position: int, found: Found, random: np.random.Generator) -> Part:
-    """Look for further worst cases from random points, with what the evidence of the known ones leaves, until a round
-    finds none."""
+    """Look for further worst cases where coordinates of known ones meet, and from random points, with what the evidence
+    of the known ones leaves, until a round finds none."""
     most, ends = context.campaign.stages.findings.at_most, list[Basin]()
-    while len(found.basins) < most and (room := _spare(context, found, found.basins) // 2) > 0:
-        rules = _rules(context, found.basins[0].cost)
-        fresh = yield from explored([*found.basins, *ends], _limit(context), rules, room, random)
+    if most <= USUAL or found.falls.cases:
+        return
+    while True:
+        worst, limit, known = found.basins[0].cost, _limit(context), [*found.basins, *ends]
+        rules, same = _rules(context, worst), worst + SAME_COST * scale(context, worst)
+        fresh = yield from crossed(known, same, rules, _room(context, found) // 10, random)
+        if not fresh and len(found.basins) < most:
+            fresh = yield from explored(known, limit, rules, _spare(context, found, found.basins) // 2, random)
         ends += fresh
         affordable = _spare(context, found, found.basins) // (2 * sum(evidence(context.campaign)))
-        worse = sorted(fresh, key=lambda b: b.cost)[:affordable]
+        worse = [b for i, b in enumerate(sorted(fresh, key=lambda b: b.cost)) if i < affordable or b.cost <= same]
         if not worse:
             return
         first = len(found.candidates)
@@ -289,6 +295,15 @@ def _further(context: Context, position: int, found: Found, random: np.random.Ge
         starts = [Basin(b.point, b.cost, [first + i]) for i, b in enumerate(worse)]
         yield from added(found.basins, starts, rules)
         del found.basins[most:]
+
+
+def _sharpened(context: Context, found: Found, random: np.random.Generator) -> Part:
+    """Lower the worst cases that are nearly as low as the lowest with what their evidence leaves."""
+    room = _spare(context, found, found.basins) // 2
+    if room > 0:
+        worst = found.basins[0].cost
+        same = SAME_COST * scale(context, worst)
+        yield from sharpened(found.basins, same, _rules(context, worst), room, random)
 
 
 def _spare(context: Context, found: Found, basins: Sequence[Basin]) -> int:

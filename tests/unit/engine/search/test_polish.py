@@ -1,4 +1,5 @@
-"""Polishing a minimum where gradients and a compass end in dips, and finding further ones from random points."""
+"""Polishing a minimum where gradients and a compass end in dips, and finding further ones: of crossed coordinates, and
+from random points."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from clearance.testing.searching import Function, batch
 from tests.given.wells import wells
 from worker.engine.search.base import Batch, Floats
 from worker.engine.search.parts.basin import Basin, Rules
-from worker.engine.search.parts.polish import LEAST, WAVE, Polish, explored, polished
+from worker.engine.search.parts.polish import LEAST, WAVE, Polish, crossed, explored, polished, sharpened
 
 RULES = Rules(distance=0.03, barrier=0.05, at_most=20, rugged=1e-6)
 WELLS = ((0.2, 0.2, 1.0), (0.8, 0.8, 1.0), (0.8, 0.2, 0.9))
@@ -87,6 +88,65 @@ def test_the_same_seed_gives_the_same_polish() -> None:
     one, other = (after_polish(rugged, [[0.312, 0.291]], 5_000) for _ in range(2))
     assert one[1] == other[1]
     assert np.array_equal(one[0][0].point, other[0][0].point)
+
+
+def basins(function: Function, points: list[list[float]]) -> list[Basin]:
+    """Basins at these points, lowest first."""
+    costs = function(np.array(points))
+    return sorted(
+        (Basin(np.array(p), float(c), [i]) for i, (p, c) in enumerate(zip(points, costs, strict=True))),
+        key=lambda b: b.cost,
+    )
+
+
+def two_cusps(x: Floats) -> Floats:
+    """The rugged function at 0.3 and again at 0.8: two minima of cost 0."""
+    return np.minimum(rugged(x), rugged(x - 0.5))
+
+
+def test_a_minimum_nearly_as_low_as_the_lowest_becomes_as_low() -> None:
+    found = basins(two_cusps, [[0.3, 0.3], [0.8004, 0.7996]])
+    gap = found[1].cost
+    _, made = evaluated(sharpened(found, 2 * gap, RULES, 20_000, np.random.default_rng(1)), two_cusps)
+    assert found[1].cost < 0.01 * gap
+    assert 0 < made <= 20_000
+
+
+def test_those_as_low_as_the_lowest_and_those_far_above_it_stay() -> None:
+    found = basins(wells(*WELLS), [[0.2, 0.2], [0.8, 0.8], [0.8, 0.2]])
+    before = [(b.point.copy(), b.cost) for b in found]
+    _, made = evaluated(sharpened(found, 0.05, RULES, 20_000, np.random.default_rng(1)), wells(*WELLS))
+    assert made == 0
+    assert all(
+        np.array_equal(b.point, point) and b.cost == cost for b, (point, cost) in zip(found, before, strict=True)
+    )
+
+
+def waves(x: Floats) -> Floats:
+    """A sum over the parameters, whose minima are at 1/6, 1/2 and 5/6 of each: 27 of cost 0 in three."""
+    return np.asarray((1.0 + np.cos(6.0 * np.pi * x)).sum(axis=1))
+
+
+def test_crossed_coordinates_lead_to_every_minimum_of_a_sum() -> None:
+    known = basins(waves, [[1 / 6] * 3, [1 / 2] * 3, [5 / 6] * 3])
+    while fresh := evaluated(crossed(known, 0.01, RULES, 5_000, np.random.default_rng(1)), waves)[0]:
+        known += fresh
+    assert len({tuple(np.round(6 * b.point).astype(int)) for b in known}) == len(known) == 27
+    assert max(b.cost for b in known) < 1e-9
+
+
+def test_crossed_coordinates_of_dependent_parameters_take_few_evaluations() -> None:
+    known = basins(wells(*WELLS), [[0.2, 0.2], [0.8, 0.8]])
+    fresh, made = evaluated(crossed(known, -0.99, RULES, 5_000, np.random.default_rng(1)), wells(*WELLS))
+    assert (fresh, made) == ([], 2)
+
+
+@pytest.mark.parametrize(
+    ("points", "room"), [([[0.2, 0.2]], 5_000), ([[0.2], [0.8]], 5_000), ([[0.2, 0.2], [0.8, 0.8]], 1)]
+)
+def test_nothing_is_crossed_without_a_pair_parameters_or_evaluations(points: list[list[float]], room: int) -> None:
+    known = basins(waves, points)
+    assert evaluated(crossed(known, 10.0, RULES, room, np.random.default_rng(1)), waves) == ([], 0)
 
 
 def test_random_points_lead_to_the_minima_that_are_not_known() -> None:

@@ -282,7 +282,9 @@ def _further(context: Context, position: int, found: Found, random: np.random.Ge
     while True:
         worst, limit, known = found.basins[0].cost, _limit(context), [*found.basins, *ends]
         rules, same = _rules(context, worst), worst + SAME_COST * scale(context, worst)
-        fresh = yield from crossed(known, same, rules, _room(context, found) // 10, random)
+        room = _room(context, found)
+        few = min(room // 10, _spare(context, found, found.basins) or room)  # without spare, evidence is short already
+        fresh = yield from crossed(known, same, rules, few, random)
         if not fresh and len(found.basins) < most:
             fresh = yield from explored(known, limit, rules, _spare(context, found, found.basins) // 2, random)
         ends += fresh

@@ -126,6 +126,8 @@ class Rule:
     """What the author of a campaign may state as intended instead; empty if nothing."""
     of_values: bool = False
     """Whether it holds only for the evaluations that have a value."""
+    of_violations: bool = False
+    """Whether known violations alone make it fail: where another one fails too, no policy accepts them."""
 
 
 def percent(limit: Limit[float]) -> str:
@@ -134,7 +136,7 @@ def percent(limit: Limit[float]) -> str:
 
 
 RULES = (
-    Rule(CheckCode.NOMINAL, "Nominal case", "The nominal case meets the criterion.", ("nominal",)),
+    Rule(CheckCode.NOMINAL, "Nominal case", "The nominal case meets the criterion.", ("nominal",), of_violations=True),
     Rule(
         CheckCode.SEARCH,
         "Searches ended",
@@ -146,6 +148,7 @@ RULES = (
         "No violation",
         "No stored evaluation of any stage violates the criterion.",
         of_values=True,
+        of_violations=True,
     ),
     Rule(
         CheckCode.MINIMUM,
@@ -167,8 +170,8 @@ RULES = (
     Rule(
         CheckCode.VALIDATION,
         "Integration",
-        "The step-halving check and the reference integrator agree for the nominal case and every finding, and no "
-        "random evaluation violates the criterion with the reference integrator alone.",
+        "The step-halving check and the reference integrator agree for the nominal case and every finding. Every "
+        "random evaluation has a value with the reference integrator, and none violates the criterion with it alone.",
         ("validate",),
         RemedyKind.STEP,
     ),
@@ -176,7 +179,8 @@ RULES = (
         CheckCode.REPETITION,
         "Repeated evaluation",
         "Of a simulator, in place of the integrators: the nominal case and every finding agree when evaluated again, "
-        "or in independent calls, and no random evaluation violates the criterion only then.",
+        "or in independent calls. Every random evaluation has a value again, and none violates the criterion only "
+        "then.",
         ("validate",),
         RemedyKind.CALLS,
     ),
@@ -272,6 +276,7 @@ RULES = (
         f"If there is an independent sample and no target, its bound on P(violation) is at most {percent(CEILING)}.",
         ("search", "certify"),
         RemedyKind.SAMPLE,
+        of_violations=True,
     ),
     Rule(
         CheckCode.TARGET,
@@ -280,6 +285,7 @@ RULES = (
         f"{percent(CEILING)} does not loosen what is required.",
         ("search", "certify"),
         RemedyKind.SAMPLE,
+        of_violations=True,
     ),
 )
 """Every check in the order in which a verdict states it."""

@@ -84,7 +84,7 @@ def _curves(record: Record) -> list[Curve]:
 
 def _slices(record: Record) -> dict[str, Curve]:
     """The curves through the worst case by path, if they were evaluated."""
-    through = record.findings[0].slices if record.findings else None
+    through = None if record.worst is None else record.worst.slices
     return {} if through is None else {curve.path: curve for curve in through.curves}
 
 

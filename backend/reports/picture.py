@@ -60,8 +60,8 @@ def _title(record: Record) -> str:
     """R-0001: violated, worst case F1 with a margin of -0.02 m."""
     run = record.run
     word = headline(run.verdict, run.not_sampled) if run.verdict else run.state
-    if not record.findings:
+    worst = record.worst
+    if worst is None:
         return f"{record.run.id}: {word}"
-    worst = record.findings[0]
     margin = f"{signed(worst.margin + (worst.granted - worst.cost))} {record.of.unit}".rstrip()
     return f"{record.run.id}: {word}, worst case {worst.label} with a margin of {margin}"

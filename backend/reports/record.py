@@ -78,6 +78,12 @@ class Record:
         return self.run.summary
 
     @property
+    def worst(self) -> FindingDetail | None:
+        """The finding that the verdict names, of a violated run the worst that is confirmed; without one the lowest."""
+        named = self.verdict.worst.finding if self.verdict is not None and self.verdict.worst is not None else None
+        return next((f for f in self.findings if f.label == named), self.findings[0] if self.findings else None)
+
+    @property
     def every(self) -> list[StageResult]:
         """The results of all stages that have one."""
         return [stage.result for stage in self.stages if stage.result is not None]

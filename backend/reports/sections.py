@@ -27,12 +27,12 @@ Row = dict[str, object]
 
 
 def uncertain(record: Record) -> list[Row]:
-    worst = record.findings[0].parameters if record.findings else {}
+    worst = record.worst
     rows = []
     for path, parameter in record.campaign.uncertain.items():
         entry, limits = record.entry(path), record.limits.get(path)
         nominal, low, high = limits or (None, parameter.low, parameter.high)
-        value = worst.get(path)
+        value = None if worst is None else worst.parameters.get(path)
         rows.append({
             "path": path,
             "symbol": record.symbol_html(path),
@@ -43,7 +43,7 @@ def uncertain(record: Record) -> list[Row]:
             "low": numbers.plain(low),
             "high": numbers.plain(high),
             "worst": numbers.plain(value),
-            "at": record.findings[0].at_bounds.get(path, "") if record.findings else "",
+            "at": "" if worst is None else worst.at_bounds.get(path, ""),
             "distribution": _distribution(parameter),
             "within": figures.within(limits[1], limits[2], limits[0], value) if limits else "",
         })  # fmt: skip

@@ -10,7 +10,7 @@ from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Schema
 from campaigns.results import TraceHead
 from campaigns.results.base import Status
-from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation, granted
+from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation, granted, violates
 from campaigns.results.likelihood import Likelihood
 from campaigns.results.slices import Slices
 from campaigns.results.trace import TraceColumn
@@ -98,6 +98,12 @@ class FindingDetail(Schema):
     def granted(self) -> float:
         """The value to state for it: of a confirmed violation the mildest of its values, if they differ."""
         return granted(self.cost, self.validation)
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def violates(self) -> bool:
+        """Whether it violates and what evaluates it again confirms that."""
+        return violates(self.margin, self.validation)
 
 
 class TraceInfo(Schema):

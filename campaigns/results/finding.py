@@ -104,6 +104,12 @@ def granted(cost: float, case: Validation | None) -> float:
     return max([cost, *(other for other in others if other is not None)])
 
 
+def violates(margin: float, case: Validation | None) -> bool:
+    """Whether a case violates and every integration of it confirms that; of a simulator that does not repeat, whether
+    an independent call of it violates."""
+    return case is not None and bool(case.violates) and (margin <= 0 or case.repeats is not None)
+
+
 class Ray(Result):
     """The first evaluation beyond the boundary along one line from nominal; null fields where none was seen."""
 
@@ -181,10 +187,8 @@ class Finding(Result):
 
     @property
     def violates(self) -> bool:
-        """Whether it violates and every integration of it confirms that; of a simulator that does not repeat, whether
-        an independent call of it violates."""
-        case = self.validation
-        return case is not None and bool(case.violates) and (self.margin <= 0 or case.repeats is not None)
+        """Whether it is a confirmed violation."""
+        return violates(self.margin, self.validation)
 
     @property
     def granted(self) -> float:

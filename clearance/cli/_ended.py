@@ -37,7 +37,8 @@ class Case:
 
     evaluated: by the search, if another evaluation of a confirmed violation is milder and therefore stated. likelihood:
     under the stated distributions, a clause; empty where it distinguishes nothing. seed: of the noise, if it was drawn
-    for this case: without it the value does not follow from the parameters."""
+    for this case: without it the value does not follow from the parameters. confirmed: of one at or below the
+    threshold, whether it violates when evaluated again as well."""
 
     label: str
     cost: float
@@ -46,12 +47,15 @@ class Case:
     evaluated: float | None = None
     likelihood: str = ""
     seed: int | None = None
+    confirmed: bool = True
 
     @property
     def beside(self) -> str:
-        """The evaluated value, where another one is stated, and the noise seed, as the rest of a clause."""
+        """The evaluated value, where another one is stated, the noise seed, and that a violation is not confirmed, as
+        the rest of a clause."""
         lower = "" if self.evaluated in (None, self.cost) else f", evaluated as {self.evaluated:.6g}"
-        return lower if self.seed is None else f"{lower}, with noise seed {self.seed}"
+        drawn = "" if self.seed is None else f", with noise seed {self.seed}"
+        return lower + drawn + (", not confirmed" if self.margin <= 0 and not self.confirmed else "")
 
 
 @dataclass(frozen=True)
@@ -94,7 +98,7 @@ class EndedRun:
 
     @property
     def violating(self) -> tuple[Case, ...]:
-        """The findings that violate the criterion."""
+        """The findings at or below the threshold, those that are not confirmed included."""
         worst = None if self.verdict is None else self.verdict.worst
         if not self.findings and worst is not None:
             found: tuple[Case, ...] = (

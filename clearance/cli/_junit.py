@@ -89,15 +89,25 @@ def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
         skipped = Xml.SubElement(case, "skipped", message=_clean(exit_sentence(verdict)))
         skipped.text = _clean(text)
     elif violated:
-        labels = ", ".join(found.label for found in ended.violating) or "a stored evaluation"
-        message = f"{labels} violate the criterion" if len(ended.violating) > 1 else f"{labels} violates the criterion"
-        Xml.SubElement(case, "failure", message=_clean(message), type="violation").text = _clean(text)
+        Xml.SubElement(case, "failure", message=_clean(_violating(ended, verdict)), type="violation").text = _clean(
+            text
+        )
     elif verdict.verdict == "cleared":
         Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
     else:
         Xml.SubElement(
             case, "skipped", message=_clean(f"not cleared, although no finding violates it: {verdict.reason}")
         )
+
+
+def _violating(ended: EndedRun, verdict: Verdict) -> str:
+    """Which findings violate the criterion, and which of them are not confirmed, as a clause."""
+    labels = [found.label for found in ended.violating if found.confirmed and verdict.verdict == "violated"]
+    others = [found.label for found in ended.violating if found.label not in labels]
+    which = ", ".join(labels) or ("a stored evaluation" if verdict.verdict == "violated" else "")
+    stated = f"{which} {'violate' if len(labels) > 1 else 'violates'} the criterion" if which else ""
+    beside = f"{', '.join(others)} not confirmed to violate it" if others else ""
+    return "; ".join(filter(None, [stated, beside]))
 
 
 def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:

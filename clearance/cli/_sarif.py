@@ -116,9 +116,10 @@ def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, 
         yield _result(ended, known, NO_VERDICT, "", "error", text, ())
         return
     violated = ended.verdict.verdict == "violated"
-    level = "note" if ended.accepted else "error" if violated else "warning"
     for case in ended.violating:
-        result = _result(ended, known, VIOLATION, case.label, level, _violation(ended, case, violated), ("criterion",))
+        confirmed = violated and case.confirmed
+        level = "note" if ended.accepted else "error" if confirmed else "warning"
+        result = _result(ended, known, VIOLATION, case.label, level, _violation(ended, case, confirmed), ("criterion",))
         result["relatedLocations"] = _ranges(ended, known, case.parameters)
         result["properties"] = {"cost": case.cost, "margin": case.margin, "parameters": dict(case.parameters)}
         yield result

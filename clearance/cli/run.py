@@ -133,6 +133,7 @@ def _ended(
                 *(f.label, f.granted, f.granted - campaign.criterion.threshold, f.parameters, f.cost),
                 likelihood=likely.text(f.label),
                 seed=f.realisation,
+                confirmed=f.violates,
             )
             for f in store.found()
         ),

@@ -354,6 +354,8 @@ class Finding(Answer):
     """How likely it is under the stated distributions; None if the bounds of a parameter are not known."""
     granted: float | None = None
     """The value to state for it: of a confirmed violation the mildest of its values, if they differ."""
+    violates: bool | None = None
+    """Whether it violates and what evaluates it again confirms that."""
 
 
 class Signoff(Answer):

@@ -157,17 +157,14 @@ class Evaluations:
 class Result(Evaluations):
     """The result of a search: what may be claimed and why, the worst cases, and every evaluation.
 
-    findings: the distinct worst cases, the worst first. worst: the first of them, None if nothing could be evaluated.
+    findings: the distinct worst cases, the lowest first. worst: the one that the verdict names, of a violated run the
+    worst that is confirmed; None if nothing could be evaluated.
     """
 
     verdict: Verdict
     findings: tuple[Finding, ...]
     nominal: Nominal
-
-    @property
-    def worst(self) -> Finding | None:
-        """The worst finding."""
-        return self.findings[0] if self.findings else None
+    worst: Finding | None
 
     @property
     def sample_seed(self) -> int | None:
@@ -235,11 +232,14 @@ def of(origin: Origin, verdict: Concluded) -> Result:
     first = None if result is None else result.at_nominal
     assert first is not None
     nominal = Nominal(_by_name(origin, first.parameters), first.cost, first.margin, first.reason)
+    findings = tuple(_finding(origin, f) for f in origin.store.found())
+    named = None if verdict.worst is None else verdict.worst.finding
     return Result(
         **vars(evaluations(origin)),
         verdict=Verdict(verdict.verdict.value, verdict.sentence, verdict.scope, checks, _sureness(verdict)),
-        findings=tuple(_finding(origin, f) for f in origin.store.found()),
+        findings=findings,
         nominal=nominal,
+        worst=next((f for f in findings if f.label == named), None),
     )
 
 

@@ -111,8 +111,8 @@ def _near(one: float, other: float) -> bool:
     return math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-15)
 
 
-def regression(run: Run) -> Tree:
-    """What has become of every finding of either run."""
+def regression(run: Run, checks: dict[str, bool]) -> Tree:
+    """What has become of every finding of either run; checks: whether each holds."""
     stated, policy = run.claims["regression"], run.campaign.regression
     cases = [_case(run, recorded) for recorded in stated["cases"]]
     violations = [case for case in cases if case["margin"] <= 0]
@@ -131,8 +131,16 @@ def regression(run: Run) -> Tree:
         "position": position(run),
         "cases": [*rows, *({"before": label} for label in [*sorted(left_out), *again])],  # another count
         "ok": not any(failing),
-        "accepted": "violation" not in policy.fail_on and known,
+        "accepted": "violation" not in policy.fail_on
+        and known
+        and (run.wording < limits.BESIDE or _alone(run, checks)),
     }
+
+
+def _alone(run: Run, checks: dict[str, bool]) -> bool:
+    """Whether nothing but violations is wrong, and all findings that violate are listed."""
+    listed = len(run.findings) < run.campaign.stages.findings.at_most or any(f["margin"] > 0 for f in run.findings)
+    return listed and all(holds for name, holds in checks.items() if name not in limits.OF_VIOLATIONS)
 
 
 def _case(run: Run, recorded: Tree) -> Tree:

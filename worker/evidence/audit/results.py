@@ -81,7 +81,7 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
     expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
     expected["possible"] = _possible(run)
     if run.campaign.baseline is not None:
-        expected["regression"] = regression(run)
+        expected["regression"] = regression(run, as_stated(run) | checks)
     if run.sealed:
         pairs = zip(run.findings, run.claims["findings"], strict=True)
         expected["findings"] = [found | _found(run, found, recorded) for found, recorded in pairs]

@@ -93,10 +93,10 @@ def _minimum(problem: Problem, evidence: Evidence) -> Check:
 
 
 def _validated(problem: Problem, evidence: Evidence) -> Check:
-    """Nominal case and findings are within tolerance, and no random evaluation is on the other side of the
+    """Nominal case and findings are within tolerance, and every random evaluation is on the same side of the
     threshold."""
     validation, spot = evidence.validation, evidence.spot_checks
-    ok = validation.ok and not spot.violating and (spot.compared > 0 or not spot.checked)
+    ok = validation.ok and not spot.violating and spot.compared == spot.checked
     ok = ok and not (validation.spent and validation.spent.left_out.spot_checks)
     return check(CheckCode(terms(problem.system).words.check), ok, validation.statement, "; ", spot.statement)
 

@@ -46,7 +46,7 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
         quantity=problem.quantity,
         unit=problem.unit,
         provenance=Provenance(**versions.model_dump(), digest=campaign.digest, seed=campaign.seed),
-        regression=regression(problem, evidence),
+        regression=regression(problem, evidence, found),
         sureness=evidence.sureness,
     )
 

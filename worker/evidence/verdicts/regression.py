@@ -24,6 +24,7 @@ from campaigns.results.baselines import difference
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin
+from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence
 
@@ -34,8 +35,9 @@ NAMED = 3
 """Findings that the sentence names."""
 
 
-def regression(problem: Problem, evidence: Evidence) -> Regression | None:
-    """Every finding of either run with its change; None without a baseline."""
+def regression(problem: Problem, evidence: Evidence, checks: Sequence[Check]) -> Regression | None:
+    """Every finding of either run with its change; None without a baseline. The policy accepts known violations only
+    where every check holds that they alone do not make fail, and where all violating findings are listed."""
     baseline = problem.campaign.baseline
     evaluated = next((at for at, result in enumerate(evidence.results) if result.reevaluated), None)
     if baseline is None or evaluated is None:
@@ -54,16 +56,18 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
     cases.sort(key=lambda case: (not case.fails, case.margin is None, case.margin or 0.0))
     failing = [case for case in cases if case.fails]
     violating = [case for case in cases if case.margin is not None and case.margin <= 0]
+    known = "violation" not in policy.fail_on and _all_known(violating)
+    beside = _beside(problem, evidence, checks) if known else ()
     return Regression(
         run=baseline.run,
         position=evaluated,
         cases=cases,
         fail_on=policy.fail_on,
         ok=not failing,
-        accepted="violation" not in policy.fail_on and _all_known(violating),
+        accepted=known and not beside,
         quantity=problem.quantity,
         unit=problem.unit,
-        statement=_statement(problem, cases, failing),
+        statement=say(_statement(problem, cases, failing), beside),
     )
 
 
@@ -198,6 +202,17 @@ def _tolerance(problem: Problem, evidence: Evidence, before: BaselineCase, there
 def _all_known(violating: list[FindingChange]) -> bool:
     """Whether every violation was known; without a violating finding none was, because it has not been compared."""
     return bool(violating) and not any(case.newly_violating for case in violating)
+
+
+def _beside(problem: Problem, evidence: Evidence, checks: Sequence[Check]) -> Spans:
+    """Why known violations are not accepted, as a sentence; empty if nothing else is wrong."""
+    but, findings = " The known violations are not accepted: ", evidence.findings
+    most = problem.campaign.stages.findings.at_most
+    if len(findings) >= most and all(found.margin <= 0 for found in findings):
+        return say(but, "all ", count(most), " findings that the campaign lists violate, and there may be more.")
+    of = [(check, rules.rule(check.code)) for check in checks if not check.ok]
+    wrong = [check.name if rule is None else rule.title for check, rule in of if rule is None or not rule.of_violations]
+    return say(but, f"other checks fail ({', '.join(wrong)}).") if wrong else ()
 
 
 def _fails(policy: Policy, case: FindingChange, strictest: float) -> bool:

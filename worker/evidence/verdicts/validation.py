@@ -91,15 +91,16 @@ def _left_out(spent: Spent | None) -> Spans:
 
 def _compared(words: Words, found: SpotChecks, unit: str) -> Spans:
     by = words.reference
+    why = f" ({found.reasons[0]})" if found.reasons else ""
     if found.largest is None or found.median is None:
-        return say(f"no random evaluation could be compared with {by}")
+        return say(f"no random evaluation could be compared with {by}{why}")
     statement = say(
         *(count(found.compared, "compared"), f" random evaluations differ from {by} by at most "),
         *(number(found.largest, unit, "largest"), ", half of them by at most ", number(found.median, unit, "median")),
     )
     without = found.checked - found.compared
     if without:
-        statement = say(statement, "; ", count(without), " more could not be compared")
+        statement = say(statement, "; ", count(without), f" more could not be compared{why}")
     if found.violating:
         statement = say(statement, "; ", count(found.violating), f" violate the criterion only with {by}")
     return statement

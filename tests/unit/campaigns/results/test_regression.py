@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 from xml.etree import ElementTree as Xml
 
@@ -10,7 +11,7 @@ import pytest
 from hypothesis import given as given_
 from hypothesis import strategies as st
 
-from campaigns import Campaign
+from campaigns import Campaign, rules
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
 from campaigns.asked.spec import seedless
@@ -20,7 +21,7 @@ from campaigns.results.baselines import CannotCompare, with_baseline
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin, Downhill
-from campaigns.results.verdict import VerdictWord
+from campaigns.results.verdict import Check, VerdictWord
 from campaigns.stages.baseline import BaselineResult
 from clearance.cli._ended import EndedRun, by_policy, changes, code, exit_sentence
 from clearance.cli._junit import junit
@@ -48,10 +49,12 @@ def compared(
     now: tuple[float, ...],
     since: tuple[str | None, ...],
     basins: tuple[CaseBasin, ...] = (),
+    checks: Sequence[Check] = (),
     **changes: Any,
 ) -> Regression:
     """The comparison; before: costs in the baseline; again: on this model; now: of the findings of this run; since: the
-    finding in the basin of each case; basins: what is known of them, nothing as in results of earlier versions."""
+    finding in the basin of each case; basins: what is known of them, nothing as in results of earlier versions;
+    checks: of the verdict."""
     labels = [case.label for case in asked(*before).baseline.cases]  # type: ignore[union-attr]
     cases = [
         Reevaluated(
@@ -66,7 +69,7 @@ def compared(
         baseline=BaselineResult(run="R-0001", cases=cases), validation=validated, finding=found[0] if found else None,
         others=found[1:],
     )  # fmt: skip
-    result = regression(Problem(asked(*before, **changes)), made)
+    result = regression(Problem(asked(*before, **changes)), made, checks)
     assert result is not None
     return result
 
@@ -217,7 +220,7 @@ def test_the_tolerance_is_the_largest_of_what_cannot_be_resolved() -> None:
     cases = [Reevaluated(label="F1", index=0, parameters=AT, point=[1.0, 1.0], status="ok", cost=0.83)]
     baseline = BaselineResult(run="R-0001", cases=cases)
     noisy = given.evidence(baseline=baseline, validation=given.validation(since=[None]), finding=None)
-    found = regression(Problem(asked(0.84, difference=0.02)), noisy)
+    found = regression(Problem(asked(0.84, difference=0.02)), noisy, ())
     assert found is not None
     assert (found.cases[0].standing, found.cases[0].tolerance) == (Standing.SAME, 0.02)
 
@@ -318,6 +321,24 @@ def test_the_exit_code_is_that_of_the_verdict_and_the_policy(
     assert found.ok == (not found.failing)
     if exits == 0 and word == "violated":
         assert " R-0001, " in exit_sentence(verdict)
+
+
+@pytest.mark.parametrize("rule", rules.RULES, ids=lambda rule: rule.code)
+def test_known_violations_are_accepted_only_where_no_other_check_fails(rule: rules.Rule) -> None:
+    checks = [Check(code=rule.code, ok=False, statement=())]
+    found = compared((0.4,), (0.4,), (0.4,), ("F1",), checks=checks, regression=POLICIES["nothing"])
+    verdict = concluded(found, "violated")
+    assert code(verdict) == (0 if rule.of_violations else 1)
+    assert (f"({rule.title})" in found.text) == (not rule.of_violations)
+
+
+def test_where_all_listed_findings_violate_none_is_accepted_because_there_may_be_more() -> None:
+    for most, accepted in ((3, False), (4, True)):
+        stages = {"stages__findings": {"at_most": most}}
+        asked = (0.4, 0.41, 0.42), (0.4, 0.41, 0.42), (0.4, 0.41, 0.42), ("F1", "F2", "F3")
+        found = compared(*asked, regression=POLICIES["nothing"], **stages)
+        assert found.accepted == accepted
+        assert (f"{most} findings" in found.text) == (not accepted)
 
 
 def concluded(found: Regression | None, word: str = "cleared") -> Verdict:

@@ -87,6 +87,20 @@ def test_the_criterion_passes_only_if_it_is_cleared(word: str, findings: tuple[C
     assert outcome(cases(ended(word, findings=findings))["criterion: d_min"]) == told
 
 
+def test_what_is_not_confirmed_is_no_violation_in_any_file() -> None:
+    """F1 is lower in the search, and above the threshold when evaluated again; F2 violates both times."""
+    doubtful = ended(
+        findings=(replace(WORST, confirmed=False), replace(WORST, label="F2", cost=0.4, margin=-0.1), FINE)
+    )
+    (failure,) = cases(doubtful)["criterion: d_min"]
+    assert failure.get("message") == "F2 violates the criterion; F1 not confirmed to violate it"
+    assert "F1: 0.3 m, margin \u22120.2 m, not confirmed" in str(failure.text)
+    levels = {r["message"]["text"].partition(":")[0]: r["level"] for r in logged(doubtful)["results"]}
+    assert levels == {"F1": "warning", "F2": "error"}
+    (failure,) = cases(ended("inconclusive", findings=(replace(WORST, confirmed=False),)))["criterion: d_min"]
+    assert failure.get("message") == "F1 not confirmed to violate it"
+
+
 def test_the_noise_of_a_case_is_named_in_every_file() -> None:
     drawn = ended(findings=(replace(WORST, seed=14115), FINE))
     for text in (junit(drawn), json.dumps(sarif(drawn))):

@@ -187,6 +187,7 @@ def test_random_evaluations_on_the_other_side_of_the_threshold_bar_cleared() -> 
     for spot in (
         spot_checks(violating=1, text="1 of them violates there and not here"),
         spot_checks(compared=0, text="none could be compared"),
+        spot_checks(compared=199, text="1 more could not be compared"),
     ):
         assert spot.text in barred("validation", validation=validation(spot_checks=spot)).text
 

@@ -1,0 +1,42 @@
+"""A case that violates in the search and never again: every place names the violation that is confirmed instead."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import clearance
+
+
+@pytest.fixture(scope="module")
+def result() -> clearance.Result:
+    seen: set[tuple[float, float]] = set()
+
+    def twice(x: float, y: float) -> float:
+        """A well that is there only the first time at a point, and a shallower one that stays."""
+        first = 1.5 * max(0.0, 1.0 - ((x - 0.2) ** 2 + (y - 0.2) ** 2) / 0.04)
+        stays = 1.3 * max(0.0, 1.0 - ((x - 0.8) ** 2 + (y - 0.7) ** 2) / 0.04)
+        if first > 0.4 and (x, y) in seen:
+            first = 0.3
+        seen.add((x, y))
+        return 1.0 - max(first, stays)
+
+    return clearance.search(twice, {"x": (0.0, 1.0), "y": (0.0, 1.0)}, 0.0, budget=2000, seed=3)
+
+
+def test_the_worst_is_the_one_that_is_confirmed(result: clearance.Result) -> None:
+    lowest = result.findings[0]
+    assert lowest.parameters["x"] == pytest.approx(0.2, abs=0.05)
+    assert result.verdict == "violated"
+    assert result.worst is not None
+    assert result.worst.parameters["x"] == pytest.approx(0.8, abs=0.05)
+    assert result.worst.cost > lowest.cost
+    assert f"{result.worst.cost:.6g}" in repr(result)
+
+
+def test_the_report_has_its_parameters(result: clearance.Result, tmp_path: Path) -> None:
+    assert result.worst is not None
+    page = result.report(tmp_path / "report.html").read_text(encoding="utf-8")
+    row = page.partition("Uncertain parameters")[2].partition("</table>")[0]
+    assert all(f">{value:.4g}<" in row for value in result.worst.parameters.values())

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db import refusals, sizes
+from backend.db import groups, refusals, sizes
 from backend.db.continuation import succeed
 from backend.db.engine import now
 from backend.db.tables import Campaign as CampaignRow
@@ -17,9 +17,11 @@ from backend.db.tables import (
     Finding,
     Run,
     RunSources,
+    RunText,
     SampleBlock,
     SampleShare,
     Stage,
+    SweepRun,
     Trace,
 )
 from campaigns.asked.spec import Campaign
@@ -62,10 +64,22 @@ def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
         return None
     planned = most(campaign)
     found = succeed(writer, run_id, campaign, planned, catalogue, carries=True)
+    _place(writer, run_id, found)
     ended = {"state": RunState.CANCELLED, "cancel": True, "finished": now(writer)}
     ended |= {"error": CONTINUED.format(run=run_name(found))}
     writer.execute(sa.update(Run).where(Run.id == run_id).values(**ended))
     return found
+
+
+def _place(writer: sa.Connection, run_id: int, successor: int) -> None:
+    """Give the successor the text of the campaign, and the place in a group and in a sweep."""
+    text = writer.scalar(sa.select(RunText.text).where(RunText.run_id == run_id))
+    if text is not None:
+        writer.execute(sa.insert(RunText).values(run_id=successor, text=text))
+        sizes.grow(writer, successor, len(text.encode("utf-8", "surrogatepass")))
+    if (group := groups.of_runs(writer, [run_id]).get(run_id, {}).get("group")) is not None:
+        groups.store(writer, successor, group)
+    writer.execute(sa.update(SweepRun).where(SweepRun.run_id == run_id).values(run_id=successor))
 
 
 def waits(writer: sa.Connection, run_id: int) -> bool:

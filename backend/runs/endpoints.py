@@ -11,6 +11,7 @@ from fastapi.concurrency import run_in_threadpool
 from pydantic import Field
 
 from backend.access.auth import CurrentVisitor
+from backend.access.once import OnceOnly, Work
 from backend.db.engine import read
 from backend.http import bodies
 from backend.http.deps import ROOM, Engine, Reader, capacities
@@ -47,6 +48,7 @@ router = APIRouter(tags=["runs"])
 
 LOCATION = located("The run that was queued, now or earlier with the same key, or the one that is reused.", "run")
 CONTINUED = located("The new run.", "run")
+ONCE = ("idempotency-key-reused", "already-made")
 CAMPAIGN_FILE = answers("The text as it was submitted, else YAML.", "application/yaml")
 MOST = 50
 """Alternative values of one filter."""
@@ -198,17 +200,22 @@ def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSumm
 @router.post(
     "/runs/{run}/retry",
     dependencies=ROOM,
-    responses=problems("not-found", "not-failed", "removed", "quota-reached", "purged"),
+    responses=problems("not-found", "not-failed", "removed", "quota-reached", "purged", *ONCE),
 )
-def retry_run(run: RunName, request: Request, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
+def retry_run(run: RunName, request: Request, once: OnceOnly, visitor: CurrentVisitor) -> RunSummary:
     """Queue a failed run again: it goes on from its stored evaluations, none of which is simulated twice."""
-    return onward.retry(engine, service.number(run), visitor, request.app.state.quota)
+    number, quota = service.number(run), request.app.state.quota
+    return _once(once, lambda writer: onward.retry(writer, number, visitor, quota))
 
 
-@router.post("/runs/{run}/restart", dependencies=ROOM, responses=problems("not-found", "not-waiting", "purged"))
-def restart_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
+def _once(once: OnceOnly, work: Work[RunSummary]) -> RunSummary:
+    return once.do(RunSummary, work, lambda made: made.id, onward.now)
+
+
+@router.post("/runs/{run}/restart", dependencies=ROOM, responses=problems("not-found", "not-waiting", "purged", *ONCE))
+def restart_run(run: RunName, once: OnceOnly, visitor: CurrentVisitor) -> RunSummary:
     """Begin a run again that waits for the code that began it; its evaluations are discarded."""
-    return onward.restart(engine, service.number(run), visitor)
+    return _once(once, lambda writer: onward.restart(writer, service.number(run), visitor))
 
 
 @router.post(
@@ -217,14 +224,16 @@ def restart_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSum
     dependencies=ROOM,
     responses=CONTINUED
     | problems(
-        "not-found", "not-waiting", "not-continuable", "invalid-campaign", "no-catalogue", "other-version", "purged"
+        *("not-found", "not-waiting", "not-continuable", "invalid-campaign", "no-catalogue", "other-version", "purged"),
+        *("quota-reached", *ONCE),
     ),
 )
 def continue_run(
-    run: RunName, request: Request, response: Response, engine: Engine, visitor: CurrentVisitor
+    run: RunName, request: Request, response: Response, once: OnceOnly, visitor: CurrentVisitor
 ) -> RunSummary:
     """Continue a run that waits for the code that began it as a new run, with the evaluations that are still valid."""
-    made = onward.carry_on(engine, service.number(run), visitor)
+    quota = request.app.state.quota
+    made = _once(once, lambda writer: onward.carry_on(writer, service.number(run), visitor, quota))
     response.headers["Location"] = at(request.url.path.replace(f"{run}/continuation", made.id))
     return made
 

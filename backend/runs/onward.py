@@ -11,7 +11,6 @@ from backend.access.own import require_own
 from backend.catalog.service import required
 from backend.db import audit, queue, waiting
 from backend.db.access import Visitor
-from backend.db.engine import read
 from backend.db.tables import Run
 from backend.http import bodies
 from backend.http.errors import RefusedError
@@ -23,44 +22,44 @@ from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.runs import run_name
 
 
-def retry(engine: sa.Engine, run_id: int, visitor: Visitor, quota: Quota) -> RunSummary:
+def retry(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) -> RunSummary:
     """Queue a failed run again with what is stored of it; 409 unless it has failed, or if it is removed."""
-    with engine.begin() as writer:
-        _own(writer, run_id, visitor)
-        refuse_removed(writer, run_id)
-        stored, error = writer.execute(sa.select(Run.evaluations, Run.error).where(Run.id == run_id)).one()
-        refuse_beyond(writer, quota, visitor)
-        if not queue.resume(writer, run_id):
-            raise RefusedError(409, "not-failed", f"{run_name(run_id)} has not failed; only a failed run is retried")
-        audit.note(writer, visitor, "run.retried", run_name(run_id), {"evaluations": stored, "error": error})
-    with read(engine) as reader:
-        return service.summary(reader, run_id)
+    _own(writer, run_id, visitor)
+    refuse_removed(writer, run_id)
+    stored, error = writer.execute(sa.select(Run.evaluations, Run.error).where(Run.id == run_id)).one()
+    refuse_beyond(writer, quota, visitor)
+    if not queue.resume(writer, run_id):
+        raise RefusedError(409, "not-failed", f"{run_name(run_id)} has not failed; only a failed run is retried")
+    audit.note(writer, visitor, "run.retried", run_name(run_id), {"evaluations": stored, "error": error})
+    return service.summary(writer, run_id)
 
 
-def restart(engine: sa.Engine, run_id: int, visitor: Visitor) -> RunSummary:
+def restart(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
     """Begin a run again without its evaluations; 409 unless it waits for its code, 403 if it is another user's."""
-    with engine.begin() as writer:
-        _own(writer, run_id, visitor)
-        lost = writer.scalar(sa.select(Run.evaluations).where(Run.id == run_id))
-        if not waiting.restart(writer, run_id):
-            raise _not_waiting(run_id)
-        audit.note(writer, visitor, "run.restarted", run_name(run_id), {"evaluations": lost})
-    with read(engine) as reader:
-        return service.summary(reader, run_id)
+    _own(writer, run_id, visitor)
+    lost = writer.scalar(sa.select(Run.evaluations).where(Run.id == run_id))
+    if not waiting.restart(writer, run_id):
+        raise _not_waiting(run_id)
+    audit.note(writer, visitor, "run.restarted", run_name(run_id), {"evaluations": lost})
+    return service.summary(writer, run_id)
 
 
-def carry_on(engine: sa.Engine, run_id: int, visitor: Visitor) -> RunSummary:
+def carry_on(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) -> RunSummary:
     """Continue a run as a new one; as `restart`, and 409 if no evaluation may be used, 422 for an unusable campaign."""
-    with engine.begin() as writer:
-        _own(writer, run_id, visitor)
-        if not waiting.waits(writer, run_id):
-            raise _not_waiting(run_id)
-        found = waiting.carry(writer, run_id, *_usable(writer, run_id))
-        if found is None:
-            raise _not_waiting(run_id)
-        audit.note(writer, visitor, "run.continued", run_name(found), {"continues": run_name(run_id)})
-    with read(engine) as reader:
-        return service.summary(reader, found)
+    _own(writer, run_id, visitor)
+    if not waiting.waits(writer, run_id):
+        raise _not_waiting(run_id)
+    refuse_beyond(writer, quota, visitor, more=0)
+    found = waiting.carry(writer, run_id, *_usable(writer, run_id))
+    if found is None:
+        raise _not_waiting(run_id)
+    audit.note(writer, visitor, "run.continued", run_name(found), {"continues": run_name(run_id)})
+    return service.summary(writer, found)
+
+
+def now(reader: sa.Connection, made: RunSummary) -> RunSummary:
+    """The run of an earlier answer, as it is by now."""
+    return service.summary(reader, service.number(made.id))
 
 
 def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:

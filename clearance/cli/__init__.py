@@ -7,10 +7,13 @@ Its heavy imports are inside the function, so that `clearance --help` is fast. S
 from __future__ import annotations
 
 import importlib
+import io
+import os
 import pkgutil
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
@@ -54,9 +57,41 @@ class _Commands(TyperGroup):
             raise _Interrupted(f"{error}") from None
 
 
+class _Output(io.TextIOWrapper):
+    """The standard output. What nobody reads any more is dropped: the exit code is the result, and files follow."""
+
+    def write(self, text: str) -> int:
+        with self._kept():
+            super().write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        with self._kept():
+            super().flush()
+
+    @contextmanager
+    def _kept(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self.fileno())  # also what is buffered, at the end
+            os.close(nowhere)
+            if not isinstance(error, BrokenPipeError):
+                raise WrongInputError(f"the output cannot be written: {error.strerror}") from None
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit."""
-    sys.exit(invoke(sys.argv[1:] if arguments is None else arguments))
+    plain = sys.stdout
+    sys.stdout = _Output(plain.buffer, plain.encoding, plain.errors, line_buffering=plain.isatty())
+    code = invoke(sys.argv[1:] if arguments is None else arguments)
+    try:
+        sys.stdout.flush()
+    except WrongInputError as error:
+        _explain(error)
+        code = WRONG_INPUT
+    sys.exit(code)
 
 
 def invoke(arguments: Sequence[str]) -> int:

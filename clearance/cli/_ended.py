@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from campaigns.runs import RunState
-from clearance.cli import CODES, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED
+from clearance.cli import CODES, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WrongInputError
 
 if TYPE_CHECKING:
     from campaigns.identity.identity import Identity
@@ -155,12 +155,18 @@ class EndedRun:
 
 
 def write_files(ended: EndedRun, launch: Launch) -> None:
-    """Write the files that were asked for."""
+    """Write the files that were asked for; `WrongInputError` once all were tried, if one cannot be written."""
     from clearance.cli import _junit, _markdown, _sarif
 
+    lost = []
     for file, module in ((launch.junit, _junit), (launch.summary, _markdown), (launch.sarif, _sarif)):
-        if file is not None:
-            module.write(file, ended)
+        try:
+            if file is not None:
+                module.write(file, ended)
+        except OSError as error:
+            lost.append(f"{file} cannot be written: {error.strerror}")
+    if lost:
+        raise WrongInputError("; ".join(lost))
 
 
 def code(verdict: Verdict) -> int:

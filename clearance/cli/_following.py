@@ -60,11 +60,13 @@ def follow_to_the_end(
     ended = _as_ended(service, found, reused)
     # Before the files, which the service may be unable to deliver.
     typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_ended(service, found, ended)))
-    if launch.wanted:
-        write_files(_complete(service, ended, launch, out, source), launch)
-    if out is not None:
-        save(service, run, out, FILES)
-        typer.echo(f"Files in {out}", err=True)
+    try:
+        if launch.wanted:
+            write_files(_complete(service, ended, launch, out, source), launch)
+    finally:
+        if out is not None:
+            save(service, run, out, FILES)
+            typer.echo(f"Files in {out}", err=True)
     return ended.code
 
 
@@ -223,7 +225,7 @@ def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
     if found.state == RunState.DONE:
         lines = [headline(found.verdict or "", found.not_sampled).capitalize(), found.reason or "", counts(found)]
     elif found.state == RunState.CANCELLED:
-        lines = ["Cancelled: no verdict", *filter(None, [superseded(found)])]
+        lines = ["Cancelled: no verdict", *filter(None, [superseded(found) or plain(found.error or "")])]
     else:
         lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]
     lines += ended.notes

@@ -27,7 +27,9 @@ def runs(
     campaign: Annotated[list[str] | None, _filter("Name of a campaign")] = None,
     owner: Annotated[list[str] | None, _filter("User or token that submitted it")] = None,
     tag: Annotated[list[str] | None, _filter("Tag")] = None,
-    limit: Annotated[int, typer.Option(help="Maximum number of runs: pinned ones first, then the newest.", min=1)] = 20,
+    limit: Annotated[
+        int, typer.Option(help="Maximum number of runs: pinned ones first, then the newest.", min=1, max=10**9)
+    ] = 20,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON array, as the API returns its items.")] = False,
     service: Service = SERVICE,
     token_file: Token = "",

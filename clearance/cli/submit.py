@@ -52,12 +52,12 @@ def submit(
     summary: launch.Summary = None,
     sarif: launch.Sarif = None,
     group: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="NAME", show_default=False,
             help="Concurrency group, such as project/branch: cancels your runs of the same group that have not ended.",
         ),
-    ] = "",
+    ] = None,
     cancel_on_exit: Annotated[
         bool, typer.Option("--cancel-on-exit", help="Cancel the run when this command is ended (SIGTERM, Ctrl-C).")
     ] = False,
@@ -90,7 +90,7 @@ def submit(
             try:
                 queued = client.submit(
                     document, text=text, name=called, tags=tags, labels=options.labels, priority=priority,
-                    baseline=compared, reuse=reuse, sample_seed=sample_seed, group=group or None,
+                    baseline=compared, reuse=reuse, sample_seed=sample_seed, group=group,
                 )  # fmt: skip
             except KeyboardInterrupt:
                 typer.echo(
@@ -120,8 +120,12 @@ def _print_submitted(queued: Submitted) -> None:
     typer.echo(queued.id)
 
 
-def _check_options(options: launch.Launch, sweep: str, wait: bool, reuse: bool, cancel: bool, group: str) -> None:
+def _check_options(
+    options: launch.Launch, sweep: str, wait: bool, reuse: bool, cancel: bool, group: str | None
+) -> None:
     """Raises `WrongInputError` for options that do not belong together."""
+    if group is not None and not group.strip():  # an unset variable of a CI job would supersede nothing
+        raise WrongInputError("--group is empty: give a name such as project/branch, or leave it out")
     if sweep and (options.baseline or options.wanted or reuse or cancel or group):
         raise WrongInputError(
             "--sweep cannot be combined with --baseline, --junit, --summary, --sarif, --reuse, --sample-seed, --group "

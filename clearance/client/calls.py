@@ -111,11 +111,8 @@ def submit(
     a document, which is stored with its comments. key: a repeated submission with the same key returns the same run; by
     default each call has its own.
     """
-    body = (
-        document(campaign)
-        | _set(text=text)
-        | _set(name=name, tags=None if tags is None else list(tags), labels=dict(labels or {}))
-    )
+    body = document(campaign) | _set(text=text) | _set(name=name, labels=dict(labels or {}))
+    body |= {} if tags is None else {"tags": list(tags)}  # none at all are not those of the campaign
     body |= _set(baseline=baseline, group=group, sample_seed=sample_seed) | ({"priority": priority} if priority else {})
     body |= {"reuse": True} if reuse else {}
     return Call("POST", "/runs", answers.Submitted, body=body, key=key or str(uuid.uuid4()))
@@ -157,17 +154,17 @@ def cancel(run: Named) -> Call[answers.Run]:
 
 def retry(run: Named) -> Call[answers.Run]:
     """Queue a failed run again, with its stored evaluations."""
-    return Call("POST", "/runs/{run}/retry", answers.Run, _of(run))
+    return Call("POST", "/runs/{run}/retry", answers.Run, _of(run), key=str(uuid.uuid4()))
 
 
 def restart(run: Named) -> Call[answers.Run]:
     """Begin a run again that waits for the code that began it; its evaluations are discarded."""
-    return Call("POST", "/runs/{run}/restart", answers.Run, _of(run))
+    return Call("POST", "/runs/{run}/restart", answers.Run, _of(run), key=str(uuid.uuid4()))
 
 
 def carry_on(run: Named) -> Call[answers.Run]:
     """Continue a run that waits for the code that began it as a new run, with the evaluations that are still valid."""
-    return Call("POST", "/runs/{run}/continuation", answers.Run, _of(run))
+    return Call("POST", "/runs/{run}/continuation", answers.Run, _of(run), key=str(uuid.uuid4()))
 
 
 def findings(run: Named) -> Call[list[answers.Finding]]:

@@ -16,13 +16,16 @@ from typing import Any
 import httpx
 
 from clearance.client.calls import Call
-from clearance.client.drivers import Awaiting, Blocking, Part
+from clearance.client.drivers import TIMEOUT, Awaiting, Blocking, Part
+from clearance.client.errors import InvalidRequestError
 from clearance.client.replies import Reply
 
 NOTICE = 2.0
 """Without an answer for so long, a notice states it [s]."""
 SILENCE = 40.0
 """A stream of events that is silent for longer has ended; the service sends a heartbeat every 15 s [s]."""
+SOON = 0.05
+"""The least time that a request is given [s]."""
 _BROKEN = (httpx.TransportError, httpx.StreamError)
 
 
@@ -65,7 +68,7 @@ class Session:
     async def pause(self, seconds: float) -> None:
         """Wait [s]."""
         self.check_time()
-        await self.driver.sleep(seconds)
+        await self.driver.sleep(min(seconds, self._left()))
 
     async def send(self, call: Call[Any], file: Path | None = None) -> Reply:
         """The answer to a request; a success without its content if that is written to a file."""
@@ -100,12 +103,21 @@ class Session:
         except _BROKEN:
             return
 
+    def _left(self) -> float:
+        """The time until it is too late [s]; never 0, which would be no limit."""
+        return max(SOON, self.until - self.clock())
+
     def _request(self, call: Call[Any], timeout: float | None) -> httpx.Request:
         headers = {} if call.key is None else {"Idempotency-Key": call.key}
         how: dict[str, Any] = {"params": dict(call.query)} if call.query else {}
         how |= {} if call.body is None else {"json": call.body}
-        how |= {} if timeout is None else {"timeout": timeout}
-        return self.driver.client.build_request(call.method, call.address, headers=headers, **how)
+        if timeout is not None or math.isfinite(self.until):
+            how["timeout"] = min(timeout or TIMEOUT, self._left())
+        try:
+            return self.driver.client.build_request(call.method, call.address, headers=headers, **how)
+        except UnicodeEncodeError as error:
+            detail = f"{str(error.object)!r:.80} has characters that are no text"
+            raise InvalidRequestError(0, "not-text", detail) from None
 
 
 def _kind(answer: httpx.Response) -> str:

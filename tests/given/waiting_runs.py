@@ -20,9 +20,10 @@ HERE, OLD = "a" * 64, "b" * 64
 DIFFERS = "the code digest was 0123456789ab, here it is ba9876543210"
 
 
-def waiting(service: Service, client: httpx.Client) -> str:
-    """A run with 100 evaluations that a worker of another version has refused; its worker is gone."""
-    run = submit(client)
+def waiting(service: Service, client: httpx.Client, run: str = "") -> str:
+    """A run with 100 evaluations that a worker of another version has refused; its worker is gone. run: one that is
+    queued, otherwise a new one."""
+    run = run or submit(client)
     claim = Queue(service.engine).claim("old", (), OLD)
     assert claim is not None
     store = RunStore(service.engine, claim)

@@ -73,6 +73,9 @@ def test_the_asynchronous_lines_of_the_guide(service: Service, client: Client) -
 
 
 def test_what_is_read_of_a_run(service: Service, client: Client) -> None:
+    assert client.submit(campaign(tags=["own"]), tags=[]).tags == []
+    with pytest.raises(InvalidRequestError, match="no text"):
+        client.submit(campaign(), group="x\udce9")
     queued = client.submit(campaign(), priority=2, group="g", tags=["t"], labels={"a": "b"})
     assert (queued.group, queued.superseded, queued.labels, queued.tags) == ("g", [], {"a": "b"}, ["t"])
     finish_fully(service)

@@ -146,15 +146,9 @@ def test_every_request_is_compared() -> None:
 def test_a_write_may_be_repeated() -> None:
     """It has a key, or doing it twice is the same as doing it once."""
     writes = {name: call.key for name, call in REQUESTS.items() if call.method != "GET"}
-    assert {name for name, key in writes.items() if key} == {"submit_run", "submit_sweep"}
-    assert {name for name, key in writes.items() if not key} == {
-        "cancel_run",
-        "cancel_sweep",
-        "check_campaign",
-        "retry_run",
-        "restart_run",
-        "continue_run",
-    }
+    made = {"submit_run", "submit_sweep", "retry_run", "restart_run", "continue_run"}
+    assert {name for name, key in writes.items() if key} == made
+    assert {name for name, key in writes.items() if not key} == {"cancel_run", "cancel_sweep", "check_campaign"}
 
 
 @pytest.mark.parametrize(

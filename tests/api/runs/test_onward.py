@@ -5,17 +5,21 @@ from __future__ import annotations
 from typing import Any
 
 import httpx
+import pytest
 import sqlalchemy as sa
+import yaml
 
 from backend.db.engine import read
 from backend.db.queue import Queue
 from backend.db.store import RunStore
-from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal
+from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun
 from backend.db.waiting import CONTINUED
+from backend.runs.quota import Quota
 from backend.runs.waiting import SOON
 from tests.given.code_versions import CODE, VERSIONS, edited
 from tests.given.service import Service
-from tests.given.submissions import submit
+from tests.given.small_catalogue import campaign
+from tests.given.submissions import YAML, submit
 from tests.given.waiting_runs import DIFFERS, HERE, OLD, arrive, waiting
 
 
@@ -79,6 +83,50 @@ def test_continued_as_a_new_run(service: Service, client: httpx.Client) -> None:
     )  # fmt: skip
     repeated = client.post(f"/api/v1/runs/{run}/continuation")
     assert (repeated.status_code, repeated.json()["type"]) == (409, "urn:clearance:problem:not-waiting")
+
+
+def test_what_is_continued_keeps_its_text_its_group_and_its_place_in_a_sweep(
+    service: Service, client: httpx.Client
+) -> None:
+    text = "# kept\n" + yaml.safe_dump(campaign())
+    queued = client.post("/api/v1/runs", params={"group": "main"}, content=text, headers=YAML).json()["id"]
+    run = waiting(service, client, queued)
+    with service.engine.begin() as writer:
+        named = dict.fromkeys(("name", "campaign_name", "path", "title", "unit", "owner"), "")
+        writer.execute(sa.insert(Sweep).values(id=1, created=0.0, **named))
+        writer.execute(sa.insert(SweepRun).values(sweep_id=1, position=0, value=1.0, run_id=int(run[2:])))
+    made = client.post(f"/api/v1/runs/{run}/continuation").json()["id"]
+    assert one(client, made)["group"] == "main"
+    assert client.get(f"/api/v1/runs/{made}/campaign.yaml").text.partition("\n")[2].startswith("# kept\n")
+    assert [member["run"] for member in client.get("/api/v1/sweeps/S-0001").json()["points"]] == [made]
+    newer = client.post("/api/v1/runs", params={"group": "main"}, json={"campaign": campaign()}).json()
+    assert newer["superseded"] == [made]
+
+
+@pytest.mark.parametrize("way", ["retry", "restart", "continuation"])
+def test_a_request_that_is_repeated_with_its_key_is_answered_with_the_run(
+    service: Service, client: httpx.Client, way: str
+) -> None:
+    run = waiting(service, client)
+    if way == "retry":
+        claim = Queue(service.engine).claim("old", (), OLD)
+        assert claim is not None
+        Queue(service.engine).fail(claim, "The disk is full.")
+    first, again = (
+        client.post(f"/api/v1/runs/{run}/{way}", headers={"Idempotency-Key": "k1"}).raise_for_status() for _ in range(2)
+    )
+    assert first.json()["id"] == again.json()["id"]
+    entries = client.get(f"/api/v1/runs/{first.json()['id']}/history").json()
+    assert [entry["action"] for entry in entries].count(entries[0]["action"]) == 1
+
+
+def test_who_is_beyond_the_quota_continues_nothing(service: Service, client: httpx.Client) -> None:
+    run = waiting(service, client)
+    service.app.state.quota = Quota(100, 100, 10**12)
+    refused = client.post(f"/api/v1/runs/{run}/continuation")
+    assert (refused.status_code, refused.json()["type"]) == (409, "urn:clearance:problem:quota-reached")
+    service.app.state.quota = Quota(1, 101, 10**12)  # the run that ends makes room for its continuation
+    assert client.post(f"/api/v1/runs/{run}/continuation").status_code == 201
 
 
 def test_evaluations_of_another_model_are_not_continued(service: Service, client: httpx.Client) -> None:

@@ -152,6 +152,19 @@ def test_waiting_ends_at_its_limit_and_reports_changes(clock: Clock) -> None:
     assert 3.0 <= clock.now < 5.0
 
 
+def test_no_request_takes_longer_than_what_is_left_of_the_limit(clock: Clock) -> None:
+    answers, taken = service(["running"] * 9, ["", *[None] * 8]), list[float]()
+
+    def timed(request: httpx.Request) -> httpx.Response:
+        taken.append(request.extensions["timeout"]["read"] + clock.now)
+        return answers(request)
+
+    with pytest.raises(TimeoutError):
+        client(timed, clock).wait("R-0001", timeout=3.0)
+    assert len(taken) > 2
+    assert max(taken) == pytest.approx(3.0, abs=0.1)
+
+
 def in_turn(*given: httpx.Response | Exception) -> tuple[Answers, list[httpx.Request]]:
     """Answers one after the other, and the requests that they answered."""
     waiting: Iterator[httpx.Response | Exception] = iter(given)

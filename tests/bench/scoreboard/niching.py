@@ -4,7 +4,7 @@ A run is that of `clearance.search` with one method: half of the evaluations tha
 search and at most the other half to distinguishing its findings. The nominal case is the median of a few random points:
 the middle of the box, which is usual, is an optimum of some functions. Two minima count as one within the radius that
 the competition states, if that is less than usual. The reported points are the findings as low as the worst case within
-1 % of nominal less worst.
+1 % of nominal less worst, and within the loosest accuracy of the competition, which its entrants know.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def reported(cell: Cell, permitted: int) -> tuple[Floats, Floats, int]:
     points = np.array([[f.parameters[name] for name in names] for f in found]).reshape(-1, len(names))
     costs = np.array([f.cost for f in found])
     fall = float(problem(nominal[None, :])[0]) - costs.min(initial=np.inf)
-    same = costs <= costs.min(initial=np.inf) + SAME_COST * max(fall, 0.0)
+    same = costs <= costs.min(initial=np.inf) + min(SAME_COST * max(fall, 0.0), max(ACCURACIES))
     return points[same], costs[same], len(result.costs)
 
 

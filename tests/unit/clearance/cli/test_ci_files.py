@@ -93,12 +93,16 @@ def test_what_is_not_confirmed_is_no_violation_in_any_file() -> None:
         findings=(replace(WORST, confirmed=False), replace(WORST, label="F2", cost=0.4, margin=-0.1), FINE)
     )
     (failure,) = cases(doubtful)["criterion: d_min"]
-    assert failure.get("message") == "F2 violates the criterion; F1 not confirmed to violate it"
-    assert "F1: 0.3 m, margin \u22120.2 m, not confirmed" in str(failure.text)
+    stated = str(failure.get("message")).partition("; ")
+    assert (stated[0].partition(" ")[0], stated[2].partition(" ")[0]) == ("F2", "F1")
+    assert [line.endswith("not confirmed") for line in str(failure.text).splitlines() if "margin" in line] == [
+        True,
+        False,
+    ]
     levels = {r["message"]["text"].partition(":")[0]: r["level"] for r in logged(doubtful)["results"]}
     assert levels == {"F1": "warning", "F2": "error"}
     (failure,) = cases(ended("inconclusive", findings=(replace(WORST, confirmed=False),)))["criterion: d_min"]
-    assert failure.get("message") == "F1 not confirmed to violate it"
+    assert str(failure.get("message")).startswith("F1 not confirmed")
 
 
 def test_the_noise_of_a_case_is_named_in_every_file() -> None:

@@ -26,7 +26,7 @@ def test_output_that_cannot_be_written_is_stated() -> None:
     with Path("/dev/full").open("w") as full:
         ended = subprocess.run([*COMMAND, "explain", "--help"], stdout=full, stderr=subprocess.PIPE, text=True)
     assert ended.returncode == cli.WRONG_INPUT
-    assert ended.stderr.startswith("Error: the output cannot be written: ")
+    assert "cannot be written" in ended.stderr
     assert "Traceback" not in ended.stderr
 
 

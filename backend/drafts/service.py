@@ -93,9 +93,11 @@ def replace(engine: sa.Engine, draft_id: int, new: DraftReplace, visitor: Visito
             values["run_id"] = _run(writer, new.run)
         values |= {"version": new.version + 1, "saved": now(writer), "saved_by": visitor.user}
         same = (Row.id == draft_id, Row.version == new.version)
-        if writer.execute(sa.update(Row).where(*same).values(**values)).rowcount != 1:
-            raise _conflict(one(writer, draft_id), new.version)
-        return one(writer, draft_id)
+        written = writer.execute(sa.update(Row).where(*same).values(**values)).rowcount == 1
+        stored = one(writer, draft_id)
+        if not written and not _repeats(stored, new, visitor):
+            raise _conflict(stored, new.version)
+        return stored
 
 
 def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visitor, match: str | None = None) -> None:
@@ -118,6 +120,13 @@ def _run(reader: sa.Connection, run: str) -> int:
     if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
         raise not_found("run", run)
     return run_id
+
+
+def _repeats(stored: Draft, new: DraftReplace, visitor: Visitor) -> bool:
+    """Whether the same was saved by this visitor already, and nothing since."""
+    content = {**new.model_dump(exclude={"run"}, exclude_none=True), "version": new.version + 1}
+    content |= {"saved_by": visitor.user} | ({} if new.run is None else {"run": new.run})
+    return all(getattr(stored, name) == value for name, value in content.items())
 
 
 def _conflict(draft: Draft, version: int) -> RefusedError:

@@ -49,15 +49,16 @@ def edit(engine: sa.Engine, run_id: int, changes: RunEdit, visitor: Visitor, mat
         if match is not None:
             require_match(match, etag(writer, run_id), run_name(run_id))
         if changes.notes is not None and changes.notes_before is not None:
-            _unchanged(writer, run_id, changes.notes_before)
+            _unchanged(writer, run_id, changes.notes_before, changes.notes)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
             raise not_found("run", run_name(run_id))
         audit.note(writer, visitor, "run.edited", run_name(run_id), _audited(values))
 
 
-def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
+def _unchanged(writer: sa.Connection, run_id: int, before: str, after: str) -> None:
+    """Raise 409 unless the notes are as they were read, or as they are to be: the edit is repeated."""
     stored = writer.scalar(sa.select(Run.notes).where(Run.id == run_id).with_for_update())
-    if stored is not None and stored != notes:
+    if stored is not None and stored not in (before, after):
         detail = "these notes were changed since they were read: read them again, then add your text"
         raise RefusedError(409, "notes-changed", detail)
 

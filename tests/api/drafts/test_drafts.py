@@ -47,6 +47,8 @@ def test_saving_requires_the_current_version(service: Service, client: httpx.Cli
     draft = kept(client)
     saved = client.put(f"{DRAFTS}/D-0001", json=given(text="name: Better", version=draft["version"])).json()
     assert (saved["version"], saved["text"], saved["created"]) == (2, "name: Better", draft["created"])
+    repeated = client.put(f"{DRAFTS}/D-0001", json=given(text="name: Better", version=draft["version"]))
+    assert repeated.json() == saved, "as when its answer was lost"
     with service.visitor(Authorization=f"Bearer {service.token('colleague')}") as other:
         theirs = other.put(f"{DRAFTS}/D-0001", json=given(text="name: Theirs", version=2)).json()
     assert (theirs["version"], theirs["saved_by"], theirs["owner"]) == (3, "colleague", draft["owner"])

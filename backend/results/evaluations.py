@@ -35,11 +35,14 @@ _COSTS, _SHOWN, _FAILURES = (
 )
 """What is read of a chunk."""
 
+Without = tuple[dict[int, thin.Indices], dict[int, thin.Indices]]
+"""The rows of the first evaluations that failed, by the first index of their chunk; of those that are excluded."""
 Bounds = Mapping[str, tuple[float, float, float]]
 
 
 def read(reader: sa.Connection, run_id: int, most: int, position: int | None) -> Evaluations:
-    """At most `most` evaluations of each stage, and the first failures with reasons; 404 if there is no such run.
+    """At most `most` evaluations of each stage, and the first ones without a cost with reasons, those that failed
+    before those that are excluded; 404 if there is no such run.
 
     Two passes over the chunks of a stage, because which evaluations are shown depends on all of its costs: memory is
     that of a few chunks, however many there are.
@@ -60,14 +63,18 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
     query = query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
     if position is not None:
         query = query.where(Stage.position == position)
-    found = Evaluations(criteria=of.criteria, stages=[], failures=[])
+    found, read = Evaluations(criteria=of.criteria, stages=[], failures=[]), list[tuple[int, Without]]()
     for stage in reader.execute(query).all():
         costs = _Costs()
         for chunk in chunks(reader, run_id, stage.position, *_COSTS):
             costs.add(chunk)
         if costs.steps.read:
             found.stages.append(of.series(stage, costs, most, drawn.get(stage.position, noise.NONE)))
-            found.failures += of.failures(stage.position, costs, MOST_FAILURES - len(found.failures))
+            read.append((stage.position, costs.without))
+    for excluded in (False, True):
+        for at, without in read:
+            found.failures += of.failures(at, without[excluded], MOST_FAILURES - len(found.failures))
+    found.failures.sort(key=lambda one: (one.position, one.index))
     return found
 
 
@@ -109,16 +116,17 @@ class _Costs:
 
     steps: Improvements = field(default_factory=Improvements)
     timeouts: int = 0
-    without: dict[int, thin.Indices] = field(default_factory=dict)
-    """The rows of the first evaluations without a cost, by the first index of their chunk."""
+    without: Without = field(default_factory=lambda: ({}, {}))
 
     def add(self, chunk: Any) -> None:
         self.steps.add(chunk)
         status = np.frombuffer(chunk.status, dtype=np.uint8)
         self.timeouts += int((status == TIMEOUT).sum())
-        known = sum(map(len, self.without.values()))
-        if known < MOST_FAILURES and status.any():
-            self.without[chunk.first] = np.flatnonzero(status != OK)[: MOST_FAILURES - known]
+        for excluded, first in enumerate(self.without):
+            of = (status == EXCLUDED) if excluded else (status != OK) & (status != EXCLUDED)
+            known = sum(map(len, first.values()))
+            if known < MOST_FAILURES and of.any():
+                first[chunk.first] = np.flatnonzero(of)[: MOST_FAILURES - known]
 
 
 @dataclass(frozen=True)
@@ -154,14 +162,14 @@ class _Read:
             improvements=_improved(steps),
         )
 
-    def failures(self, position: int, costs: _Costs, most: int) -> list[EvaluationFailure]:
-        """At most `most` of the first evaluations without a cost."""
-        if most <= 0 or not costs.without:
+    def failures(self, position: int, without: dict[int, thin.Indices], most: int) -> list[EvaluationFailure]:
+        """At most `most` of these evaluations without a cost."""
+        if most <= 0 or not without:
             return []
-        wanted = EvaluationChunk.first.in_(costs.without)
+        wanted = EvaluationChunk.first.in_(without)
         found: list[EvaluationFailure] = []
         for chunk in chunks(self.reader, self.run_id, position, *_FAILURES, where=wanted):
-            rows = costs.without[chunk.first]
+            rows = without[chunk.first]
             values = in_units(_array(chunk.points, chunk.count)[rows], self.paths, self.limits)
             codes = np.frombuffer(chunk.status, dtype=np.uint8)[rows].tolist()
             found += [

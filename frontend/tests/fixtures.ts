@@ -54,7 +54,7 @@ export const validated = like<ValidateResult>({
 })
 
 const anyFinding = like<FindingDetail>({
-  label: '', cost: 0.5, margin: -0.5, granted: 0.5, parameters: {}, nominal: {}, low: {}, high: {}, methods: [], found: [], values: {},
+  label: '', cost: 0.5, margin: -0.5, granted: 0.5, violates: false, parameters: {}, nominal: {}, low: {}, high: {}, methods: [], found: [], values: {},
   at_bounds: {}, validation: null, slices: null, boundary: null, closest: null, likelihood: null,
 })
 

@@ -1,6 +1,7 @@
 // The worst cases of the runs, with their positions within the bounds.
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
+import { worstOf } from '../run/data/chosen'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
@@ -9,7 +10,7 @@ import { runColumns } from './Picks'
 
 export function WorstParameters({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const paths = [...new Set(runs.flatMap(({ parameters }) => parameters.map((p) => p.path)))]
-  const rows = paths.map((path) => ({ path, parameter: parameterOf(runs, path), values: runs.map(({ findings }) => findings[0]?.parameters[path] ?? null) }))
+  const rows = paths.map((path) => ({ path, parameter: parameterOf(runs, path), values: runs.map(({ run, findings }) => findings.find(({ label }) => label === worstOf(run))?.parameters[path] ?? null) }))
   return (
     <Card title="Worst case of each run" note="Grey tick: nominal of A" className={className} flush id="worst">
       <Table

@@ -3,6 +3,7 @@ import { useQueries } from '@tanstack/react-query'
 import { asCampaign, hasScenario } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
 import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, TraceData } from '../client'
+import { worstOf } from '../run/data/chosen'
 import { uncertainOf, type UncertainParameter } from '../run/data/data'
 import { DASHES, LETTERS } from './search'
 
@@ -39,7 +40,7 @@ export function useCompared(ids: readonly string[]): Comparison {
   const evaluations = useQueries({ queries: known.map(evaluationsQuery) })
   const traced = known.filter((id) => hasScenario(asCampaign(runs[ids.indexOf(id)]?.data?.campaign)))
   const nominal = useQueries({ queries: known.map((id) => traceOf(id, 'nominal', traced.includes(id))) })
-  const worst = useQueries({ queries: known.map((id) => traceOf(id, 'F1', traced.includes(id))) })
+  const worst = useQueries({ queries: known.map((id) => traceOf(id, worstOf(runs[ids.indexOf(id)]?.data ?? { summary: null }), traced.includes(id))) })
   const components = useQueries({ queries: known.map(componentsQuery) })
   const needed = [...runs, ...stages, ...findings, ...evaluations, ...components]
   return {

@@ -247,7 +247,7 @@ function Cases({ data, whatIf, flown, flies, lowest, raised, sensitivity }: Page
         className=""
         title={titleOf(data)}
         note={finding || chosen === NOMINAL ? undefined : 'not validated'}
-        column={chosen === NOMINAL ? null : finding ? calledOf(chosen) : 'Lowest'}
+        column={chosen === NOMINAL ? null : finding ? calledOf(data) : 'Lowest'}
         worst={finding ? { ...finding, cost: finding.granted, method: finderOf(data, finding), atBounds: finding.at_bounds } : lowest}
       />
       {raised && sensitivity && <Tornado data={data} result={sensitivity} className="" />}
@@ -255,7 +255,7 @@ function Cases({ data, whatIf, flown, flies, lowest, raised, sensitivity }: Page
   )
 }
 
-function titleOf({ chosen, finding }: RunData): string {
-  if (chosen === NOMINAL) return 'Nominal case'
-  return finding ? `Nominal against ${chosen === 'F1' ? 'worst' : chosen}` : 'Nominal and lowest evaluation'
+function titleOf(data: RunData): string {
+  if (data.chosen === NOMINAL) return 'Nominal case'
+  return data.finding ? `Nominal against ${calledOf(data).replace('Worst', 'worst')}` : 'Nominal and lowest evaluation'
 }

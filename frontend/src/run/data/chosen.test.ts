@@ -1,7 +1,8 @@
 // Choices in the address, and the fallback for missing ones.
 import { expect, it } from 'vitest'
+import type { RunDetail } from '../../client'
 import { finding } from '../../../tests/fixtures'
-import { calledOf, chosenOf, readChosen } from './chosen'
+import { calledOf, chosenOf, readChosen, worstOf } from './chosen'
 
 const found = (...labels: string[]) => labels.map((label) => finding(label))
 
@@ -33,15 +34,19 @@ it('reads what colours the parameter space, how much of the flight, and which co
 })
 
 it('shows the worst unless another one is known', () => {
-  expect(chosenOf(undefined, found('F1', 'F2'))).toBe('F1')
-  expect(chosenOf('F2', found('F1', 'F2'))).toBe('F2')
-  expect(chosenOf('F9', found('F1', 'F2'))).toBe('F1')
-  expect(chosenOf('nominal', found('F1'))).toBe('nominal')
+  expect(chosenOf(undefined, found('F1', 'F2'), 'F1')).toBe('F1')
+  expect(chosenOf('F2', found('F1', 'F2'), 'F1')).toBe('F2')
+  expect(chosenOf('F9', found('F1', 'F2'), 'F1')).toBe('F1')
+  expect(chosenOf('nominal', found('F1'), 'F1')).toBe('nominal')
   // While the findings are loading, the requested one is kept.
-  expect(chosenOf('F2', [])).toBe('F2')
-  expect(chosenOf(undefined, [])).toBe('F1')
+  expect(chosenOf('F2', [], 'F1')).toBe('F2')
+  expect(chosenOf(undefined, [], 'F1')).toBe('F1')
 })
 
-it('calls the first one the worst', () => {
-  expect([calledOf('F1'), calledOf('F2')]).toEqual(['Worst', 'F2'])
+it('calls the finding of the verdict the worst, and shows it', () => {
+  const named = { summary: { worst: { finding: 'F2' } } } as Pick<RunDetail, 'summary'>
+  const called = (run: Pick<RunDetail, 'summary'>) => ['F1', 'F2'].map((chosen) => calledOf({ run, chosen }))
+  expect(called(named)).toEqual(['F1', 'Worst'])
+  expect(called({ summary: null })).toEqual(['Worst', 'F2'])
+  expect(chosenOf(undefined, found('F1', 'F2'), worstOf(named))).toBe('F2')
 })

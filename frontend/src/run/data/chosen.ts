@@ -1,6 +1,6 @@
 // The state of a run's page in the address: chosen flight, instant, camera, and display options, so that a copied link
 // shows the same.
-import type { FindingDetail } from '../../client'
+import type { FindingDetail, RunDetail } from '../../client'
 import { CAMERAS, type Camera } from './viewChange'
 
 export const NOMINAL = 'nominal'
@@ -51,12 +51,16 @@ export function readChosen(search: Record<string, unknown>): ChosenSearch {
   }
 }
 
+/** The label of the worst finding: the one that the verdict names, of a violated run the worst that is confirmed. */
+export const worstOf = ({ summary }: Pick<RunDetail, 'summary'>): string => summary?.worst?.finding ?? 'F1'
+
 /** The label of the displayed finding: the requested one if it exists, else the worst. */
-export function chosenOf(label: string | undefined, findings: readonly FindingDetail[]): string {
+export function chosenOf(label: string | undefined, findings: readonly FindingDetail[], worst: string): string {
   if (label === NOMINAL) return NOMINAL
   const known = findings.some((finding) => finding.label === label)
-  return label && (known || findings.length === 0) ? label : (findings[0]?.label ?? 'F1')
+  return label && (known || findings.length === 0) ? label : worst
 }
 
 /** The title of a chosen flight in charts and tables. */
-export const calledOf = (chosen: string): string => (chosen === 'F1' ? 'Worst' : chosen)
+export const calledOf = ({ run, chosen }: { run: Pick<RunDetail, 'summary'>; chosen: string }): string =>
+  chosen === worstOf(run) ? 'Worst' : chosen

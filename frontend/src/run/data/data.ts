@@ -29,7 +29,7 @@ import { namesOf } from '../../format/names'
 import { boundsOf, numberOf, parametersOf } from '../../launch/campaign/parameters'
 import { methodLook } from '../../ui/methods'
 import { usePolling } from '../../ui/usePolling'
-import { chosenOf, NOMINAL } from './chosen'
+import { chosenOf, NOMINAL, worstOf } from './chosen'
 import { isSame, type MissingPart, missingOf } from './missing'
 
 export interface UncertainParameter {
@@ -86,7 +86,7 @@ export function useRunData(run: RunDetail, label?: string): RunData {
   const traces = useQuery({ ...tracesQuery(run.id), enabled: over })
   const has = (name: string) => over && (traces.data ?? []).some((trace) => trace.name === name)
   const nominalTrace = useQuery({ ...traceQuery(run.id, 'nominal'), enabled: has('nominal') })
-  const chosen = chosenOf(label, findings.data ?? [])
+  const chosen = chosenOf(label, findings.data ?? [], worstOf(run))
   const findingTrace = useQuery({
     ...traceQuery(run.id, chosen),
     enabled: chosen !== NOMINAL && has(chosen),
@@ -280,7 +280,7 @@ export function finderOf({ run }: Pick<RunData, 'run'>, finding: FindingDetail):
   if (drawn(finding)) return null
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   const methods = found.length > 0 ? found.map(({ method }) => method) : finding.methods
-  if (finding.label === 'F1' && run.worst_method !== null && methods.includes(run.worst_method)) return run.worst_method
+  if (finding.label === worstOf(run) && run.worst_method !== null && methods.includes(run.worst_method)) return run.worst_method
   return methods[0] ?? null
 }
 

@@ -14,7 +14,7 @@ import { methodLook } from '../../ui/methods'
 import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import { useHotkeys } from '../../ui/useHotkeys'
-import { NOMINAL } from '../data/chosen'
+import { NOMINAL, worstOf } from '../data/chosen'
 import { drawn, type RunData, type UncertainParameter, valuesOf } from '../data/data'
 import { isLikely, LikelyCell, LikelySentence, MostLikelyRow } from './Likely'
 import { ModePicture } from './ModePicture'
@@ -33,7 +33,7 @@ interface FindingsProps {
 export function FindingsCard({ data, result, className }: FindingsProps) {
   const { run, findings, finding: shown, parameters, chosen } = data
   const [, change] = useAddress(run.id)
-  const choose = (name: string) => change({ finding: name === findings[0]?.label ? undefined : name })
+  const choose = (name: string) => change({ finding: name === worstOf(run) ? undefined : name })
   const names = [...findings.map((finding) => finding.label), NOMINAL]
   const step = (by: number) => choose(names[Math.min(names.length - 1, Math.max(0, names.indexOf(chosen) + by))] ?? NOMINAL)
   useHotkeys({ j: () => step(1), k: () => step(-1) })

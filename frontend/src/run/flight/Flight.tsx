@@ -117,9 +117,10 @@ function keysOf(card: Element | null | undefined, view: View): (() => void) | un
 }
 
 /** The displayed flights, and the noise realisation of the chosen one. */
-function flights({ chosen, finding, nominalTrace, findingTrace }: RunData, whatIf: boolean): string {
+function flights(data: RunData, whatIf: boolean): string {
+  const { finding, nominalTrace, findingTrace } = data
   const noise = noiseOf(finding ? findingTrace : nominalTrace)
   const which =
-    !finding ? (nominalTrace ? 'Nominal alone' : 'Scenario') : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`
+    !finding ? (nominalTrace ? 'Nominal alone' : 'Scenario') : `Nominal and ${calledOf(data).replace('Worst', 'worst')}`
   return [which, ...(noise ? [noise] : []), ...(whatIf ? ['what-if'] : [])].join(', ')
 }

@@ -19,7 +19,7 @@ import type { RunData } from '../data/data'
 import { camerasOf } from './declared'
 import type { View } from './view'
 import { type Camera, shownPlace } from '../data/viewChange'
-import { type ChosenSearch, NOMINAL } from '../data/chosen'
+import { type ChosenSearch, NOMINAL, worstOf } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
 import { ROOT } from '../../format/root'
 import { Select } from '../../ui/Select'
@@ -101,7 +101,7 @@ function Choice({ data }: { data: RunData }) {
       value={labels.includes(data.chosen) ? data.chosen : NOMINAL}
       options={[...new Set([...labels, NOMINAL])].map((label) => ({
         value: label,
-        label: label === NOMINAL ? 'Nominal alone' : label === 'F1' ? 'Worst (F1)' : label,
+        label: label === NOMINAL ? 'Nominal alone' : label === worstOf(data.run) ? `Worst (${label})` : label,
       }))}
       onChange={(finding) => change({ finding })}
     />

@@ -58,8 +58,8 @@ export function MotionCard({ data, className, onCross, standing, whatIf = null }
   const [hidden, toggle] = useHidden()
   const [holder, width] = useWidth(540)
   const flights = useMemo(
-    () => [...flownOf({ nominalTrace, findingTrace, chosen }), ...whatIfOf(whatIf)],
-    [nominalTrace, findingTrace, chosen, whatIf],
+    () => [...flownOf({ nominalTrace, findingTrace, chosen, run }), ...whatIfOf(whatIf)],
+    [nominalTrace, findingTrace, chosen, run, whatIf],
   )
   const all = useMemo(() => overTime(flights[0]?.trace), [flights])
   const columns = useMemo(() => shownColumns(all, address.columns), [all, address.columns])

@@ -119,10 +119,10 @@ function Scrubber({ data, view, shown }: Props) {
 }
 
 /** Times of the closest approaches of the visible flights. */
-function nearest({ nominalTrace, findingTrace, chosen }: RunData) {
+function nearest({ nominalTrace, findingTrace, chosen, run }: RunData) {
   const flights = [
     { name: 'Nominal', trace: nominalTrace, colour: 'var(--c-nom)' },
-    { name: calledOf(chosen), trace: chosen === NOMINAL ? undefined : findingTrace, colour: 'var(--c-worst)' },
+    { name: calledOf({ run, chosen }), trace: chosen === NOMINAL ? undefined : findingTrace, colour: 'var(--c-worst)' },
   ]
   return flights.flatMap(({ name, trace, colour }) => {
     const time = trace?.meta.closest?.time
@@ -138,7 +138,7 @@ function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
   const word = caseWord(data.campaign)
   const names: [Layer, string][] = [
     ['nominal', `Nominal ${word}`],
-    ...(shown.flight === NOMINAL ? [] : ([['finding', `${calledOf(data.chosen)} ${word}`]] as [Layer, string][])),
+    ...(shown.flight === NOMINAL ? [] : ([['finding', `${calledOf(data)} ${word}`]] as [Layer, string][])),
     ...(shown.what_if ? ([['what_if', `What-if ${word}`]] as [Layer, string][]) : []),
     ['velocity', 'Velocity'],
     ['relative', 'Relative velocity'],

@@ -26,10 +26,11 @@ export function flownOf({
   nominalTrace,
   findingTrace,
   chosen,
-}: Pick<RunData, 'nominalTrace' | 'findingTrace' | 'chosen'>): Flown[] {
+  run,
+}: Pick<RunData, 'nominalTrace' | 'findingTrace' | 'chosen' | 'run'>): Flown[] {
   const pair = [
     { key: 'nominal', label: 'Nominal', colour: '--c-nom', trace: nominalTrace },
-    { key: 'worst', label: calledOf(chosen), colour: '--c-worst', trace: findingTrace },
+    { key: 'worst', label: calledOf({ run, chosen }), colour: '--c-worst', trace: findingTrace },
   ]
   return pair.flatMap(({ trace, ...rest }) => (trace ? [{ ...rest, trace }] : []))
 }
@@ -68,9 +69,9 @@ export function SeparationCard({ data, className, height, onCross, standing, wha
   const { threshold, unit } = run
   const measured = run.criteria[0]?.measured_to ?? ''
   const spec = useMemo(() => {
-    const flown = [...flownOf({ nominalTrace, findingTrace, chosen }), ...whatIfOf(whatIf)]
+    const flown = [...flownOf({ nominalTrace, findingTrace, chosen, run }), ...whatIfOf(whatIf)]
     return specOf(flown, { threshold, unit, measured }, shown, height)
-  }, [nominalTrace, findingTrace, chosen, whatIf, threshold, unit, measured, shown, height])
+  }, [nominalTrace, findingTrace, chosen, run, whatIf, threshold, unit, measured, shown, height])
   const noises = flownOf(data).flatMap(({ label, trace }) => (noiseOf(trace) ? [`${label}: ${noiseOf(trace)}`] : []))
   const keys: Key[] = [
     ...spec.lines.map((line) => ({ key: line.key, label: line.label, colour: line.colour })),

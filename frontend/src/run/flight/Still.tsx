@@ -13,7 +13,7 @@ export function Still({ data, onOpen }: { data: RunData; onOpen: () => void }) {
   return (
     <div className={styles.still}>
       {flight && (
-        <PlanPicture flight={flight} nominal={nominalTrace} name={findingTrace ? calledOf(data.chosen) : 'nominal'} size={[720, 400]} />
+        <PlanPicture flight={flight} nominal={nominalTrace} name={findingTrace ? calledOf(data) : 'nominal'} size={[720, 400]} />
       )}
       <div>
         <span>

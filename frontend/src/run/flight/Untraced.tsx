@@ -43,7 +43,7 @@ export function Untraced({ data, whatIf = null, className }: Props) {
       )}
       {shown.map(([name, reason]) => (
         <p key={name}>
-          No trace of {name === NOMINAL ? 'the nominal case' : calledOf(name)}: {reason}.
+          No trace of {name === NOMINAL ? 'the nominal case' : calledOf(data)}: {reason}.
         </p>
       ))}
     </div>

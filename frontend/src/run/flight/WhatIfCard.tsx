@@ -11,7 +11,7 @@ import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { IconButton } from '../../ui/IconButton'
 import { Sign } from '../../ui/Sign'
-import { NOMINAL } from '../data/chosen'
+import { NOMINAL, worstOf } from '../data/chosen'
 import { InstalledNote } from './CaseNote'
 import type { RunData, UncertainParameter } from '../data/data'
 import type { WhatIfState } from './useWhatIf'
@@ -33,7 +33,7 @@ export function WhatIfCard({ data, state, className }: Props) {
   if (!whatIf) return null
   const values = valuesOf(whatIf, data)
   const changed = Object.keys(whatIf.set).length
-  const name = nameOf(whatIf.like)
+  const name = nameOf(data, whatIf.like)
   return (
     <Card
       title="What-if"
@@ -49,7 +49,7 @@ export function WhatIfCard({ data, state, className }: Props) {
             <Select
               label="Begin at the parameters of"
               value={whatIf.like}
-              options={[NOMINAL, ...data.findings.map(({ label }) => label)].map((label) => ({ value: label, label: nameOf(label) }))}
+              options={[NOMINAL, ...data.findings.map(({ label }) => label)].map((label) => ({ value: label, label: nameOf(data, label) }))}
               onChange={(like) => change({ like, set: {}, seed: null })}
             />
           </label>
@@ -80,7 +80,7 @@ export function WhatIfCard({ data, state, className }: Props) {
   )
 }
 
-const nameOf = (like: string): string => (like === NOMINAL ? 'nominal' : like === 'F1' ? 'worst (F1)' : like)
+const nameOf = ({ run }: RunData, like: string): string => (like === NOMINAL ? 'nominal' : like === worstOf(run) ? `worst (${like})` : like)
 
 /** The result: value and margin with units, or why there are none. */
 function Outcome({ data, state }: Omit<Props, 'className'>) {

@@ -10,14 +10,14 @@ const shown = (data: object) => renderToStaticMarkup(<Still data={data as RunDat
 
 it('draws the flights from above, and offers the view', () => {
   const nominalTrace = flight({})
-  const text = shown({ campaign: { scenario: { horizon: 10 } }, chosen: 'F1', nominalTrace, findingTrace: nominalTrace })
+  const text = shown({ campaign: { scenario: { horizon: 10 } }, run: { summary: null }, chosen: 'F1', nominalTrace, findingTrace: nominalTrace })
   expect(text).toContain('<svg')
   expect(text).toContain('Seen from above')
   expect(text).toContain('Open in 3D</button>')
 })
 
 it('draws no picture of a system whose columns are its own', () => {
-  const text = shown({ campaign: { simulator: { name: 's' } }, chosen: 'F1', nominalTrace: flight({}) })
+  const text = shown({ campaign: { simulator: { name: 's' } }, run: { summary: null }, chosen: 'F1', nominalTrace: flight({}) })
   expect(text).not.toContain('Seen from above')
   expect(text).toContain('Open in 3D</button>')
 })

@@ -9,7 +9,7 @@ import { overTime, shownColumns } from './flown'
 import { Untraced } from './Untraced'
 
 const stages = (untraced?: Record<string, string>) => [{ kind: 'nominal', result: { stage: 'nominal', cost: 1, untraced } }]
-const data = (more: object) => ({ stages: stages(), traces: [], chosen: 'F1', ...more }) as unknown as RunData
+const data = (more: object) => ({ stages: stages(), traces: [], run: { summary: null }, chosen: 'F1', ...more }) as unknown as RunData
 const shown = (more: object) => renderToStaticMarkup(<Untraced data={data(more)} className="" />)
 const column = (name: string, group: string) => ({ name, symbol: name, unit: 'm', group })
 

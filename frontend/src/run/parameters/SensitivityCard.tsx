@@ -31,7 +31,7 @@ export function SensitivityCard({ data, result, validation, className, height }:
   const { run, parameters, chosen, finding } = data
   const [hidden, toggle] = useHidden()
   const slices = finding?.slices ?? null
-  const called = calledOf(chosen).replace('Worst', 'worst')
+  const called = calledOf(data).replace('Worst', 'worst')
   const drawn = [...result.curves, ...(slices?.curves ?? [])]
   const costs = drawn.flatMap((curve) => curve.costs.filter((cost): cost is number => cost !== null))
   const { criterion, choice, note } = useReach(costs, run.threshold, run.unit, 'these axes')

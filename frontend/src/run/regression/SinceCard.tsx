@@ -17,6 +17,7 @@ import { Card } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
 import { type Column, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
+import { worstOf } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
 import badges from '../../ui/badges.module.css'
 import buttons from '../../ui/buttons.module.css'
@@ -61,7 +62,7 @@ export function SinceCard({ data, className }: SinceProps) {
       right={<Policy regression={regression} />}
       footer={<Conclusion regression={regression} />}
     >
-      <Changes unit={run.unit} regression={regression} choose={(label) => change({ finding: label === 'F1' ? undefined : label })} />
+      <Changes unit={run.unit} regression={regression} choose={(label) => change({ finding: label === worstOf(run) ? undefined : label })} />
     </Card>
   )
 }

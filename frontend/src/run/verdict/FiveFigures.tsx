@@ -5,6 +5,7 @@ import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { Sign } from '../../ui/Sign'
+import { worstOf } from '../data/chosen'
 import { drawn, finderOf, type RunData } from '../data/data'
 import runStyles from '../run.module.css'
 import { whereOf } from './where'
@@ -16,7 +17,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
   const decimals = decimalsFor([run.worst_cost, run.nominal_cost, run.threshold])
   const share = run.margin !== null && run.threshold ? run.margin / Math.abs(run.threshold) : null
   const lower = run.nominal_cost !== null && run.worst_cost !== null ? run.nominal_cost - run.worst_cost : null
-  const [worst] = data.findings
+  const worst = data.findings.find(({ label }) => label === worstOf(run))
   const method = worst ? finderOf(data, worst) : run.worst_method
   const [at] = run.stages
     .filter((stage) => method !== null && stage.method === method)

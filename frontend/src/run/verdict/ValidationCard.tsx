@@ -10,6 +10,7 @@ import { methodLook } from '../../ui/methods'
 import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import { Table } from '../../ui/Table'
+import { worstOf } from '../data/chosen'
 import type { RunData } from '../data/data'
 import { casesOf, validatedWord } from '../data/validated'
 import badges from '../../ui/badges.module.css'
@@ -80,7 +81,7 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
           tight
           rows={cases.flatMap(rowsOf)}
           columns={[
-            { head: 'Case', tone: 'm', cell: (row) => <Case row={row} /> },
+            { head: 'Case', tone: 'm', cell: (row) => <Case row={row} worst={worstOf(run)} /> },
             { head: repeated ? 'Evaluation' : 'Integration', tone: 'sec', cell: ({ text }) => text },
             {
               head: 'Step',
@@ -170,8 +171,8 @@ function rowsOf(item: Validation): Row[] {
 
 const isOver = ({ change, item }: Row): boolean => typeof change === 'number' && item.allowed !== null && Math.abs(change) > item.allowed
 
-function Case({ row: { item, number } }: { row: Row }) {
-  if (number === 0) return item.name === 'nominal' ? 'Nominal' : item.name === 'F1' ? 'Worst, F1' : item.name
+function Case({ row: { item, number }, worst }: { row: Row; worst: string }) {
+  if (number === 0) return item.name === 'nominal' ? 'Nominal' : item.name === worst ? `Worst, ${worst}` : item.name
   if (number === 1) return <span className={item.ok ? 'small sec' : 'small unk-t'}>{validatedWord(item)}</span>
   return number === 2 && item.realisation !== null && <span className="small mut">noise seed {item.realisation}</span>
 }

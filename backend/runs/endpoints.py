@@ -208,10 +208,6 @@ def retry_run(run: RunName, request: Request, once: OnceOnly, visitor: CurrentVi
     return _once(once, lambda writer: onward.retry(writer, number, visitor, quota))
 
 
-def _once(once: OnceOnly, work: Work[RunSummary]) -> RunSummary:
-    return once.do(RunSummary, work, lambda made: made.id, onward.now)
-
-
 @router.post("/runs/{run}/restart", dependencies=ROOM, responses=problems("not-found", "not-waiting", "purged", *ONCE))
 def restart_run(run: RunName, once: OnceOnly, visitor: CurrentVisitor) -> RunSummary:
     """Begin a run again that waits for the code that began it; its evaluations are discarded."""
@@ -290,3 +286,7 @@ def list_history(run: RunName, reader: Reader) -> list[HistoryEntry]:
     """The actions on a run and their users, newest first: submitted, edited, cancelled, signed off,
     removed, restored, purged."""
     return history(reader, service.number(run))
+
+
+def _once(once: OnceOnly, work: Work[RunSummary]) -> RunSummary:
+    return once.do(RunSummary, work, lambda made: made.id, onward.now)

@@ -78,7 +78,8 @@ class Regression(Described):
     ok: bool
     """No change fails by the policy. The verdict is another matter."""
     accepted: bool = False
-    """The policy leaves out `violation`, and findings violate, all of them known: a violated verdict does not fail."""
+    """The policy leaves out `violation`, findings violate, all of them known, and nothing beside them is wrong: a
+    violated verdict does not fail."""
     quantity: str = ""
     unit: str = ""
 

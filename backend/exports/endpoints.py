@@ -59,7 +59,7 @@ def list_exports(run: RunName, reader: Reader) -> list[ExportFile]:
 @router.get(
     "/runs/{run}/exports/{file}",
     response_class=Response,
-    responses=_ANSWERS | problems("not-found", "other-version", "purged", "no-package", "busy"),
+    responses=_ANSWERS | problems("not-found", "other-version", "purged", "no-package", "no-space", "busy"),
 )
 async def export_file(
     run: RunName, file: FileName, request: Request, engine: Engine, visitor: CurrentVisitor, theme: Theme = "light"

@@ -142,7 +142,7 @@ KINDS = {
     "database-away": Kind(503, "The database cannot be reached or written."),
     "database-gone": Kind(503, "The database was deleted."),
     "flight-failed": Kind(503, "The flight could not be simulated."),
-    "no-space": Kind(503, "The disk of the database is full."),
+    "no-space": Kind(503, "The disk of the database, or of temporary files, is full."),
     "not-ready": Kind(503, "No run can be done now: `errors` has the reasons."),
     "no-browser": Kind(503, "The service's machine has no Chromium."),
     "no-catalogue": Kind(503, "No worker has published its components yet."),
@@ -202,6 +202,12 @@ class RefusedError(Exception):
 
 def not_found(what: str, name: str) -> RefusedError:
     return RefusedError(404, "not-found", f"there is no {what} {name[:LONGEST]!r}")
+
+
+def no_temporary_file(error: Exception) -> RefusedError:
+    """503 for a file that is made beside the database before it is sent."""
+    detail = f"no temporary file can be written ({error}): an administrator must free space, or set TMPDIR"
+    return RefusedError(503, "no-space", detail, headers={"Retry-After": "60"})
 
 
 def respond(refused: RefusedError, path: str) -> JSONResponse:

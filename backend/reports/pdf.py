@@ -15,7 +15,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from backend.http.errors import RefusedError
+from backend.http.errors import RefusedError, no_temporary_file
 
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 """The first has no windows, tabs and toolbars, which take a quarter of the processor time of the others."""
@@ -39,8 +39,11 @@ def printed(html: str, sandbox: bool = True) -> bytes:
     path = browser()
     if path is None:
         raise RefusedError(503, "no-browser", MISSING)
-    with tempfile.TemporaryDirectory(prefix="clearance-pdf-", ignore_cleanup_errors=True) as folder:
-        return _print(path, html, Path(folder), sandbox)
+    try:
+        with tempfile.TemporaryDirectory(prefix="clearance-pdf-", ignore_cleanup_errors=True) as folder:
+            return _print(path, html, Path(folder), sandbox)
+    except OSError as error:
+        raise no_temporary_file(error) from None
 
 
 def _print(path: str, html: str, folder: Path, sandbox: bool) -> bytes:

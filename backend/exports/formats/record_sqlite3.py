@@ -14,8 +14,10 @@ import sqlalchemy as sa
 
 from backend.db import revision, tables
 from backend.db.engine import read
+from backend.db.outages import DatabaseOutage
 from backend.db.tables import Base, Campaign, CatalogueSnapshot, CodeVersion, Run
 from backend.exports.format import Format, words
+from backend.http.errors import no_temporary_file
 
 PRIVATE = {"owner", "token", "worker", "notes", "removed_by", "removed_reason", "purged_by"}
 """Columns of the run that are left out: who had it run, and what was written on it."""
@@ -27,16 +29,25 @@ PIECE = 2**20
 
 
 def record(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
-    """The database in pieces; it is a temporary file until all of it is sent."""
-    with tempfile.TemporaryDirectory(prefix="clearance-record-", ignore_cleanup_errors=True) as folder:
-        file = Path(folder) / "record.sqlite3"
+    """The database in pieces; it is a temporary file until all of it is sent. Raises 503 if it cannot be written."""
+    try:
+        folder = tempfile.TemporaryDirectory(prefix="clearance-record-", ignore_cleanup_errors=True)
+        file = Path(folder.name) / "record.sqlite3"
         target = sa.create_engine(f"sqlite:///{file}", poolclass=sa.NullPool)
         Base.metadata.create_all(target, tables=[table.__table__ for table in TABLES])
         with read(engine) as reader, target.begin() as writer:
             _copy(reader, writer, run_id)
-        with file.open("rb") as content:
-            while piece := content.read(PIECE):
-                yield piece
+    except DatabaseOutage:
+        raise
+    except (OSError, sa.exc.OperationalError) as error:
+        raise no_temporary_file(error) from None
+    return _sent(folder, file)
+
+
+def _sent(folder: tempfile.TemporaryDirectory[str], file: Path) -> Iterator[bytes]:
+    with folder, file.open("rb") as content:
+        while piece := content.read(PIECE):
+            yield piece
 
 
 def _copy(reader: sa.Connection, writer: sa.Connection, run_id: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +14,9 @@ import sqlalchemy as sa
 
 from clearance.cli import INTERNAL, invoke
 from tests.given.problem_documents import problem
+from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
+from tests.given.submissions import submit
 
 FILES = "/api/v1/requirements/files"
 LARGE = b"id,text\n" + b"".join(b"R%d,%s\n" % (i, b"x" * 900) for i in range(500))
@@ -64,3 +67,14 @@ def test_a_command_on_an_unusable_database_ends_with_a_sentence(
     finally:
         sa.event.remove(sa.Engine, "checkout", refuse)
     assert capsys.readouterr().err.endswith(" (attempt to write a readonly database)\n")
+
+
+def test_a_file_for_which_there_is_no_temporary_space_is_refused(
+    service: Service, client: httpx.Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = submit(client)
+    finish_fully(service)
+    record = f"/api/v1/runs/{run}/exports/record.sqlite3"
+    assert client.get(record).content.startswith(b"SQLite format 3")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "full"))
+    problem(client.get(record), 503, "no-space")

@@ -12,4 +12,7 @@ from clearance.testing.components import ComponentContract
 from clearance.testing.methods import MethodContract
 from clearance.testing.systems import SystemContract
 
+if not __debug__:
+    raise ImportError("clearance.testing checks by assert statements, which python -O leaves out: run it without -O")
+
 __all__ = ["ComponentContract", "MethodContract", "SystemContract"]

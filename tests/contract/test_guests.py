@@ -170,3 +170,9 @@ def test_no_run_begins_with_a_component_that_is_random(tmp_path: Path) -> None:
 def test_it_needs_no_pytest() -> None:
     code = "import sys; sys.modules['pytest'] = None; import clearance.testing"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_contracts_refuse_to_run_without_their_asserts() -> None:
+    ended = subprocess.run([sys.executable, "-O", "-c", "import clearance.testing"], capture_output=True, text=True)
+    assert ended.returncode == 1
+    assert "python -O" in ended.stderr

@@ -127,7 +127,7 @@ class Rule:
     of_values: bool = False
     """Whether it holds only for the evaluations that have a value."""
     of_violations: bool = False
-    """Whether known violations alone make it fail: where another one fails too, no policy accepts them."""
+    """Whether violations alone can make it fail: where another one fails too, no policy accepts known ones."""
 
 
 def percent(limit: Limit[float]) -> str:
@@ -198,6 +198,7 @@ RULES = (
         f"search ({REPEATS.value} of each at least), none violates or fails.",
         ("nominal", "validate", "certify"),
         RemedyKind.CALLS,
+        of_violations=True,
     ),
     Rule(
         CheckCode.CLOSEST_APPROACH,

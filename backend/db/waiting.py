@@ -77,12 +77,19 @@ def _place(writer: sa.Connection, run_id: int, successor: int) -> None:
     if text is not None:
         writer.execute(sa.insert(RunText).values(run_id=successor, text=text))
         sizes.grow(writer, successor, len(text.encode("utf-8", "surrogatepass")))
-    if (group := groups.of_runs(writer, [run_id]).get(run_id, {}).get("group")) is not None:
+    if (group := _group(writer, run_id)) is not None:
         groups.store(writer, successor, group)
     writer.execute(sa.update(SweepRun).where(SweepRun.run_id == run_id).values(run_id=successor))
 
 
 def waits(writer: sa.Connection, run_id: int) -> bool:
-    """Whether a run waits for the code that began it; locks it until the transaction ends."""
+    """Whether a run waits for the code that began it; locks it until the transaction ends, its group first, as a
+    submission does."""
+    if (group := _group(writer, run_id)) is not None:
+        groups.lock(writer, group)
     of = sa.select(Run.id).where(Run.id == run_id, Run.state == RunState.QUEUED).with_for_update()
     return writer.scalar(of) is not None and bool(refusals.of(writer, [run_id]))
+
+
+def _group(reader: sa.Connection, run_id: int) -> str | None:
+    return groups.of_runs(reader, [run_id]).get(run_id, {}).get("group")

@@ -19,6 +19,7 @@ from fastapi.responses import JSONResponse
 from pydantic import Field
 from starlette.exceptions import HTTPException
 
+from backend.db.outages import worded
 from backend.http.root import at
 from backend.http.schema import Schema
 from campaigns import Problem
@@ -206,7 +207,7 @@ def not_found(what: str, name: str) -> RefusedError:
 
 def no_temporary_file(error: Exception) -> RefusedError:
     """503 for a file that is made beside the database before it is sent."""
-    detail = f"no temporary file can be written ({error}): an administrator must free space, or set TMPDIR"
+    detail = f"no temporary file can be written ({worded(error)}): an administrator must free space, or set TMPDIR"
     return RefusedError(503, "no-space", detail, headers={"Retry-After": "60"})
 
 

@@ -143,5 +143,5 @@ def _histogram(record: Record) -> Markup | None:
     stated = sample(record)
     if stated is None or stated.histogram is None or not any(stated.histogram.counts):
         return None
-    worst = record.findings[0].cost if record.findings else None
+    worst = None if record.worst is None else record.worst.granted
     return figures.histogram(stated.histogram.edges, stated.histogram.counts, record.of, record.run.nominal_cost, worst)

@@ -40,15 +40,17 @@ def printed(html: str, sandbox: bool = True) -> bytes:
     if path is None:
         raise RefusedError(503, "no-browser", MISSING)
     try:
-        with tempfile.TemporaryDirectory(prefix="clearance-pdf-", ignore_cleanup_errors=True) as folder:
-            return _print(path, html, Path(folder), sandbox)
+        folder = tempfile.TemporaryDirectory(prefix="clearance-pdf-", ignore_cleanup_errors=True)
+        source = Path(folder.name) / "report.html"
+        source.write_text(html, encoding="utf-8")
     except OSError as error:
         raise no_temporary_file(error) from None
+    with folder:
+        return _print(path, source, Path(folder.name), sandbox)
 
 
-def _print(path: str, html: str, folder: Path, sandbox: bool) -> bytes:
-    source, target = folder / "report.html", folder / "report.pdf"
-    source.write_text(html, encoding="utf-8")
+def _print(path: str, source: Path, folder: Path, sandbox: bool) -> bytes:
+    target = folder / "report.pdf"
     output = _run([path, *_arguments(folder, target, sandbox), source.as_uri()], folder)
     if output is not None or not target.is_file():
         _log.error("printing a report failed: %s", output)

@@ -119,8 +119,11 @@ def load(reader: sa.Connection, run_id: int) -> Record:
     catalogue = kept or installed
     found = results.findings(reader, run_id)
     traced = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
+    run = runs.detail(reader, run_id)
+    named = None if run.summary is None or run.summary.worst is None else run.summary.worst.finding
+    labels = sorted((finding.label for finding in found), key=lambda label: label != named)
     return Record(
-        run=runs.detail(reader, run_id),
+        run=run,
         campaign=campaign,
         catalogue=catalogue,
         changes=None if kept is None else changed(kept, installed),
@@ -131,7 +134,7 @@ def load(reader: sa.Connection, run_id: int) -> Record:
         most_likely=likely.violation(reader, run_id),
         evaluations=evaluations.read(reader, run_id, 100, None),
         coverage=coverage.read(reader, run_id),
-        cases=_cases(reader, run_id, [finding.label for finding in found], _drawable(campaign, traced)),
+        cases=_cases(reader, run_id, labels, _drawable(campaign, traced)),
         nominal=traced.get("nominal"),
         signoffs=signoffs.listed(reader, run_id),
         looks=Looks(kept, installed),
@@ -145,7 +148,7 @@ def _drawable(campaign: Campaign, traced: Mapping[str, TraceHead]) -> set[str]:
 
 
 def _cases(reader: sa.Connection, run_id: int, labels: list[str], stored: set[str]) -> list[Case]:
-    """The stored flights of the nominal case and the first findings; the worst is last."""
+    """The stored flights of the nominal case and the first findings; labels: the worst first, which is drawn last."""
     named = [("nominal", "Nominal", NOMINAL)]
     named += [(label, label, colour) for label, colour in zip(labels[1:4], FURTHER, strict=False)]
     named += [(label, f"Worst, {label}" if len(labels) > 1 else "Worst", WORST) for label in labels[:1]]

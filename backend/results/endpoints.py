@@ -37,7 +37,7 @@ def get_coverage(run: RunName, reader: Reader) -> Coverage:
 
 @router.get("/runs/{run}/findings", responses=problems("not-found", "other-version", "purged"))
 def list_findings(run: RunName, reader: Reader) -> list[FindingDetail]:
-    """The distinct worst cases of a run, the worst first."""
+    """The distinct worst cases of a run, the lowest first."""
     return service.findings(reader, number(run))
 
 

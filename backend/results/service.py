@@ -27,7 +27,7 @@ from campaigns.runs import run_name
 
 
 def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
-    """The findings of a run, the worst first; 404 if there is no such run."""
+    """The findings of a run, the lowest first; 404 if there is no such run."""
     limits, of = likely.densities(reader, run_id, campaign(reader, run_id))
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))

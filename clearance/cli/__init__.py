@@ -73,23 +73,32 @@ class _Output(io.TextIOWrapper):
     def _kept(self) -> Iterator[None]:
         try:
             yield
+        except BrokenPipeError:
+            self.drop()
         except OSError as error:
-            nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, self.fileno())  # also what is buffered, at the end
-            os.close(nowhere)
-            if not isinstance(error, BrokenPipeError):
-                raise WrongInputError(f"the output cannot be written: {error.strerror}") from None
+            raise WrongInputError(f"the output cannot be written: {error.strerror}") from None
+
+    def drop(self) -> None:
+        """Send to nowhere what follows, and what is still buffered at the end."""
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self.fileno())
+        os.close(nowhere)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit."""
+    given = sys.argv[1:] if arguments is None else arguments
     plain = sys.stdout
-    sys.stdout = _Output(plain.buffer, plain.encoding, plain.errors, line_buffering=plain.isatty())
-    code = invoke(sys.argv[1:] if arguments is None else arguments)
+    if not isinstance(plain, io.TextIOWrapper):  # closed, or replaced by the program that called
+        sys.exit(invoke(given))
+    output = _Output(plain.buffer, plain.encoding, plain.errors, None, plain.line_buffering, plain.write_through)
+    sys.stdout = output
+    code = invoke(given)
     try:
-        sys.stdout.flush()
+        output.flush()
     except WrongInputError as error:
         _explain(error)
+        output.drop()
         code = WRONG_INPUT
     sys.exit(code)
 

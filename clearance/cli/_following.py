@@ -60,13 +60,17 @@ def follow_to_the_end(
     ended = _as_ended(service, found, reused)
     # Before the files, which the service may be unable to deliver.
     typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_ended(service, found, ended)))
+    lost: WrongInputError | None = None
     try:
         if launch.wanted:
             write_files(_complete(service, ended, launch, out, source), launch)
-    finally:
-        if out is not None:
-            save(service, run, out, FILES)
-            typer.echo(f"Files in {out}", err=True)
+    except WrongInputError as error:
+        lost = error
+    if out is not None:
+        save(service, run, out, FILES)
+        typer.echo(f"Files in {out}", err=True)
+    if lost is not None:
+        raise lost
     return ended.code
 
 

@@ -89,9 +89,8 @@ def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
         skipped = Xml.SubElement(case, "skipped", message=_clean(exit_sentence(verdict)))
         skipped.text = _clean(text)
     elif violated:
-        Xml.SubElement(case, "failure", message=_clean(_violating(ended, verdict)), type="violation").text = _clean(
-            text
-        )
+        kind = "violation" if verdict.verdict == "violated" else "unconfirmed"
+        Xml.SubElement(case, "failure", message=_clean(_violating(ended, verdict)), type=kind).text = _clean(text)
     elif verdict.verdict == "cleared":
         Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
     else:
@@ -106,8 +105,9 @@ def _violating(ended: EndedRun, verdict: Verdict) -> str:
     others = [found.label for found in ended.violating if found.label not in labels]
     which = ", ".join(labels) or ("a stored evaluation" if verdict.verdict == "violated" else "")
     stated = f"{which} {'violate' if len(labels) > 1 else 'violates'} the criterion" if which else ""
-    beside = f"{', '.join(others)} not confirmed to violate it" if others else ""
-    return "; ".join(filter(None, [stated, beside]))
+    many = len(others) > 1
+    beside = f"{', '.join(others)} {'are' if many else 'is'} not confirmed as {'violations' if many else 'a violation'}"
+    return "; ".join(filter(None, [stated, beside if others else ""]))
 
 
 def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:

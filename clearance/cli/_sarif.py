@@ -119,7 +119,7 @@ def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, 
     for case in ended.violating:
         confirmed = violated and case.confirmed
         level = "note" if ended.accepted else "error" if confirmed else "warning"
-        result = _result(ended, known, VIOLATION, case.label, level, _violation(ended, case, confirmed), ("criterion",))
+        result = _result(ended, known, VIOLATION, case.label, level, _violation(ended, case), ("criterion",))
         result["relatedLocations"] = _ranges(ended, known, case.parameters)
         result["properties"] = {"cost": case.cost, "margin": case.margin, "parameters": dict(case.parameters)}
         yield result
@@ -132,14 +132,15 @@ def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, 
         yield _changed(ended, known, change)
 
 
-def _violation(ended: EndedRun, case: Case, confirmed: bool) -> str:
+def _violation(ended: EndedRun, case: Case) -> str:
     unit = f" {ended.unit}" if ended.unit else ""
     limit = "" if ended.threshold is None else f" to the threshold {ended.threshold:g}{unit}"
     value = f"{case.label}: {ended.quantity or 'the criterion'} = {case.cost:.6g}{unit}"
+    reason = None if ended.verdict is None or ended.verdict.verdict == "violated" else ended.verdict.reason
     parts = [
         f"{value}, margin {signed(case.margin)}{unit}{limit}{case.beside}.",
         f"{case.likelihood}." if case.likelihood else "",
-        "" if confirmed else "The verdict does not confirm it: " + (ended.verdict.reason if ended.verdict else ""),
+        "" if reason is None else f"The verdict does not confirm it: {reason}",
         *(f"{path} = {value!r}" for path, value in case.parameters.items()),
         f"{ended.replay} {case.label}" if ended.replay else "",
     ]

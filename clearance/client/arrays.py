@@ -134,7 +134,7 @@ class Trace:
 
 
 class Findings(list[answers.Finding]):
-    """The distinct worst cases, the worst first."""
+    """The distinct worst cases, the lowest first."""
 
     def to_dataframe(self) -> Any:
         """A data frame with a row for each finding: label, cost, margin, methods, how likely it is, and each parameter.

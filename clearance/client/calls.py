@@ -168,7 +168,7 @@ def carry_on(run: Named) -> Call[answers.Run]:
 
 
 def findings(run: Named) -> Call[list[answers.Finding]]:
-    """The distinct worst cases, the worst first."""
+    """The distinct worst cases, the lowest first."""
     return Call("GET", "/runs/{run}/findings", list[answers.Finding], _of(run))
 
 

@@ -233,7 +233,7 @@ async def export_sweep(session: Session, sweep: str, file: str | Path) -> Path:
 
 
 async def findings(session: Session, run: Named) -> Findings:
-    """The distinct worst cases, the worst first; `to_dataframe()` makes a table of them."""
+    """The distinct worst cases, the lowest first; `to_dataframe()` makes a table of them."""
     from clearance.client.arrays import Findings
 
     found = await ask(session, calls.findings(run))

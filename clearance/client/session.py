@@ -16,7 +16,7 @@ from typing import Any
 import httpx
 
 from clearance.client.calls import Call
-from clearance.client.drivers import TIMEOUT, Awaiting, Blocking, Part
+from clearance.client.drivers import Awaiting, Blocking, Part
 from clearance.client.errors import InvalidRequestError
 from clearance.client.replies import Reply
 
@@ -92,12 +92,15 @@ class Session:
         """The lines of a stream of events until it ends; none if there is no stream."""
         self.check_time()
         try:
+            given = min(SILENCE, self._left())
             answer = await self.driver.send(self._request(call, SILENCE))
             try:
                 if answer.status_code == 200 and _kind(answer).startswith("text/event-stream"):
                     async for line in self.driver.lines(answer):
                         yield line
                         self.check_time()
+                        if self._left() < given:  # silence would last beyond the limit: it is opened again with less
+                            return
             finally:
                 await self.driver.close(answer)
         except _BROKEN:
@@ -111,12 +114,13 @@ class Session:
         headers = {} if call.key is None else {"Idempotency-Key": call.key}
         how: dict[str, Any] = {"params": dict(call.query)} if call.query else {}
         how |= {} if call.body is None else {"json": call.body}
-        if timeout is not None or math.isfinite(self.until):
-            how["timeout"] = min(timeout or TIMEOUT, self._left())
+        usual = self.driver.client.timeout.read
+        if timeout is not None or self._left() < (math.inf if usual is None else usual):
+            how["timeout"] = min(timeout or math.inf, self._left())
         try:
             return self.driver.client.build_request(call.method, call.address, headers=headers, **how)
         except UnicodeEncodeError as error:
-            detail = f"{str(error.object)!r:.80} has characters that are no text"
+            detail = f"{str(error.object)[max(0, error.start - 20) : error.end + 20]!r} has characters that are no text"
             raise InvalidRequestError(0, "not-text", detail) from None
 
 

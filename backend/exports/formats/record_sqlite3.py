@@ -14,7 +14,6 @@ import sqlalchemy as sa
 
 from backend.db import revision, tables
 from backend.db.engine import read
-from backend.db.outages import DatabaseOutage
 from backend.db.tables import Base, Campaign, CatalogueSnapshot, CodeVersion, Run
 from backend.exports.format import Format, words
 from backend.http.errors import no_temporary_file
@@ -33,15 +32,28 @@ def record(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
     try:
         folder = tempfile.TemporaryDirectory(prefix="clearance-record-", ignore_cleanup_errors=True)
         file = Path(folder.name) / "record.sqlite3"
-        target = sa.create_engine(f"sqlite:///{file}", poolclass=sa.NullPool)
+        target = _target(file)
         Base.metadata.create_all(target, tables=[table.__table__ for table in TABLES])
         with read(engine) as reader, target.begin() as writer:
             _copy(reader, writer, run_id)
-    except DatabaseOutage:
-        raise
-    except (OSError, sa.exc.OperationalError) as error:
+    except (OSError, Unwritten) as error:
         raise no_temporary_file(error) from None
     return _sent(folder, file)
+
+
+class Unwritten(Exception):
+    """The file cannot be written."""
+
+
+def _target(file: Path) -> sa.Engine:
+    """The file as a database, whose errors are its own and none of the service's database."""
+    target = sa.create_engine(f"sqlite:///{file}", poolclass=sa.NullPool)
+
+    @sa.event.listens_for(target, "handle_error")
+    def _own(context: Any) -> BaseException:
+        return Unwritten(str(context.original_exception))
+
+    return target
 
 
 def _sent(folder: tempfile.TemporaryDirectory[str], file: Path) -> Iterator[bytes]:

@@ -12,7 +12,7 @@ import sqlalchemy as sa
 
 from backend.catalog.looks import Looks, looks
 from backend.catalog.service import described
-from backend.db.tables import Trace
+from backend.db.tables import Run, Trace
 from backend.http.errors import RefusedError
 from backend.results import service as results
 from backend.runs import identity
@@ -85,6 +85,8 @@ class Setting:
     """What a simulator declares; None for a scenario."""
     identity: Identity = UNSTORED
     """That of the run."""
+    worst: str = WORST
+    """The finding that the verdict names."""
 
     @property
     def clears(self) -> bool:
@@ -210,8 +212,10 @@ def _declared(reader: sa.Connection, run_id: int, campaign: Campaign) -> Setting
 
 def _same(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue | None) -> dict[str, Any]:
     """The fields that a scenario and a simulator have in the same form."""
+    summary = reader.scalar(sa.select(Run.summary).where(Run.id == run_id)) or {}
     return {
         "run": run_name(run_id),
+        "worst": (summary.get("worst") or {}).get("finding") or WORST,
         "title": campaign.name,
         "digest": campaign.digest,
         "document": campaign.document(),

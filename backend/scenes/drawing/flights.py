@@ -12,7 +12,7 @@ from backend.scenes.base.flight import Flight
 from backend.scenes.base.palette import Palette
 from backend.scenes.base.part import Part
 from backend.scenes.base.progress import Progress
-from backend.scenes.base.setting import NOMINAL, WORST, Setting
+from backend.scenes.base.setting import NOMINAL, Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.cameras import Sight
 from backend.scenes.drawing.drawn import DOTS, Drawn, Style
@@ -30,7 +30,7 @@ class Flights(Part):
         self._setting, self._world, self._progress = setting, world, progress
         styles = (
             Style("nominal", "Nominal", palette.nominal, 0, "bottom"),
-            Style("worst", called(progress.shown), palette.worst, 1, "top"),
+            Style("worst", called(progress.shown, setting), palette.worst, 1, "top"),
             Style("what-if", WHAT_IF, palette.what_if, 2, "beyond"),
         )
         self.nominal, self.chosen, self.what_if = (Drawn(server, setting, world, style) for style in styles)
@@ -60,7 +60,7 @@ class Flights(Part):
 
     def choose(self) -> None:
         self.chosen.clear()
-        self.chosen.restyle(self.time, title=called(self._progress.shown))
+        self.chosen.restyle(self.time, title=called(self._progress.shown, self._setting))
         if not self.stored():
             self.obstacles.update(self.every, self.time)
 
@@ -126,5 +126,5 @@ class Flights(Part):
         )
 
 
-def called(shown: str) -> str:
-    return "Worst" if shown == WORST else shown
+def called(shown: str, setting: Setting) -> str:
+    return "Worst" if shown == setting.worst else shown

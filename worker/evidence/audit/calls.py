@@ -64,10 +64,18 @@ class Calls:
         found = [f["validation"] for f in self.claims["findings"]]
         return [last["nominal"], *found, *(best["validation"] for best in last.get("incumbents", []))]
 
-    def _several(self, noise: str) -> bool:
-        simulator = self.campaign.simulator
-        cases = [(case["cost"], self.case(case)) for case in self._cases()]
-        clear = all(recomputed["agrees"] and recomputed["ok"] for _, recomputed in cases)
+    def beside(self, noise: str) -> bool:
+        """Whether nothing is wrong with several calls but that those of violations violate; noise: as of `checks`."""
+        return self.number > 1 and self._several(noise, of_violations=False)
+
+    def _several(self, noise: str, of_violations: bool = True) -> bool:
+        simulator, threshold = self.campaign.simulator, self.campaign.criterion.threshold
+
+        def sound(cost: Any, of: Any) -> bool:
+            violation = cost is not None and cost <= threshold and of["violates"] and not of["repeats"]["failed"]
+            return bool(of["ok"] and (of["agrees"] or (violation and not of_violations)))
+
+        clear = all(sound(case["cost"], self.case(case)) for case in self._cases())
         spot = self.claims["results"][-1]["spot_checks"]
         clear = clear and spot["compared"] == spot["checked"]
         own = noise == "drawn" and not self.measured["by_process"]

@@ -25,8 +25,8 @@ ORDER = (
 """Of the checks of a verdict."""
 TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 2
-OF_VIOLATIONS = ("nominal", "no violation", "probability", "target")
-"""Checks that known violations alone make fail."""
+OF_VIOLATIONS = ("nominal", "no violation", "noise of calls", "probability", "target")
+"""Checks that violations alone can make fail."""
 BASELINES, BESIDE = 5, 6
 """The version of the sentences since which records state all that a comparison with a baseline rests on, judged by the
 thresholds of both runs, and how many evaluations failed for each reason; since which a policy accepts known violations

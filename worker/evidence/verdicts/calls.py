@@ -37,6 +37,14 @@ def calls(problem: Problem, evidence: Evidence) -> list[Check]:
     return [*_retried(simulator, evidence), check(CheckCode.CALLS, ok, statement)]
 
 
+def beside(problem: Problem, evidence: Evidence) -> bool:
+    """Whether nothing is wrong with the calls of a simulator but that those of violations violate."""
+    simulator, measured = problem.campaign.simulator, evidence.nominal.measured
+    if simulator is None or measured is None or simulator.calls == 1:
+        return False
+    return _several(simulator, measured, problem, evidence, of_violations=False)[0]
+
+
 def each(problem: Problem) -> str:
     """What an evaluation is, as a clause; empty if it is one call."""
     simulator = problem.campaign.simulator
@@ -93,8 +101,10 @@ def _retried(simulator: Simulator, evidence: Evidence) -> list[Check]:
     return [check(CheckCode.RETRIES, not evidence.flaky, statement)]
 
 
-def _several(simulator: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Spans]:
-    """The check of evaluations by several calls."""
+def _several(
+    simulator: Simulator, measured: Measured, problem: Problem, evidence: Evidence, of_violations: bool = True
+) -> tuple[bool, Spans]:
+    """The check of evaluations by several calls; of_violations: whether a violation whose calls violate fails it."""
     cases = [*_cases(evidence)]
     apart = max((_range(v) for _, v in cases), default=0.0)
     is_ = say(
@@ -110,7 +120,12 @@ def _several(simulator: Simulator, measured: Measured, problem: Problem, evidenc
     if without:
         return False, say(is_, "; no independent calls of ", listed(without))
     called = [(name, v, v.repeats) for name, v in cases if v.repeats is not None]
-    bad = [say(name, " ", r.statement) for name, _, r in called if r.violating or r.failed]
+    counts = [of_violations or v.cost is None or v.cost > problem.threshold for _, v, _ in called]
+    bad = [
+        say(name, " ", r.statement)
+        for (name, _, r), violating in zip(called, counts, strict=True)
+        if r.failed or (r.violating and violating)
+    ]
     bad += [say(name, " has no value to compare") for name, v, _ in called if v.cost is None]
     lucky = [
         say(name, " violates with ", number(v.cost, problem.unit), " in the search, and in none of its calls")

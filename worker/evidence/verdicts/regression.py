@@ -19,6 +19,7 @@ from campaigns.asked.regression import BaselineCase, Policy
 from campaigns.claims.numbers import digits_of
 from campaigns.claims.say import Part, count, finding, joined, number, say, signed, symbol
 from campaigns.claims.spans import Spans
+from campaigns.codes import CheckCode
 from campaigns.results import Finding
 from campaigns.results.baselines import difference
 from campaigns.results.regression import FindingChange, Regression, Standing
@@ -26,6 +27,7 @@ from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
+from worker.evidence.verdicts import calls
 from worker.evidence.verdicts.evidence import Evidence
 
 ORDER = list(Standing)
@@ -210,9 +212,19 @@ def _beside(problem: Problem, evidence: Evidence, checks: Sequence[Check]) -> Sp
     most = problem.campaign.stages.findings.at_most
     if len(findings) >= most and all(found.margin <= 0 for found in findings):
         return say(but, "all ", count(most), " findings that the campaign lists violate, and there may be more.")
-    of = [(check, rules.rule(check.code)) for check in checks if not check.ok]
-    wrong = [check.name if rule is None else rule.title for check, rule in of if rule is None or not rule.of_violations]
+    others = [check for check in checks if not check.ok and not _of_violations(check, problem, evidence)]
+    wrong = [check.name if (rule := rules.rule(check.code)) is None else rule.title for check in others]
     return say(but, f"other checks fail ({', '.join(wrong)}).") if wrong else ()
+
+
+def _of_violations(check: Check, problem: Problem, evidence: Evidence) -> bool:
+    """Whether violations alone make a check fail."""
+    rule = rules.rule(check.code)
+    if rule is None or not rule.of_violations:
+        return False
+    if check.code in (CheckCode.PROBABILITY, CheckCode.TARGET):
+        return evidence.sample is not None and evidence.sample.violations > 0
+    return check.code != CheckCode.CALLS or calls.beside(problem, evidence)
 
 
 def _fails(policy: Policy, case: FindingChange, strictest: float) -> bool:

@@ -328,8 +328,10 @@ def test_known_violations_are_accepted_only_where_no_other_check_fails(rule: rul
     checks = [Check(code=rule.code, ok=False, statement=())]
     found = compared((0.4,), (0.4,), (0.4,), ("F1",), checks=checks, regression=POLICIES["nothing"])
     verdict = concluded(found, "violated")
-    assert code(verdict) == (0 if rule.of_violations else 1)
-    assert (f"({rule.title})" in found.text) == (not rule.of_violations)
+    # Of its sample none violates, and a closed loop makes no calls: violations are not why these fail.
+    accepted = rule.of_violations and rule.code not in ("probability", "target", "noise of calls")
+    assert code(verdict) == (0 if accepted else 1)
+    assert (f"({rule.title})" in found.text) == (not accepted)
 
 
 def test_where_all_listed_findings_violate_none_is_accepted_because_there_may_be_more() -> None:

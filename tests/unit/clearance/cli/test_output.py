@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -19,6 +20,12 @@ def test_a_pipe_that_is_closed_changes_no_exit_code() -> None:
     os.close(reading)
     ended = subprocess.run([*COMMAND, "explain", "--help"], stdout=writing, stderr=subprocess.PIPE, text=True)
     os.close(writing)
+    assert (ended.returncode, ended.stderr) == (0, "")
+
+
+def test_output_that_is_closed_changes_no_exit_code() -> None:
+    command = f"{shlex.join([*COMMAND, 'explain', '--help'])} >&-"
+    ended = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert (ended.returncode, ended.stderr) == (0, "")
 
 

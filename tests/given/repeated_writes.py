@@ -96,7 +96,7 @@ NATURAL: dict[tuple[str, str], tuple[Prepared, tuple[int, int]]] = {
     ("delete", "/sessions/{session}"): (lambda c: Sent(other_session(c)), (204, 404)),
     ("post", "/campaigns/check"): (lambda _: Sent("/campaigns/check", {"campaign": campaign()}), (200, 200)),
     ("post", "/campaigns/preview"): (lambda _: Sent("/campaigns/preview", {"campaign": campaign()}), (200, 200)),
-    ("put", "/drafts/{draft}"): (lambda c: Sent(draft(c), {**DRAFT, "name": "x", "version": 1}), (200, 409)),
+    ("put", "/drafts/{draft}"): (lambda c: Sent(draft(c), {**DRAFT, "name": "x", "version": 1}), (200, 200)),
     ("delete", "/drafts/{draft}"): (lambda c: Sent(draft(c)), (204, 404)),
     ("post", "/runs/cancel"): (lambda c: Sent("/runs/cancel", {"runs": [submit(c)]}), (200, 200)),
     ("post", "/runs/remove"): (lambda c: Sent("/runs/remove", {"runs": [ended(c)[6:]], "reason": "x"}), (200, 200)),
@@ -105,7 +105,6 @@ NATURAL: dict[tuple[str, str], tuple[Prepared, tuple[int, int]]] = {
     ("delete", "/runs/{run}"): (lambda c: Sent(ended(c), query={"reason": "x"}), (200, 200)),
     ("post", "/runs/{run}/cancel"): (lambda c: Sent(f"/runs/{submit(c)}/cancel"), (200, 200)),
     ("post", "/runs/{run}/retry"): (lambda _: Sent("/runs/R-0001/retry"), (409, 409)),
-    # What they do with a run that waits for its code is in test_onward; here they are refused.
     ("post", "/runs/{run}/restart"): (lambda _: Sent("/runs/R-0001/restart"), (409, 409)),
     ("post", "/runs/{run}/continuation"): (lambda _: Sent("/runs/R-0001/continuation"), (409, 409)),
     ("post", "/runs/{run}/restore"): (lambda c: Sent(f"{removed(c)}/restore"), (200, 200)),
@@ -136,6 +135,9 @@ NATURAL: dict[tuple[str, str], tuple[Prepared, tuple[int, int]]] = {
     ("delete", "/requirements/files/{file}"): (lambda c: Sent(imported(c)), (204, 404)),
 }
 """Writes that have the same effect when repeated: the request, its status, and that of the repetition."""
+
+ONWARD = {("post", f"/runs/{{run}}/{way}") for way in ("retry", "restart", "continuation")}
+"""Writes of a run that failed or waits for its code, which take a key: see test_onward; of others they are refused."""
 
 TOKEN = {"name": "revoked", "scope": "run"}
 

@@ -16,7 +16,7 @@ from backend.db.engine import now
 from backend.db.queue import Claim, submit
 from backend.db.rows import as_columns, as_finding, as_result, chunk_rows, failed, lowest
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import EvaluationChunk, Run, RunBaseline, Stage
+from backend.db.tables import EvaluationChunk, Run, RunBaseline, RunText, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
@@ -145,6 +145,12 @@ def succeed(
         writer.execute(sa.insert(RunBaseline).values({**row, "run_id": run_id}))
     writer.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **values))
     return run_id
+
+
+def store_text(writer: sa.Connection, run_id: int, text: str) -> None:
+    """Store the original text of a run's campaign."""
+    writer.execute(sa.insert(RunText).values(run_id=run_id, text=text))
+    sizes.grow(writer, run_id, len(text.encode("utf-8", "surrogatepass")))
 
 
 def _counts(columns: Columns) -> dict[str, object]:

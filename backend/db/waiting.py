@@ -8,7 +8,7 @@ from __future__ import annotations
 import sqlalchemy as sa
 
 from backend.db import groups, refusals, sizes
-from backend.db.continuation import succeed
+from backend.db.continuation import store_text, succeed
 from backend.db.engine import now
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import (
@@ -75,8 +75,7 @@ def _place(writer: sa.Connection, run_id: int, successor: int) -> None:
     """Give the successor the text of the campaign, and the place in a group and in a sweep."""
     text = writer.scalar(sa.select(RunText.text).where(RunText.run_id == run_id))
     if text is not None:
-        writer.execute(sa.insert(RunText).values(run_id=successor, text=text))
-        sizes.grow(writer, successor, len(text.encode("utf-8", "surrogatepass")))
+        store_text(writer, successor, text)
     if (group := _group(writer, run_id)) is not None:
         groups.store(writer, successor, group)
     writer.execute(sa.update(SweepRun).where(SweepRun.run_id == run_id).values(run_id=successor))

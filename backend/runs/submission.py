@@ -9,11 +9,12 @@ import sqlalchemy as sa
 
 from backend.access.own import owns
 from backend.catalog.service import required
-from backend.db import audit, baselines, groups, queue, sizes
+from backend.db import audit, baselines, groups, queue
 from backend.db.access import Visitor
 from backend.db.baselines import Resolved
+from backend.db.continuation import store_text
 from backend.db.engine import now, read
-from backend.db.tables import Run, RunText
+from backend.db.tables import Run
 from backend.http import bodies, keys
 from backend.http.keys import Keyed
 from backend.runs import reuse
@@ -139,8 +140,7 @@ def _queue(
         seed=_sample_seed(writer, resolved.campaign, submission.sample_seed),
     )
     if submission.text is not None:
-        writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
-        sizes.grow(writer, run_id, len(submission.text.encode("utf-8", "surrogatepass")))
+        store_text(writer, run_id, submission.text)
     if submission.baseline is not None:
         baselines.store(writer, run_id, submission.baseline, resolved.run_id)
     if submission.group is not None:

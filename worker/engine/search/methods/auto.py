@@ -5,9 +5,10 @@ CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019),
 few parameters differential evolution, SHADE, else CMA-ES, BIPOP), DIRECT for what none of them covers. The order is
 that of what each needs: a first descent takes tens of evaluations per parameter and solves what is smooth; the model
 goes on from there while it improves and evaluations are few; later, the evolution strategy (CMA-ES from where the model
-has come, if that still improves) and descents from the lowest unexplored points take turns, from then on every other
-one from anywhere. Once the evolution strategy of few parameters has converged, most of its share goes to MLSL, which
-begins all over the box; of more parameters, some goes to the descents. Up to three parameters MLSL comes first, alone:
+has come, if that still improves) and descents from the lowest unexplored points take turns; from then on every other
+one begins, of few parameters, where the cost is below its trend over the box, else anywhere. Once the evolution
+strategy of few parameters has converged, most of its share goes to MLSL, which begins all over the box; of more
+parameters, some goes to the descents. Up to three parameters MLSL comes first, alone:
 with so few evaluations nothing can be cleared anyway. Later, where the lowest point has moved, each parameter takes
 values of its whole range with the others as they are there, a star as lq-CMA-ES begins with: the opposite end of one
 parameter can be far worse than where every member has come. Nothing is evaluated twice.
@@ -51,6 +52,7 @@ from worker.engine.search.methods import (
 from worker.engine.search.parts.descent import End, Settings, descend
 from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.portfolio_record import Record
+from worker.engine.search.parts.trend import Trend
 from worker.engine.search.parts.turns import Member, taking_turns
 
 OPENING, AMID_FAILURES = 150, 60
@@ -74,8 +76,8 @@ EQUAL = 1e-3
 """Two costs are equal if they differ by less than this fraction of the spread of the costs."""
 DESCENTS, COVER = 0.08, 0.02
 """Shares of the leading members' evaluations that descents and DIRECT get beside an evolution strategy."""
-SEVERAL, WIDE_COVER = 0.8, 0.1
-"""Those that MLSL and DIRECT get once the evolution strategy has converged; up to `SMALL` parameters."""
+SEVERAL, WIDE_COVER, BELOW = 0.7, 0.1, 0.1
+"""Those that MLSL, DIRECT and descents get once the evolution strategy has converged; up to `SMALL` parameters."""
 RESTARTS = 0.15
 """That of descents once the evolution strategy has converged, where MLSL takes no part."""
 ACROSS, EVERY, MOVED = 4, 50, 0.05
@@ -170,6 +172,8 @@ class Shared:
     best: Floats | None = None
     opened: bool = False
     """Whether the first descent has ended."""
+    trend: Trend | None = None
+    """Up to `SMALL` parameters."""
 
     def see(self, points: Floats, values: Floats) -> None:
         """Points (m, n) of a leading member with their values (m,), infinite where failed."""
@@ -178,6 +182,8 @@ class Shared:
         if values[low] < self.lowest:
             self.stale, self.lowest, self.best = 0, float(values[low]), points[low].copy()
         self.record.see(points, values)
+        if self.trend:
+            self.trend.see(points, values)
 
     def report(self, minimum: Minimum) -> None:
         """Where a descent ended; no later one begins at a low point there, or where it began."""
@@ -214,7 +220,8 @@ class Team:
     def __init__(self, space: Space, options: Options) -> None:
         n = space.dimension
         self.space, self.costly = space, options.seconds >= COSTLY
-        self.shared = Shared(space, Explored(space, options.at_once), Record(n))
+        trend = Trend(n) if n <= SMALL else None
+        self.shared = Shared(space, Explored(space, options.at_once), Record(n), trend=trend)
         self.descents = self._member(sqp.method, descents(self.shared, self._own(), self._broad))
         descent = lq_cma_es.Descent()
         self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once, descent))
@@ -298,11 +305,14 @@ class Team:
         if self.used < MODELLED * n and (self.costly or self.used < AT_MOST) and self._improves():
             return [(self.model, 1.0 - share), (witness, share)]
         lead = 1.0 - share
-        beside, most, cover = self.descents, RESTARTS if self.converged else DESCENTS, COVER
+        others = [(self.descents, RESTARTS if self.converged else DESCENTS), (self.cover, COVER)]
         if self.converged and several and several.search:
-            beside, most, cover = several, SEVERAL, WIDE_COVER
-        evolving = (self.evolving, (1.0 - most - cover) * lead)
-        return [(beside, most * lead), evolving, (self.cover, cover * lead), (witness, share)]
+            others = [(several, SEVERAL), (self.cover, WIDE_COVER), (self.descents, BELOW)]
+        evolving = 1.0
+        for _, part in others:
+            evolving -= part
+        others.insert(1, (self.evolving, evolving))
+        return [*((member, part * lead) for member, part in others), (witness, share)]
 
     def _looks_across(self) -> bool:
         """Whether a star through the lowest point comes next; it begins where that has moved."""
@@ -347,15 +357,16 @@ class Team:
 
 def descents(shared: Shared, space: Space, broad: Callable[[], bool]) -> Search:
     """A first descent from the centre, then from the lowest points away from all earlier starts; later, every other one
-    from anywhere."""
-    n, anywhere = space.dimension, False
+    from where the cost is below its trend, or from anywhere."""
+    n, elsewhere = space.dimension, False
     start = None if shared.stale or shared.best is not None else np.full(n, 0.5)
     settings, coarse = (replace(each, most=OPENING * n) for each in (FIRST, COARSE))
     while True:
         while start is None:
-            anywhere = broad() and not anywhere
-            if anywhere:
-                start = space.random.random(n)
+            elsewhere = broad() and not elsewhere
+            if elsewhere:
+                below = (yield from shared.trend.closer(space.random)) if shared.trend else None
+                start = space.random.random(n) if below is None else below
                 continue
             yield from shared.explored.grow(2 * n)
             start = shared.record.start()

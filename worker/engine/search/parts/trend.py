@@ -69,7 +69,7 @@ class Trend:
                 return None
             if (np.abs(self._seen - points[i]).max(axis=1) >= APART).all():
                 self._seen = np.concatenate([self._seen, points[i : i + 1]])
-                return points[i].copy()
+                return np.array(points[i])
         return None
 
     def _coefficients(self) -> Floats | None:

@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from clearance.function.result import Interrupted, Result
 from clearance.function.searches import searches, stages
 from worker.engine.systems.simulators.declared.external import READS
@@ -114,6 +116,9 @@ def search(
             "a search was started while its file is only loaded for its functions: "
             "put the call of clearance.search under `if __name__ == '__main__':`"
         )
+    budget, validation, workers, certify, seed, sample_seed, methods, options, starts = (
+        _python(value) for value in (budget, validation, workers, certify, seed, sample_seed, methods, options, starts)
+    )
     _plain(threshold, worse)
     _counts(budget=budget, validation=validation, workers=workers, certify=certify, seed=seed, sample_seed=sample_seed)
     if agreement is not None and not (finite(agreement) and 0.0 < agreement <= 1.0):
@@ -130,6 +135,15 @@ def search(
     from clearance.function.running import run
 
     return run(request, document, progress, None if sample_seed is None else SampleSeed(sample_seed), resume)
+
+
+def _python(value: Any) -> Any:
+    """With NumPy's numbers as Python's own."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return {name: _python(part) for name, part in value.items()}
+    return [_python(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def _plain(threshold: object, worse: object) -> None:

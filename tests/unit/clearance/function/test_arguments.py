@@ -63,6 +63,23 @@ def test_what_cannot_be_used_is_refused(changes: dict[str, Any], message: str) -
         searched(**changes)
 
 
+def test_the_numbers_of_numpy_are_numbers() -> None:
+    many = np.array([60, 20, 300])
+    of_numpy = searched(
+        methods={"direct": many[0], "sqp": many[0]}, certify=many[1], validation=many[2], seed=np.uint8(3),
+        options={"direct": {"iterations": np.int32(3)}}, starts=[{"mass": np.float64(1.6)}], agreement=np.float32(0.5),
+    )  # fmt: skip
+    plain = searched(
+        methods={"direct": 60, "sqp": 60}, certify=20, validation=300, seed=3, options={"direct": {"iterations": 3}},
+        starts=[{"mass": 1.6}], agreement=0.5,
+    )  # fmt: skip
+    assert of_numpy.origin.campaign == plain.origin.campaign
+    with pytest.raises(ValueError, match="certify must be"):
+        searched(certify=np.float64(20.0))
+    with pytest.raises(ValueError, match="seed must be"):
+        searched(seed=np.True_)
+
+
 def test_a_saved_or_interrupted_search_is_resumed_without_evaluating_it_again(tmp_path: Path) -> None:
     first, called = searched(), [0]
     again = searched(resume=first.save(tmp_path))

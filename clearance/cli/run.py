@@ -1,7 +1,7 @@
 """`clearance run FILE`: runs a campaign locally, without a service, to its verdict.
 
 The exit code is the verdict: 0 cleared, 1 violated, 2 inconclusive; with a baseline, the campaign's policy may change
-it (`clearance.cli._ended`).
+it (`clearance.cli._ended`). A run that fails, such as one whose simulator gives no value, ends as in a service.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import typer
 
 from campaigns.refusals import RefusalCode
 from campaigns.runs import RunState
-from clearance.cli import UnreachableError, WrongInputError
+from clearance.cli import INTERNAL, UnreachableError, WrongInputError
 from clearance.cli import _code as code
 from clearance.cli import _evaluator as evaluators
 from clearance.cli import _launch as launch
@@ -32,6 +32,10 @@ if TYPE_CHECKING:
     from clearance.local.likelihood import Likelihoods
     from worker.engine.stages.parts.store import Store
     from worker.running.runs.store import MemoryStore
+
+
+class _FailedRunError(Exception):
+    """A run has begun and cannot go on; the message says why."""
 
 
 def run(
@@ -81,9 +85,12 @@ def run(
     else:
         assert file is not None
         campaign, note = _with_baseline(file, allow_code, options.baseline, data, database)
-        campaign, store, verdict = _fresh(
-            file, campaign, _announcing(execute, data, database, quiet=as_json), sample_seed
-        )
+        announced = _announcing(execute, data, database, quiet=as_json)
+        try:
+            campaign, store, verdict = _fresh(file, campaign, announced, sample_seed)
+        except _FailedRunError as error:
+            _report_failed(f"{error}", campaign, options, note, file)
+            raise typer.Exit(INTERNAL) from None
         cites = None
     from clearance.local.likelihood import likelihoods
     from clearance.local.summary import summary
@@ -195,7 +202,18 @@ def _fresh(
         with interrupt.explained(store):
             return campaign, store, execute(campaign, store, lambda: False)
     except CampaignUnusable as error:
-        raise CampaignError(str(file), error.problems) from None
+        raise _FailedRunError("; ".join(map(str, error.problems))) from None
+
+
+def _report_failed(error: str, campaign: Campaign, options: launch.Launch, note: str, file: Path) -> None:
+    """Print why there is no verdict, and write the files that were asked for."""
+    typer.echo(f"Failed: no verdict\n{error}", err=True)
+    notes = (note,) if note else ()
+    ended = EndedRun(
+        "", campaign.name, RunState.FAILED, None, error, labels=options.labels, notes=notes,
+        source=_source(file, options), requirements=tuple(one.id for one in campaign.criterion.requirements),
+    )  # fmt: skip
+    write_files(ended, options)
 
 
 def _announcing(execute: Execute, data: Path, database: str, quiet: bool) -> Execute:

@@ -6,13 +6,14 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree as Xml
 
 import pytest
 import yaml
 
 from campaigns import CampaignError, load_file
 from campaigns.refusals import RefusalCode
-from clearance.cli import WRONG_INPUT, invoke
+from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from clearance.cli import _code as code
 from clearance.cli._code import HOW
 from clearance.local.results import read_folder
@@ -105,6 +106,24 @@ def test_a_run_names_the_command_and_identifies_its_files(
     assert text.startswith(f"# From {file}, where {{folder}} was {tmp_path}\n")
     assert yaml.safe_load(text) == GIVEN
     assert invoke(["audit", str(out)]) == 0
+
+
+def test_a_run_whose_simulator_gives_no_value_fails_with_the_files_of_the_job(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, cases, texts, found = written(tmp_path), *(tmp_path / name for name in ("j.xml", "s.md", "c.sarif"))
+    (tmp_path / "bowl.py").write_text("raise SystemExit('no licence')\n", encoding="utf-8")
+    files = ["--junit", str(cases), "--summary", str(texts), "--sarif", str(found), "--label", "branch=main"]
+    assert invoke(["run", str(file), "--allow-code", *files]) == INTERNAL
+    assert "Failed: no verdict\nsimulator.name" in (printed := capsys.readouterr().err)
+    assert "no licence" in printed
+    [error] = Xml.parse(cases).getroot().iter("error")
+    assert "no licence" in str(error.get("message"))
+    summary = texts.read_text(encoding="utf-8")
+    assert "exit code 4" in summary
+    assert "The run failed. simulator.name" in summary
+    [result] = json.loads(found.read_text(encoding="utf-8"))["runs"][0]["results"]
+    assert result["ruleId"] == "no-verdict"
 
 
 def test_calls_and_retries_stay_those_of_the_campaign(tmp_path: Path) -> None:

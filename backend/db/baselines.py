@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 import sqlalchemy as sa
 
-from backend.db import continuation, labels
+from backend.db import continuation, labels, snapshots
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Finding, Run, RunBaseline
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
 from campaigns.asked.spec import Campaign
+from campaigns.catalogue import Catalogue
+from campaigns.checked.units import differing
 from campaigns.labels import pair
 from campaigns.results.baselines import CannotCompare, same_question, with_baseline
 from campaigns.runs import ENDED, run_name, run_number
@@ -33,18 +35,20 @@ class Resolved(NamedTuple):
     """What was asked for."""
 
 
-def resolved(reader: sa.Connection, campaign: Campaign, request: str) -> Resolved:
+def resolved(reader: sa.Connection, campaign: Campaign, request: str, here: Catalogue) -> Resolved:
     """The campaign with the baseline that was asked for; raises `CannotCompare` with a sentence if there is none.
+
+    here: with the components of the campaign.
 
     A label that no run has is no error: the first run of a branch has no baseline, which the sentence states.
     """
     if request.startswith(LABEL):
-        return _labelled(reader, campaign, request)
+        return _labelled(reader, campaign, request, here)
     run_id = run_number(request)
     if run_id is None:
         raise CannotCompare(f"invalid baseline {request[:60]!r}: {HOW}")
     other = _campaign(reader, run_id)
-    return _compared(reader, campaign, run_id, other, f"Baseline: {run_name(run_id)}.")
+    return _compared(reader, campaign, run_id, other, f"Baseline: {run_name(run_id)}.", here)
 
 
 def of_run(reader: sa.Connection, run_id: int) -> tuple[str, int | None] | None:
@@ -65,7 +69,7 @@ def none_found(request: str) -> str:
     )
 
 
-def _labelled(reader: sa.Connection, campaign: Campaign, request: str) -> Resolved:
+def _labelled(reader: sa.Connection, campaign: Campaign, request: str, here: Catalogue) -> Resolved:
     try:
         wanted = pair(request.removeprefix(LABEL))
     except ValueError as error:
@@ -82,13 +86,16 @@ def _labelled(reader: sa.Connection, campaign: Campaign, request: str) -> Resolv
             continue
         if same_question(campaign, other):
             statement = f"Baseline: {run_name(run_id)}, the newest run with the label {'='.join(wanted)}."
-            return _compared(reader, campaign, run_id, other, statement)
+            return _compared(reader, campaign, run_id, other, statement, here)
     return Resolved(campaign, None, none_found(request), request)
 
 
-def _compared(reader: sa.Connection, campaign: Campaign, run_id: int, other: Campaign, statement: str) -> Resolved:
-    found = continuation.findings(reader, run_id)
-    return Resolved(with_baseline(campaign, run_name(run_id), other, found), run_id, statement)
+def _compared(
+    reader: sa.Connection, campaign: Campaign, run_id: int, other: Campaign, statement: str, here: Catalogue
+) -> Resolved:
+    found, then = continuation.findings(reader, run_id), snapshots.of_run(reader, run_id)
+    units = "" if then is None else differing(other, then, campaign, here)
+    return Resolved(with_baseline(campaign, run_name(run_id), other, found, units), run_id, statement)
 
 
 def _campaign(reader: sa.Connection, run_id: int) -> Campaign:

@@ -88,7 +88,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         problems = check(submission.campaign, catalogue)
         if problems:
             raise bodies.invalid(CampaignError("request", problems))
-        resolved = _compared(reader, submission)
+        resolved = _compared(reader, submission, catalogue)
         reused = reuse.reusable(reader, resolved.campaign, submission.sample_seed) if submission.reuse else None
     with engine.begin() as writer:
         repeated = _run(keys.claimed(writer, keyed))
@@ -113,11 +113,11 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         return _answer(reader, run_id, at, resolved)
 
 
-def _compared(reader: sa.Connection, submission: Submission) -> Resolved:
+def _compared(reader: sa.Connection, submission: Submission, catalogue: Catalogue) -> Resolved:
     if submission.baseline is None:
         return Resolved(submission.campaign, None, "")
     try:
-        return baselines.resolved(reader, submission.campaign, submission.baseline)
+        return baselines.resolved(reader, submission.campaign, submission.baseline, catalogue)
     except CannotCompare as error:
         problem = Problem("baseline", submission.baseline, f"{error}")
         raise bodies.invalid(CampaignError("request", [problem])) from None

@@ -94,6 +94,16 @@ def digits_beside(value: float, threshold: float, least: int = 6) -> int:
     return next((n for n in range(least, 17) if side(float(f"{value:.{n}g}")) == side(value)), 17)
 
 
+def limit(threshold: float) -> str:
+    """A threshold with all digits that it needs."""
+    return written(threshold, digits=digits_of(threshold))
+
+
+def beside(value: float, threshold: float) -> str:
+    """A value with so many digits that it is read on its own side of a threshold."""
+    return written(value, digits=digits_beside(value, threshold))
+
+
 def number(value: float) -> str:
     """The number with six significant digits."""
     return written(value)

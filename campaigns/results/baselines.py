@@ -14,12 +14,15 @@ class CannotCompare(ValueError):
     """The run cannot be a baseline; the message states why and what to do."""
 
 
-def with_baseline(campaign: Campaign, run: str, other: Campaign, findings: Sequence[Finding]) -> Campaign:
+def with_baseline(
+    campaign: Campaign, run: str, other: Campaign, findings: Sequence[Finding],
+    units: str = "",
+) -> Campaign:  # fmt: skip
     """The campaign with the findings of the run `run` of the campaign `other` as its baseline.
 
-    Raises `CannotCompare`.
+    units: how those of the two differ, as a clause (`campaigns.checked.units`). Raises `CannotCompare`.
     """
-    reason = foreign(campaign, other)
+    reason = foreign(campaign, other) or units
     if reason:
         raise CannotCompare(f"{run} cannot be the baseline: {reason}")
     if not findings:

@@ -22,20 +22,26 @@ def compared(campaign: Campaign, baseline: str, data: Path, database: str) -> tu
     unchanged, and the sentence states so.
     """
     from backend.db.engine import migrate
+    from campaigns.checked.units import differing
     from campaigns.results.baselines import CannotCompare, with_baseline
     from clearance.cli.replay import of_folder
+    from clearance.local.results import components_of
+    from worker.running.catalogue.installed import catalogue
 
     try:
         if Path(baseline).is_dir():
             recorded = of_folder(Path(baseline))
             name = baseline[-LONGEST:]
-            return with_baseline(campaign, name, recorded.campaign, recorded.findings), f"Baseline: {name}."
+            then = components_of(Path(baseline))
+            units = "" if then is None else differing(recorded.campaign, then, campaign, catalogue())
+            made = with_baseline(campaign, name, recorded.campaign, recorded.findings, units)
+            return made, f"Baseline: {name}."
         from backend.db import baselines
 
         url = existing_url_of(data, database)
         migrate(url)
         with reading(url) as reader:
-            found = baselines.resolved(reader, campaign, baseline)
+            found = baselines.resolved(reader, campaign, baseline, catalogue())
         return found.campaign, found.sentence
     except CannotCompare as error:
         raise WrongInputError(f"{error}") from None

@@ -20,8 +20,8 @@ AllowCode: TypeAlias = Annotated[
     bool,
     typer.Option(
         "--allow-code",
-        help="Permit `simulator: {command: ...}` in the campaign file, also when its run is extended. It runs any "
-        "program as you: only for files that you trust. The service never does.",
+        help="Permit `simulator: {command: ...}` in the campaign file, also to extend or replay its run. It runs "
+        "any program as you: only for files that you trust. The service never does.",
     ),
 ]
 GIVEN, FOLDER = "command_given", "folder"
@@ -68,8 +68,8 @@ def report_unusable() -> None:
         typer.echo(f"a simulator is skipped: {problem}", err=True)
 
 
-def of_results(run: str, allowed: bool) -> None:
-    """Install the command of a run that is to be extended, if its campaign file gave one and that is allowed.
+def of_results(run: str, allowed: bool, done: str = "extended") -> None:
+    """Install the command of a run that is to be extended or replayed, if its campaign file gave one and it is allowed.
 
     run: the folder of its `--out`, or the id of a stored run, which never has one. Raises `WrongInputError`.
     """
@@ -90,14 +90,29 @@ def of_results(run: str, allowed: bool) -> None:
         return
     if not allowed:
         raise WrongInputError(
-            f"{run} cannot be extended: its campaign file gave the command of the simulator, {command}; for a run that "
+            f"{run} cannot be {done}: its campaign file gave the command of the simulator, {command}; for a run that "
             "you trust, --allow-code permits it",
             RefusalCode.CODE_NOT_PERMITTED,
         )
     try:
         install(_described(Path(run)))
     except (OSError, ValueError) as error:
-        raise WrongInputError(f"{run} cannot be extended: {error}") from None
+        raise WrongInputError(f"{run} cannot be {done}: {error}") from None
+
+
+def for_replay(run: str, allowed: bool) -> str:
+    """As `of_results` for evaluating cases of a run again. Returns what to add if this installation has not its
+    simulator: that its campaign file gave the command, which was not permitted; empty if none did."""
+    from clearance.local.results import versions_of
+
+    if allowed:
+        of_results(run, allowed, "replayed")
+    command = "" if allowed else versions_of(Path(run)).command
+    return (
+        f". Its campaign file gave the command, {command}; for a run that you trust, --allow-code permits it"
+        if command
+        else ""
+    )
 
 
 def _described(folder: Path) -> InlineProgram:

@@ -108,6 +108,12 @@ class EndedRun:
             found = self.findings
         return tuple(case for case in found if case.margin <= 0)
 
+    def value(self, case: Case) -> str:
+        """The value to state for a finding, on its own side of the threshold."""
+        from campaigns.claims.numbers import beside, number
+
+        return number(case.cost) if self.threshold is None else beside(case.cost, self.threshold)
+
     @property
     def accepted(self) -> bool:
         """Whether the policy of the campaign accepts its violations, so that they fail nothing."""

@@ -129,7 +129,7 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
 def _violation(ended: EndedRun, found: Case) -> str:
     """A violating finding: its value, parameters and replay command."""
     unit = f" {ended.unit}" if ended.unit else ""
-    head = f"{found.label}: {found.cost:.6g}{unit}, margin {signed(found.margin)}{unit}{found.beside}"
+    head = f"{found.label}: {ended.value(found)}{unit}, margin {signed(found.margin)}{unit}{found.beside}"
     replay = f"{ended.replay} {found.label}" if ended.replay else ""
     values = [f"{path} = {v!r}" for path, v in found.parameters.items()]
     return "\n".join(filter(None, [head, found.likelihood, *values, replay]))

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from campaigns import Campaign
 from campaigns.claims.likelihood import lines
-from campaigns.claims.numbers import NONE, count, number, signed
+from campaigns.claims.numbers import NONE, beside, count, limit, number, signed
 from campaigns.claims.say import listed, sentence
 from campaigns.claims.spans import words
 from campaigns.identity.identity import identity_of, simulator_of
@@ -179,17 +179,18 @@ def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table
     for path in nominal:
         cells = [number(f.parameters[path]) + signs.get(f.at_bounds.get(path, ""), "") for f in store.findings]
         table.add_row(path, number(nominal[path]), *cells)
+    threshold = campaign.criterion.threshold
     at_nominal = verdict.nominal or NominalCost(cost=None, margin=None)
     table.add_section()
     table.add_row(
         escape(f"{verdict.quantity} [{verdict.unit}]"),
-        "" if at_nominal.cost is None else number(at_nominal.cost),
-        *(number(f.granted) for f in store.findings),
+        "" if at_nominal.cost is None else beside(at_nominal.cost, threshold),
+        *(beside(f.granted, threshold) for f in store.findings),
     )
     table.add_row(
-        f"margin to {number(campaign.criterion.threshold)} {verdict.unit}",
+        f"margin to {limit(threshold)} {verdict.unit}",
         "" if at_nominal.margin is None else signed(at_nominal.margin),
-        *(signed(f.granted - campaign.criterion.threshold) for f in store.findings),
+        *(signed(f.granted - threshold) for f in store.findings),
     )
     validated = _validated(store)
     nominal_case = None if validated is None else validated.nominal

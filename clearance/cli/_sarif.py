@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from campaigns.claims.numbers import signed
+from campaigns.claims.numbers import limit, signed
 from campaigns.codes import CheckCode
 from campaigns.results.regression import FindingChange, Standing
 from campaigns.results.verdicts import DescribedCheck
@@ -134,11 +134,11 @@ def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, 
 
 def _violation(ended: EndedRun, case: Case) -> str:
     unit = f" {ended.unit}" if ended.unit else ""
-    limit = "" if ended.threshold is None else f" to the threshold {ended.threshold:g}{unit}"
-    value = f"{case.label}: {ended.quantity or 'the criterion'} = {case.cost:.6g}{unit}"
+    threshold = "" if ended.threshold is None else f" to the threshold {limit(ended.threshold)}{unit}"
+    value = f"{case.label}: {ended.quantity or 'the criterion'} = {ended.value(case)}{unit}"
     reason = None if ended.verdict is None or ended.verdict.verdict == "violated" else ended.verdict.reason
     parts = [
-        f"{value}, margin {signed(case.margin)}{unit}{limit}{case.beside}.",
+        f"{value}, margin {signed(case.margin)}{unit}{threshold}{case.beside}.",
         f"{case.likelihood}." if case.likelihood else "",
         "" if reason is None else f"The verdict does not confirm it: {reason}",
         *(f"{path} = {value!r}" for path, value in case.parameters.items()),

@@ -20,6 +20,7 @@ import typer
 from backend import secrets_given
 from backend.db import alone as locks
 from backend.db.engine import connect, default_url, migrate, read
+from backend.db.registered import folder, services
 from campaigns.refusals import Refusal, RefusalCode
 from campaigns.runs import run_name, run_number
 from campaigns.unreadable import UNREADABLE
@@ -49,10 +50,46 @@ Database = Annotated[
     ),
 ]
 
+DataServed = Annotated[
+    Path | None,
+    typer.Option(
+        help="Folder of the database; default: that of the running service.",
+        envvar="CLEARANCE_DATA",
+        file_okay=False,
+        show_default=False,
+    ),
+]
+
 DATA = Path("data")
 
 DAMAGED: tuple[type[Exception], ...] = (sa.exc.SQLAlchemyError, *UNREADABLE)
 """What reading a record may raise that a service has sent."""
+
+
+def served() -> Path:
+    """The data folder of the only service that runs, else the one in this folder; an error names where it searched."""
+    here, running = DATA.absolute(), services()
+    if any(Path(service.data) == here for service in running):
+        return DATA
+    if len(running) > 1:
+        listed = "".join(f"\n  --data {service.data}  ({service.address})" for service in running)
+        raise WrongInputError(f"{len(running)} services of this user are running; name one of them:{listed}")
+    if not running:
+        if (DATA / "clearance.sqlite3").exists():
+            return DATA
+        raise WrongInputError(
+            f"no service of this user is running (looked in {folder()}), and there is no database at "
+            f"{here / 'clearance.sqlite3'}: start one with `clearance serve`, or name its folder with --data or "
+            "CLEARANCE_DATA"
+        )
+    (service,) = running
+    if not service.usual:
+        raise WrongInputError(
+            f"the service at {service.address} has its database outside its data folder: name both, with "
+            f"--data {service.data} and --database"
+        )
+    typer.echo(f"For the service of {service.data}:", err=True)
+    return Path(service.data)
 
 
 def url_of(data: Path, database: str, create: bool = True) -> str:

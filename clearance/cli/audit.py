@@ -14,6 +14,7 @@ import typer
 from typer.core import TyperGroup
 
 from clearance.cli import VIOLATED, WrongInputError, replay
+from clearance.cli._code import AllowCode, for_replay
 from clearance.cli._service import Token
 from clearance.cli._where import DATA, Data, Database, Service, StoredRun, stored_in
 from clearance.cli.trail import print_head, verify_trail
@@ -71,6 +72,7 @@ def audit(
     database: Database = "",
     service: Service = "",
     token_file: Token = "",
+    allow_code: AllowCode = False,
 ) -> None:
     """Recompute a run's verdict from its stored evaluations with an independent program, and compare.
 
@@ -87,7 +89,7 @@ def audit(
         except UnreadableError as error:
             raise WrongInputError(f"{error}", error.code) from None
         follows, sentence = judge.closing(items)
-        again = None if rows is None else _again(run, stored, rows)
+        again = None if rows is None else _again(run, stored, rows, allow_code)
     if as_json:
         listed = [item._asdict() | {"agrees": item.agrees} for item in items]
         answer = {"run": run, "follows": follows, "sentence": sentence, "items": listed}
@@ -100,7 +102,7 @@ def audit(
     raise typer.Exit(0 if follows and (again is None or again.agrees) else VIOLATED)
 
 
-def _again(run: str, place: StoredRun, rows: int) -> Again:
+def _again(run: str, place: StoredRun, rows: int, allow_code: bool) -> Again:
     """The nominal case, all findings, so many evaluations and blocks that have as many, which whoever wrote the record
     could not foresee."""
     from worker.running.runs.reflown import having
@@ -109,7 +111,8 @@ def _again(run: str, place: StoredRun, rows: int) -> Again:
     stored = [f"{at}:{k}" for at, columns in recorded.evaluations.items() for k in range(len(columns.status))]
     drawn = secrets.SystemRandom().sample(stored[1:], min(rows, len(stored) - 1))
     names = [*stored[:1], *(finding.label for finding in recorded.findings), *drawn]
-    return replay.evaluated_again(run, recorded, replay.opened_here(run, recorded), names, having(recorded, rows))
+    problem = replay.opened_here(run, recorded, for_replay(run, allow_code))
+    return replay.evaluated_again(run, recorded, problem, names, having(recorded, rows))
 
 
 def _print(items: list[Item]) -> None:

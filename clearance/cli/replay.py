@@ -19,6 +19,7 @@ from campaigns.unreadable import UNREADABLE
 from clearance.cli import VIOLATED, WrongInputError
 from clearance.cli._capsule import changed, described, is_capsule, of_capsule, sentence
 from clearance.cli._capsule_code import permits, refuse_unused, replayed_with_its_code
+from clearance.cli._code import for_replay
 from clearance.cli._service import Token
 from clearance.cli._where import DATA, Data, Database, Service, stored_in
 
@@ -65,8 +66,8 @@ def replay(
         bool,
         typer.Option(
             "--allow-code",
-            help="Permit the source of components and the command of a simulator that a capsule contains, which run "
-            "any program as you: only for files that you trust. Without it nothing of a capsule is executed.",
+            help="Permit the source of components and the command of a simulator in a run or a capsule, which "
+            "run any program as you: only for files that you trust. Without it nothing of them is executed.",
         ),
     ] = False,
 ) -> None:
@@ -87,7 +88,7 @@ def replay(
             recorded = stored.load(of_folder, of_database)
     else:
         recorded = capsule.recorded
-    problem = opened_here(run, recorded, "" if capsule is None else permits(capsule.capsule))
+    problem = opened_here(run, recorded, for_replay(run, allow_code) if capsule is None else permits(capsule.capsule))
     if capsule is not None:
         refuse_unused(run, capsule.capsule)
     again = evaluated_again(run, recorded, problem, case or [], blocks)

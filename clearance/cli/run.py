@@ -127,7 +127,7 @@ def _ended(
         campaign=campaign.name,
         state=RunState.DONE,
         verdict=verdict,
-        replay="" if out is None else f"clearance replay {shlex.quote(str(out))}",
+        replay="" if out is None else _replay(campaign, out),
         labels=options.labels,
         notes=(note,) if note else (),
         seconds=sum(stage.seconds for stage in store.stages),
@@ -148,6 +148,12 @@ def _ended(
         requirements=tuple(one.id for one in campaign.criterion.requirements),
         identity=identity_of(verdict.provenance, simulator_of(campaign)),
     )
+
+
+def _replay(campaign: Campaign, out: Path) -> str:
+    """The command that evaluates a case of a run again, without the case."""
+    permitted = " --allow-code" if code.program_of(campaign) else ""
+    return f"clearance replay{permitted} {shlex.quote(str(out))}"
 
 
 def _source(file: Path | None, options: launch.Launch) -> Source | None:

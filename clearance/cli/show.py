@@ -76,9 +76,13 @@ def _sureness(found: RunDetail) -> list[str]:
 
 
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:
+    from campaigns.claims.numbers import beside, number
+
     unit = f" {found.unit}" if found.unit else ""
+    limit = found.threshold
+    values = {f.label: number(f.cost) if limit is None else beside(f.cost, limit) for f in map(case, findings)}
     return [
-        f"{f.label}: {found.quantity} {f.cost:.6g}{unit}, margin {f.margin:+.6g}{unit}{f.beside}; "
+        f"{f.label}: {found.quantity} {values[f.label]}{unit}, margin {f.margin:+.6g}{unit}{f.beside}; "
         + ", ".join(f"{path} = {value!r}" for path, value in f.parameters.items())
         for f in map(case, findings)
     ]

@@ -10,7 +10,7 @@ import typer
 from backend.db import access, audit
 from backend.db.roles import Scope
 from clearance.cli._following import aligned
-from clearance.cli._where import DATA, Data, Database, opened, operator
+from clearance.cli._where import DATA, Data, Database, DataServed, opened, operator, served
 
 app = typer.Typer(help="API tokens for programs: create, list, revoke.", no_args_is_help=True)
 
@@ -31,10 +31,12 @@ def create(
     days: Annotated[
         int | None, typer.Option(min=1, max=3650, help="Days until it expires; default: never.", show_default=False)
     ] = None,
-    data: Data = DATA,
+    data: DataServed = None,
     database: Database = "",
 ) -> None:
     """Create a token and print it: the only time it is shown. Send it as `Authorization: Bearer TOKEN`."""
+    if data is None:
+        data = DATA if database or (DATA / "clearance.sqlite3").exists() else served()
     with opened(data, database, create=True) as connection:
         token = access.create_token(connection, name, owner, scope, None if days is None else days * 86400.0)
         details = {"owner": owner, "scope": scope, "days": days}

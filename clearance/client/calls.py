@@ -22,6 +22,8 @@ from clearance.client import answers
 T = TypeVar("T")
 Named = str | answers.Run
 """A run: its name, R-0001, or an answer about it."""
+NamedSweep = str | answers.Sweep
+"""A sweep: its name, S-0001, or an answer about it."""
 Given = Mapping[str, Any] | str | os.PathLike[str]
 """A campaign: a document, the path of a file, the name of one in the library, or YAML text of several lines."""
 Query = Mapping[str, str | int | float | bool | list[str]]
@@ -62,6 +64,10 @@ class Call(Generic[T]):
 def name_of(run: Named) -> str:
     """The name of a run, such as R-0001, from its name or an answer."""
     return run if isinstance(run, str) else run.id
+
+
+def _of_sweep(sweep: NamedSweep) -> dict[str, str]:
+    return {"sweep": sweep if isinstance(sweep, str) else sweep.id}
 
 
 def _of(run: Named, **more: str) -> dict[str, str]:
@@ -238,19 +244,19 @@ def sweep(
     return Call("POST", "/sweeps", answers.Sweep, body=body, key=key or str(uuid.uuid4()))
 
 
-def read_sweep(sweep: str) -> Call[answers.Sweep]:
+def read_sweep(sweep: NamedSweep) -> Call[answers.Sweep]:
     """A sweep as it is now."""
-    return Call("GET", "/sweeps/{sweep}", answers.Sweep, {"sweep": sweep})
+    return Call("GET", "/sweeps/{sweep}", answers.Sweep, _of_sweep(sweep))
 
 
-def cancel_sweep(sweep: str) -> Call[answers.Sweep]:
+def cancel_sweep(sweep: NamedSweep) -> Call[answers.Sweep]:
     """Cancel every run of a sweep; those that have ended are unchanged."""
-    return Call("POST", "/sweeps/{sweep}/cancel", answers.Sweep, {"sweep": sweep})
+    return Call("POST", "/sweeps/{sweep}/cancel", answers.Sweep, _of_sweep(sweep))
 
 
-def sweep_table(sweep: str) -> Call[bytes]:
+def sweep_table(sweep: NamedSweep) -> Call[bytes]:
     """The sweep as CSV."""
-    return Call("GET", "/sweeps/{sweep}/table.csv", bytes, {"sweep": sweep}, timeout=LONGEST)
+    return Call("GET", "/sweeps/{sweep}/table.csv", bytes, _of_sweep(sweep), timeout=LONGEST)
 
 
 def campaign_file(run: Named) -> Call[bytes]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from clearance.client import answers, calls
-from clearance.client.calls import Call, Given, Named
+from clearance.client.calls import Call, Given, Named, NamedSweep
 from clearance.client.errors import NotAClearanceServiceError, RunFailedError, UnreachableError, refused
 from clearance.client.replies import Reply
 from clearance.client.session import Session
@@ -212,7 +212,7 @@ async def runs(
             return
 
 
-async def follow_sweep(session: Session, sweep: str) -> AsyncGenerator[answers.Sweep]:
+async def follow_sweep(session: Session, sweep: NamedSweep) -> AsyncGenerator[answers.Sweep]:
     """A sweep now, after every second, and at its end."""
     while not (found := await ask(session, calls.read_sweep(sweep))).ended:
         yield found
@@ -220,14 +220,14 @@ async def follow_sweep(session: Session, sweep: str) -> AsyncGenerator[answers.S
     yield found
 
 
-async def wait_sweep(session: Session, sweep: str) -> answers.Sweep:
+async def wait_sweep(session: Session, sweep: NamedSweep) -> answers.Sweep:
     """A sweep once every run of it has ended."""
     while not (found := await ask(session, calls.read_sweep(sweep))).ended:
         await session.pause(PAUSE)
     return found
 
 
-async def export_sweep(session: Session, sweep: str, file: str | Path) -> Path:
+async def export_sweep(session: Session, sweep: NamedSweep, file: str | Path) -> Path:
     """Write a sweep as CSV, one row for each run; returns the file's path."""
     return await download(session, calls.sweep_table(sweep), Path(file))
 

@@ -140,13 +140,18 @@ def versions_of(folder: Path) -> Versions:
         return Versions()
 
 
+def components_of(folder: Path) -> Catalogue | None:
+    """The components of the run of a folder; None where an earlier version stored none."""
+    file = folder / "evidence.json"
+    evidence = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    return Catalogue.model_validate(evidence["components"]) if "components" in evidence else None
+
+
 def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
     """Raises `CannotContinue` if the results of a folder are of another campaign, or of other components."""
     refuse_other_document(folder, campaign)
     try:
-        file = folder / "evidence.json"  # earlier versions wrote none
-        evidence = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
-        components = Catalogue.model_validate(evidence["components"]) if "components" in evidence else None
+        components = components_of(folder)
         others = [] if components is None else values_changed(campaign, components, catalogue())
     except UNREADABLE as error:
         raise CannotContinue(

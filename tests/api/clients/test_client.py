@@ -119,9 +119,9 @@ def test_the_list_is_read_page_after_page(service: Service, client: Client) -> N
 def test_a_sweep_is_followed_to_its_end(service: Service, client: Client, tmp_path: Path) -> None:
     sweep = client.sweep(campaign(), "avoider.d_0", [1, 2], name="Both")
     assert (sweep.id, sweep.runs, sweep.ended) == ("S-0001", 2, False)
-    assert client.cancel_sweep(sweep.id).states == {"cancelled": 2}
-    assert client.wait_sweep(sweep.id).ended
-    assert client.export_sweep(sweep.id, tmp_path / "s.csv").read_text().startswith("avoider.d_0")
+    assert client.cancel_sweep(sweep).states == {"cancelled": 2}
+    assert client.wait_sweep(sweep).ended
+    assert client.export_sweep(sweep, tmp_path / "s.csv").read_text().startswith("avoider.d_0")
 
 
 def test_refusals_have_their_types(service: Service, client: Client) -> None:

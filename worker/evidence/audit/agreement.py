@@ -24,7 +24,7 @@ def agreement(run: Run) -> bool:
         fall = min(fall, limits.AGREEMENT_OF_MARGIN * (worst - run.threshold))
     for k, row in zip(run.searches, run.claims["comparison"], strict=True):
         kind, spent = run.methods[k].kind, run.ended[k]["evaluations"]
-        within = worst + max(fall, limits.AGREEMENT_ROUNDING * max(abs(worst), 1.0))
+        within = worst + (max(fall, _rounding(run, worst)) if run.varies else math.inf)
         least, labels = limits.LEAST.get(kind, math.inf) * len(run.bounds), {f["label"] for f in findings}
         searched = spent >= least and not (kind == "local" and spent >= run.plan[k].planned)
         came[k] = searched and run.best[k] <= within and row["basin"] in labels
@@ -37,6 +37,13 @@ def agreement(run: Run) -> bool:
     globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
     several = len(by) >= limits.METHODS
     return bool(globally) and all(globally) and several and (not run.varies or worst < run.nominal)
+
+
+def _rounding(run: Run, worst: float) -> float:
+    """The difference of costs that is rounding; what earlier versions allowed, only where nothing was cleared."""
+    if run.wording < limits.ROUNDED and run.claims["verdict"] != "cleared":
+        return 1e-9 * max(abs(worst), 1.0)
+    return limits.AGREEMENT_ROUNDING * max(abs(worst), abs(run.nominal), abs(run.threshold))
 
 
 def apart(run: Run, k: int) -> list[Tree]:

@@ -8,7 +8,7 @@ import math
 LEAST = {"global": 25, "local": 3}
 """By the kind of methods that can agree: the fewest evaluations per parameter that count as a search."""
 METHODS = 2
-AGREEMENT_AT_MOST, AGREEMENT_OF_MARGIN, AGREEMENT_ROUNDING = 0.2, 0.1, 1e-9
+AGREEMENT_AT_MOST, AGREEMENT_OF_MARGIN, AGREEMENT_ROUNDING = 0.2, 0.1, 1e-15
 TOLERANCE_OF_MARGIN = 0.1
 ROUNDING = 1e-6
 MOVED, ABOVE_NOISE = 0.01, 10.0
@@ -27,10 +27,11 @@ TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 2
 OF_VIOLATIONS = ("nominal", "no violation", "noise of calls", "probability", "target")
 """Checks that violations alone can make fail."""
-BASELINES, BESIDE = 5, 6
+BASELINES, BESIDE, ROUNDED = 5, 6, 7
 """The version of the sentences since which records state all that a comparison with a baseline rests on, judged by the
 thresholds of both runs, and how many evaluations failed for each reason; since which a policy accepts known violations
-only where nothing beside them is wrong."""
+only where nothing beside them is wrong; since which costs agree within rounding only if they differ by that of their
+own digits."""
 
 
 def draws(requested: int, drawn: int) -> int:

@@ -118,7 +118,7 @@ class Run:
         self.lowest = min(self.costs.tolist(), default=math.nan)
         self.calls = Calls(self.campaign, self.claims, *self.rows(0))
         self.highest = max(self.costs.tolist(), default=math.nan)
-        self.varies = self.highest - self.lowest > limits.ROUNDING * max(abs(self.highest), abs(self.lowest))
+        self.varies = self.highest - self.lowest > self._rounding()
         self.others = self.means()
         self.findings = [self.finding(k, recorded) for k, recorded in enumerate(self.claims["findings"], 1)]
         violating = [f for f in self.findings if f["validation"]["violates"]]
@@ -142,6 +142,14 @@ class Run:
         if entry is None:
             raise KeyError("criterion")
         return entry.quantity, entry.unit
+
+    def _rounding(self) -> float:
+        """The spread of costs that is rounding; of what earlier versions did not clear, whatever the margin is."""
+        size: float = max(abs(self.highest), abs(self.lowest))
+        if self.wording < limits.ROUNDED and self.claims["verdict"] != "cleared":
+            return limits.ROUNDING * size
+        beside: float = limits.AGREEMENT_OF_MARGIN * abs(self.lowest - self.threshold)
+        return max(min(limits.ROUNDING * size, beside), limits.AGREEMENT_ROUNDING * size)
 
     def _again(self) -> bool:
         """Whether a stored violation violates again, as taken from the record."""

@@ -41,6 +41,8 @@ def sureness(run: Run) -> Tree | None:
     lower = limits.SAME_COST * fall
     if not math.inf > lower > limits.ROUNDING * max(abs(run.nominal), abs(best)):
         return None
+    if best - run.lowest > lower:
+        return None
     as_low = np.sum((costs[ok] - best) / fall <= limits.SAME_COST)
     stated = (run.claims.get("sureness") or {}).get("landscapes")
     accepted = (LOW, FORMER, FORMER_LOW) if n <= FEW else (MODEL, FORMER)

@@ -40,7 +40,8 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
         return _check(False, joined("; ", lazy))
     # No method has evaluated the cases that drew their own noise.
     worst = min([f.cost for f in evidence.findings if f.realisation is None], default=known.cost)
-    within = allowed(problem, nominal, worst)
+    flat = not varies(evidence, problem.threshold)
+    within = math.inf if flat else allowed(problem, nominal, worst)
     late = [statement for s in globally if (statement := _stopped_short(s, worst, within, problem))]
     if late:
         return _check(False, "the worst case is ", number(worst, unit, "worst"), ", but ", joined(" and ", late))
@@ -51,7 +52,7 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
         part for s in aiming if not _not_searched(s, problem.dimension) for part in _parts(s, evidence)
         if part.evaluations >= _least(s, problem.dimension) and part.best - worst <= within and part.finding is not None
     ]  # fmt: skip
-    return _agreed(counted, evidence, worst, nominal, unit)
+    return _agreed(counted, evidence, flat, worst, nominal, unit)
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ def allowed(problem: Problem, nominal: float, worst: float) -> float:
     a disagreement could use up."""
     of_fall = min(problem.campaign.agreement, rules.AGREEMENT_AT_MOST.value) * (nominal - worst)
     margin = worst - problem.threshold
-    least = rules.AGREEMENT_ROUNDING.value * max(abs(worst), 1.0)
+    least = rules.AGREEMENT_ROUNDING.value * max(abs(worst), abs(nominal), abs(problem.threshold))
     return max(min(of_fall, rules.AGREEMENT_OF_MARGIN.value * margin) if margin > 0 else of_fall, least)
 
 
@@ -91,16 +92,19 @@ def family(search: SearchResult) -> str:
     return search.family or search.method
 
 
-def varies(evidence: Evidence) -> float:
-    """The spread of the criterion over all stored evaluations; 0 if it is rounding."""
+def varies(evidence: Evidence, threshold: float) -> float:
+    """The spread of the criterion over all stored evaluations; 0 if it is rounding, and small beside the distance from
+    the threshold."""
     spread = evidence.encounter.spread
     if spread.lowest is None or spread.highest is None:
         return 0.0
     by = spread.highest - spread.lowest
-    return by if by > rules.ROUNDING.value * max(abs(spread.lowest), abs(spread.highest)) else 0.0
+    size, margin = max(abs(spread.lowest), abs(spread.highest)), abs(spread.lowest - threshold)
+    rounding = min(rules.ROUNDING.value * size, rules.AGREEMENT_OF_MARGIN.value * margin)
+    return by if by > max(rounding, rules.AGREEMENT_ROUNDING.value * size) else 0.0
 
 
-def _agreed(counted: Sequence[Part], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
+def _agreed(counted: Sequence[Part], evidence: Evidence, flat: bool, worst: float, nominal: float, unit: str) -> Check:
     reached = listed([part.title for part in counted])
     families = sorted({part.family for part in counted})
     if not counted:
@@ -109,7 +113,7 @@ def _agreed(counted: Sequence[Part], evidence: Evidence, worst: float, nominal: 
         of_one = f", of one family ({families[0]})," if len({part.title for part in counted}) > 1 else ""
         second = " reached the worst case; a method of another family must confirm it"
         return _check(False, "only ", reached, of_one, second)
-    if not varies(evidence):
+    if flat:
         evaluations = count(evidence.encounter.spread.evaluations, "evaluations")
         return _check(True, reached, " agree: the criterion does not vary over ", evaluations, " evaluations")
     if not worst < nominal:

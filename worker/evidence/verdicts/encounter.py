@@ -166,7 +166,7 @@ def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
 
 def _influence(problem: Problem, evidence: Evidence) -> Condition:
     quantity, unit = symbol(problem.quantity), problem.unit
-    by = varies(evidence)
+    by = varies(evidence, problem.threshold)
     if not by:
         choose = "; choose parameters that the encounter depends on"
         return False, say("no uncertain parameter changes ", quantity, choose)

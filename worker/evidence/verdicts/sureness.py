@@ -85,6 +85,8 @@ def sureness(
     lower = rules.SAME_COST.value * (nominal - lowest)
     if not rules.ROUNDING.value * max(abs(nominal), abs(lowest)) < lower < np.inf:
         return None
+    if lowest - _lowest(stored) > lower:  # another stage has found what the number would state the chance of
+        return None
     coefficients = model(problem.dimension, landscapes)
     probability = chance(ranked, nominal, coefficients)
     statement = templates.sureness(probability, lower, problem.unit, coefficients.landscapes)
@@ -103,6 +105,11 @@ def _searched(problem: Problem, stored: Mapping[int, Stored]) -> int | None:
     fast = float(request.options.get("seconds", 0.0)) < SECONDS
     whole = position in stored and len(stored[position].status) == request.evaluations
     return position if request.method == limits.SEARCH and known and fast and whole else None
+
+
+def _lowest(stored: Mapping[int, Stored]) -> float:
+    """The lowest cost of all stages."""
+    return min(float(costs[status == OK, 0].min(initial=np.inf)) for costs, status in stored.values())
 
 
 def _repeats(problem: Problem, results: Sequence[StageResult]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -115,15 +116,47 @@ def test_a_run_whose_simulator_gives_no_value_fails_with_the_files_of_the_job(
     (tmp_path / "bowl.py").write_text("raise SystemExit('no licence')\n", encoding="utf-8")
     files = ["--junit", str(cases), "--summary", str(texts), "--sarif", str(found), "--label", "branch=main"]
     assert invoke(["run", str(file), "--allow-code", *files]) == INTERNAL
-    assert "Failed: no verdict\nsimulator.name" in (printed := capsys.readouterr().err)
-    assert "no licence" in printed
+    assert "no licence" in capsys.readouterr().err
     [error] = Xml.parse(cases).getroot().iter("error")
     assert "no licence" in str(error.get("message"))
     summary = texts.read_text(encoding="utf-8")
     assert "exit code 4" in summary
-    assert "The run failed. simulator.name" in summary
+    assert "no licence" in summary
     [result] = json.loads(found.read_text(encoding="utf-8"))["runs"][0]["results"]
     assert result["ruleId"] == "no-verdict"
+
+
+def test_a_run_in_other_units_is_no_baseline(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def run(folder: str, unit: str, *more: str) -> int:
+        (tmp_path / folder).mkdir()
+        result = {"separation": {"unit": unit, "title": "Separation"}}
+        file = written(tmp_path / folder, results=result)
+        return invoke(["run", str(file), "--allow-code", "--out", str(tmp_path / folder / "out"), *more])
+
+    assert run("one", "m") == 2
+    baseline = ("--baseline", str(tmp_path / "one" / "out"))
+    capsys.readouterr()
+    assert run("two", "km", *baseline) == WRONG_INPUT
+    assert {"m,", "km"} <= set(capsys.readouterr().err.split())
+    assert run("three", "m", *baseline) == 2
+
+
+def test_its_findings_are_replayed_where_its_command_is_permitted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, out, cases = written(tmp_path, name="bowl"), tmp_path / "out", tmp_path / "j.xml"
+    document = yaml.safe_load(file.read_text(encoding="utf-8"))
+    document["criterion"]["threshold"] = 9.0
+    file.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+    assert invoke(["run", str(file), "--allow-code", "--out", str(out), "--junit", str(cases)]) == 1
+    command = next(line for line in cases.read_text(encoding="utf-8").splitlines() if "clearance replay" in line)
+    installed.simulators().pop("bowl")
+    installed.catalogue.cache_clear()
+    assert invoke(["replay", str(out), "F1"]) == WRONG_INPUT
+    assert "--allow-code" in capsys.readouterr().err
+    assert invoke(shlex.split(command.partition("</")[0])[1:]) == 0
+    assert "F1" in capsys.readouterr().out
+    assert invoke(["audit", str(out), "--replay", "3", "--allow-code"]) == 0
 
 
 def test_calls_and_retries_stay_those_of_the_campaign(tmp_path: Path) -> None:

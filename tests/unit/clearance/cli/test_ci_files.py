@@ -87,6 +87,15 @@ def test_the_criterion_passes_only_if_it_is_cleared(word: str, findings: tuple[C
     assert outcome(cases(ended(word, findings=findings))["criterion: d_min"]) == told
 
 
+def test_a_value_is_read_on_its_own_side_of_the_threshold_in_every_file() -> None:
+    limit = 1699999999.95
+    close = ended(threshold=limit, findings=(Case("F1", limit - 0.01, -0.01, PARAMETERS),))
+    assert str(cases(close)["criterion: d_min"][0].text).startswith("F1: 1699999999.9 m")
+    texts = [result["message"]["text"] for result in sarif(close)["runs"][0]["results"]]
+    (found,) = (text for text in texts if text.startswith("F1"))
+    assert {"1699999999.9", "1699999999.95"} <= set(found.split())
+
+
 def test_what_is_not_confirmed_is_no_violation_in_any_file() -> None:
     """F1 is lower in the search, and above the threshold when evaluated again; F2 violates both times."""
     doubtful = ended(

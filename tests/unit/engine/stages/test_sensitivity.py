@@ -104,6 +104,15 @@ def test_correlations_are_ignored_and_the_result_states_it() -> None:
     assert found.text.endswith("; correlations are ignored")
 
 
+def test_the_indices_depend_on_no_unit() -> None:
+    def scaled(scale: float) -> list[float]:
+        found = shares_of(ran(lambda u: scale * u.sum(axis=1), {"sobol": {"samples": 64}}))
+        assert found.indices is not None
+        return [row.first for row in found.indices]
+
+    assert scaled(1e-13) == pytest.approx(scaled(1.0), rel=1e-6)
+
+
 def test_a_constant_has_no_indices() -> None:
     found = ran(lambda u: np.full(len(u), 0.7), {"sobol": {"samples": 8}, "morris": {"trajectories": 4}})
     assert shares_of(found).indices is None

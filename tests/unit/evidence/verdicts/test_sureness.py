@@ -109,6 +109,18 @@ def test_there_is_none_of_what_it_was_not_set_on(requests: list[dict[str, Any]],
     assert estimated(*requests, **changes) is None
 
 
+def test_there_is_none_where_another_stage_has_found_a_case_lower_by_so_much() -> None:
+    search, ok = Stored(costs(30)[:, None], np.zeros(BUDGET, dtype=np.uint8)), np.zeros(1, dtype=np.uint8)
+    lower = 0.01 * (NOMINAL - 0.5)
+
+    def beside(cost: float) -> Sureness | None:
+        problem = Problem(searching(AUTO))
+        return sureness(problem, [nominal()], {1: Stored(np.array([[cost]]), ok), 2: search})
+
+    assert beside(0.5 - 0.9 * lower) == estimated()
+    assert beside(0.5 - 1.1 * lower) is None
+
+
 def test_there_is_none_of_a_search_that_ended_early() -> None:
     campaign = searching(AUTO)
     stored = {2: Stored(costs(30)[:-1, None], np.zeros(BUDGET - 1, dtype=np.uint8))}

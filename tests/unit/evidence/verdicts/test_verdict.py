@@ -386,6 +386,25 @@ def test_a_flat_campaign_agrees_up_to_rounding() -> None:
     assert "a drill." in conclusion.reason
 
 
+@pytest.mark.parametrize("offset", [0.0, 1.7e9])
+@pytest.mark.parametrize("scale", [1e-12, 1e-9, 1.0, 1e9])
+def test_agreement_knows_no_scale_and_no_offset(scale: float, offset: float) -> None:
+    """What one method missed is no rounding, whatever the unit: 1e-9 of a time since 1970 is more than a second."""
+    if offset:
+        scale = max(scale, 1e-3)  # below, numbers near the offset have too few digits
+    threshold, worst, second = (offset + scale * value for value in (0.05, 0.43, 1.0))
+    searches = [search("direct", second), search("ga", worst)]
+    level = encountered(spread=Spread(evaluations=3343, lowest=worst, highest=offset + 1.5 * scale))
+    conclusion = concluded(
+        campaign(criterion__threshold=threshold), nominal=nominal(offset + 1.4 * scale), searches=searches,
+        finding=finding(worst), validation=validation(encounter=level),
+    )  # fmt: skip
+    agreed = check_of("agreement", conclusion)
+    assert not agreed.ok
+    assert "direct" in facts(agreed.statement)
+    assert check_of("influence", conclusion).ok
+
+
 def test_only_parameters_with_slices_are_reported_as_without_effect() -> None:
     def curve(path: str, *costs: float | None) -> Curve:
         values = [float(k) for k in range(len(costs))]

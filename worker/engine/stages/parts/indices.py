@@ -74,7 +74,7 @@ def sobol(
 
     values = batch.costs[:, 0]
     reason = _unusable(batch)
-    if reason is None and np.ptp(values) <= 1e-12 * max(1.0, float(np.abs(values).max())):
+    if reason is None and np.ptp(values) <= 1e-12 * float(np.abs(values).max()):
         reason = sentences.NO_VARIANCE
     if reason is not None:
         return study(None, reason)

@@ -1,0 +1,33 @@
+"""Units of what two campaigns have in common: numbers of one mean the same in the other only if they are equal."""
+
+from __future__ import annotations
+
+from campaigns.asked.spec import Campaign
+from campaigns.catalogue import Catalogue
+from campaigns.checked.check import parameters
+from campaigns.checked.texts import unit
+
+
+def differing(then: Campaign, before: Catalogue, now: Campaign, here: Catalogue) -> str:
+    """The first unit of the criterion or of a common uncertain parameter that differs, as a clause; empty if none."""
+    was, is_ = _units(then, before), _units(now, here)
+    for name in was:
+        if unit(was[name]) != unit(is_.get(name, was[name])):
+            return f"{name} is in {was[name] or 'no unit'}, here it is in {is_[name] or 'no unit'}"
+    return ""
+
+
+def _units(campaign: Campaign, catalogue: Catalogue) -> dict[str, str]:
+    known = parameters(campaign, catalogue)
+    found = {path: known[path][0].unit for path in campaign.uncertain if path in known}
+    of = _criterion(campaign, catalogue)
+    return found if of is None else {"its criterion": of, **found}
+
+
+def _criterion(campaign: Campaign, catalogue: Catalogue) -> str | None:
+    if campaign.simulator is None:
+        component = catalogue.component("criterion", campaign.criterion.component or "")
+        return None if component is None else component.unit
+    simulator = catalogue.simulator(campaign.simulator.name)
+    result = None if simulator is None else simulator.result(campaign.criterion.result)
+    return None if result is None else result.unit

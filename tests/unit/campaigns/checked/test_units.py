@@ -1,0 +1,58 @@
+"""Units of two campaigns: a number of one is the same number in the other only where they are equal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from campaigns.asked.load import load_document
+from campaigns.asked.spec import Campaign
+from campaigns.catalogue import Catalogue
+from campaigns.checked.units import differing
+from tests.given.case_campaigns import campaign
+from tests.simulators import package
+from worker.running.catalogue.installed import catalogue
+
+
+def described(result: str, parameter: str) -> Catalogue:
+    """What an installation has whose simulator states these units."""
+    wind = {"name": "wind", "symbol": "w", "unit": parameter, "low": 0.0, "high": 20.0, "default": 1.0, "text": "Wind"}
+    value = {"name": "separation", "title": "Separation", "unit": result, "quantity": "d", "worse": "low"}
+    one = {"name": "drop", "title": "Drop", "text": "", "parameters": [wind], "results": [value]}
+    return Catalogue.model_validate({"version": "1", "components": [], "methods": [], "simulators": [one]})
+
+
+def simulated() -> Campaign:
+    document: dict[str, Any] = package.campaign(1.0, simulator={"name": "drop"})
+    return load_document(document | {"uncertain": {"simulator.wind": {"low": 0.0, "high": 8.0}}})
+
+
+@pytest.mark.parametrize(
+    ("then", "now", "named"),
+    [
+        (("m", "m/s"), ("m", "m/s"), []),
+        (("kg m2", "m/s"), ("kg·m²", "m/s"), []),
+        (("km", "m/s"), ("m", "m/s"), ["its criterion", "km", "m"]),
+        (("m", "m/s"), ("m", "km/h"), ["simulator.wind", "m/s", "km/h"]),
+        (("m", "m/s"), ("m", ""), ["simulator.wind", "m/s", "no unit"]),
+    ],
+)
+def test_units_differ_where_a_number_means_something_else(
+    then: tuple[str, str], now: tuple[str, str], named: list[str]
+) -> None:
+    one, catalogues = simulated(), (described(*then), described(*now))
+    statement = differing(one, catalogues[0], one, catalogues[1])
+    assert bool(statement) == bool(named)
+    assert all(f"{word} " in f"{statement.replace(',', '')} " for word in named)
+
+
+def test_a_scenario_has_the_units_of_its_components() -> None:
+    one, here = campaign(), catalogue()
+    assert differing(one, here, one, here) == ""
+    other = here.model_copy(
+        update={
+            "components": [c.model_copy(update={"unit": "ft"}) if c.role == "criterion" else c for c in here.components]
+        }
+    )
+    assert differing(one, other, one, here).startswith("its criterion")

@@ -6,10 +6,11 @@ the system is a function of this process.
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -237,14 +238,37 @@ def _found(call: object, name: str) -> dict[str, str]:
     """Where a process of its own finds a function."""
     qualified, module = getattr(call, "__qualname__", "<lambda>"), sys.modules.get(str(getattr(call, "__module__", "")))
     file = getattr(module, "__file__", None)
-    if "<locals>" in qualified or "<lambda>" in qualified or module is None or file is None:
+    nested = "<locals>" in qualified or "<lambda>" in qualified
+    if nested or module is None or file is None or not _at_top(module.__name__, file, qualified.partition(".")[0]):
         raise ValueError(
-            f"{name} is isolated, but a process of its own cannot find it, because it is not in a file "
-            "or not at its top level: put it in a file, or declare it with isolated=False"
+            f"{name} is isolated, but a process of its own cannot find it, because it is not in a file or not at its "
+            "top level: put it in a file, outside `if __name__ == '__main__'`, or declare it with isolated=False"
         )
     if module.__name__ == "__main__" or getattr(module, "__spec__", None) is None:
         return {"file": str(file), "name": qualified}
     return {"module": module.__name__, "name": qualified}
+
+
+def _at_top(module: str, file: str, name: str) -> bool:
+    """Whether a process that loads the file finds the name: in a program, what is under `if __name__ == "__main__"` is
+    not run there."""
+    try:
+        return module != "__main__" or name in _names(ast.parse(Path(file).read_bytes()).body)
+    except (OSError, SyntaxError, ValueError):
+        return False
+
+
+def _names(body: Sequence[ast.stmt]) -> Iterator[str]:
+    """What these statements define, whichever branches of theirs are run."""
+    for one in body:
+        parts = one.orelse if isinstance(one, ast.If) and "__name__" in ast.unparse(one.test) else [one]
+        for node in (node for part in parts for node in ast.walk(part)):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+                yield node.name
+            elif isinstance(node, ast.alias):
+                yield node.asname or node.name.partition(".")[0]
+            elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                yield node.id
 
 
 def _ranges(parameters: object) -> dict[str, Range]:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import clearance
+from clearance.function.request import _at_top
 from tests.faults.processes import REPOSITORY
 
 RANGES = {"mass": (1.5, 2.3), "drag": (0.1, 0.2)}
@@ -151,3 +152,25 @@ def test_workers_give_the_same_numbers() -> None:
     beside = searched(workers=2, methods={"direct": 30}, validation=20)
     here = searched(methods={"direct": 30}, validation=20)
     assert np.array_equal(beside.costs[beside.method == "direct"], here.costs[here.method == "direct"])
+
+
+@pytest.mark.parametrize(
+    ("program", "found"),
+    [
+        ("def fly(x): return x", True),
+        ("try:\n    from fast import fly\nexcept ImportError:\n    def fly(x): return x", True),
+        ("fly = decorated(other)", True),
+        ("if __name__ == '__main__':\n    def fly(x): return x", False),
+        ("if __name__ != '__main__':\n    pass\nelse:\n    def fly(x): return x", True),
+        ("other = 1", False),
+        ("def (", False),
+    ],
+)
+def test_a_process_of_its_own_finds_what_a_program_defines_wherever_it_is_loaded(
+    tmp_path: Path, program: str, found: bool
+) -> None:
+    file = tmp_path / "program.py"
+    file.write_text(program, encoding="utf-8")
+    assert _at_top("__main__", str(file), "fly") == found
+    assert _at_top("package", str(file), "fly"), "a module is loaded as it is here"
+    assert not _at_top("__main__", "<stdin>", "fly")

@@ -154,22 +154,20 @@ def test_workers_give_the_same_numbers() -> None:
     assert np.array_equal(beside.costs[beside.method == "direct"], here.costs[here.method == "direct"])
 
 
-@pytest.mark.parametrize(
-    ("program", "found"),
-    [
-        ("def fly(x): return x", True),
-        ("try:\n    from fast import fly\nexcept ImportError:\n    def fly(x): return x", True),
-        ("fly = decorated(other)", True),
-        ("if __name__ == '__main__':\n    def fly(x): return x", False),
-        ("if __name__ != '__main__':\n    pass\nelse:\n    def fly(x): return x", True),
-        ("other = 1", False),
-        ("def (", False),
-    ],
-)
-def test_a_process_of_its_own_finds_what_a_program_defines_wherever_it_is_loaded(
-    tmp_path: Path, program: str, found: bool
-) -> None:
-    file = tmp_path / "program.py"
+PROGRAMS = {
+    "def fly(x): return x": True,
+    "try:\n    from fast import fly\nexcept ImportError:\n    def fly(x): return x": True,
+    "fly = decorated(other)": True,
+    "if __name__ == '__main__':\n    def fly(x): return x": False,
+    "if __name__ != '__main__':\n    pass\nelse:\n    def fly(x): return x": True,
+    "other = 1": False,
+    "def (": False,
+}
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_a_process_of_its_own_finds_what_a_program_defines_wherever_it_is_loaded(tmp_path: Path, program: str) -> None:
+    file, found = tmp_path / "program.py", PROGRAMS[program]
     file.write_text(program, encoding="utf-8")
     assert _at_top("__main__", str(file), "fly") == found
     assert _at_top("package", str(file), "fly"), "a module is loaded as it is here"

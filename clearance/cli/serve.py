@@ -56,6 +56,8 @@ def serve(
 ) -> None:
     """Start the service and its workers, print a login link, and stop everything on Ctrl-C."""
     jit.refuse(jit.by_environment())
+    if not data.exists():
+        _free_port(host, port)  # before anything is made
     _closed_to_others(data, database)
     url = url_of(data, database)
     with alone(data):

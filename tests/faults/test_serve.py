@@ -68,12 +68,17 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFi
         engine.dispose()
 
 
-def test_a_taken_port_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("made", [True, False])
+def test_a_taken_port_is_reported_and_nothing_is_made(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], made: bool
+) -> None:
+    data = tmp_path if made else tmp_path / "new"
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
-        code, _, statement = here(capsys, "serve", "--data", str(tmp_path), "--port", port)
+        code, _, statement = here(capsys, "serve", "--data", str(data), "--port", port)
     assert code == WRONG_INPUT
     assert f"port {port} of 127.0.0.1 " in " ".join(statement.split())
+    assert made or not data.exists()
 
 
 @pytest.mark.nightly  # by day the service itself refuses it, in tests/api/http/test_process.py

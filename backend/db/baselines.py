@@ -84,7 +84,7 @@ def _labelled(reader: sa.Connection, campaign: Campaign, request: str, here: Cat
             other = _campaign(reader, run_id)
         except CannotCompare:  # one of another version of Clearance
             continue
-        if same_question(campaign, other):
+        if same_question(campaign, other) and not _other_units(reader, campaign, run_id, other, here):
             statement = f"Baseline: {run_name(run_id)}, the newest run with the label {'='.join(wanted)}."
             return _compared(reader, campaign, run_id, other, statement, here)
     return Resolved(campaign, None, none_found(request), request)
@@ -93,9 +93,14 @@ def _labelled(reader: sa.Connection, campaign: Campaign, request: str, here: Cat
 def _compared(
     reader: sa.Connection, campaign: Campaign, run_id: int, other: Campaign, statement: str, here: Catalogue
 ) -> Resolved:
-    found, then = continuation.findings(reader, run_id), snapshots.of_run(reader, run_id)
-    units = "" if then is None else differing(other, then, campaign, here)
+    found, units = continuation.findings(reader, run_id), _other_units(reader, campaign, run_id, other, here)
     return Resolved(with_baseline(campaign, run_name(run_id), other, found, units), run_id, statement)
+
+
+def _other_units(reader: sa.Connection, campaign: Campaign, run_id: int, other: Campaign, here: Catalogue) -> str:
+    """How the units of a run differ, as a clause; runs of earlier versions may have stored none."""
+    then = snapshots.of_run(reader, run_id)
+    return "" if then is None else differing(other, then, campaign, here)
 
 
 def _campaign(reader: sa.Connection, run_id: int) -> Campaign:

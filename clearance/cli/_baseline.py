@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError
 from clearance.cli._where import existing_url_of, reading
 
 if TYPE_CHECKING:
     from campaigns import Campaign
+    from campaigns.catalogue import Catalogue
 
 LONGEST = 120
 """Characters of the name of a baseline."""
@@ -25,14 +27,13 @@ def compared(campaign: Campaign, baseline: str, data: Path, database: str) -> tu
     from campaigns.checked.units import differing
     from campaigns.results.baselines import CannotCompare, with_baseline
     from clearance.cli.replay import of_folder
-    from clearance.local.results import components_of
     from worker.running.catalogue.installed import catalogue
 
     try:
         if Path(baseline).is_dir():
             recorded = of_folder(Path(baseline))
             name = baseline[-LONGEST:]
-            then = components_of(Path(baseline))
+            then = _components(Path(baseline))
             units = "" if then is None else differing(recorded.campaign, then, campaign, catalogue())
             made = with_baseline(campaign, name, recorded.campaign, recorded.findings, units)
             return made, f"Baseline: {name}."
@@ -45,3 +46,14 @@ def compared(campaign: Campaign, baseline: str, data: Path, database: str) -> tu
         return found.campaign, found.sentence
     except CannotCompare as error:
         raise WrongInputError(f"{error}") from None
+
+
+def _components(folder: Path) -> Catalogue | None:
+    from campaigns.unreadable import UNREADABLE
+    from clearance.local.results import components_of
+
+    try:
+        return components_of(folder)
+    except UNREADABLE as error:
+        why = f"its components cannot be read ({' '.join(str(error).split())[:200]})"
+        raise WrongInputError(f"{folder} cannot be the baseline: {why}", RefusalCode.UNREADABLE) from None

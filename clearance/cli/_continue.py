@@ -36,7 +36,7 @@ from clearance.local.results import read_folder, refuse_other_campaign, versions
 from worker.engine.stages.parts.store import Store
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
-from worker.running.runs.runner import Cancelled, ReplayMismatch
+from worker.running.runs.runner import CampaignUnusable, Cancelled, ReplayMismatch
 from worker.running.runs.store import MemoryStore
 
 Execute = Callable[[Campaign, Store, Callable[[], bool]], Verdict]
@@ -85,6 +85,9 @@ def execute_continued(run: str, budget: str, data: Path, database: str, execute:
     except (CannotContinue, ReplayMismatch) as error:
         code = error.code if isinstance(error, CannotContinue) else RefusalCode.OTHER_POINTS
         raise WrongInputError(f"{run} cannot be extended: {error}", code) from None
+    except CampaignUnusable as error:
+        why = "; ".join(map(str, error.problems))
+        raise WrongInputError(f"{run} cannot be extended: {why}", RefusalCode.NOT_EVALUABLE) from None
 
 
 def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:

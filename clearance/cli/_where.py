@@ -53,7 +53,7 @@ Database = Annotated[
 DataServed = Annotated[
     Path | None,
     typer.Option(
-        help="Folder of the database; default: that of the running service.",
+        help="Folder of the database; default: `data` here, or that of the running service.",
         envvar="CLEARANCE_DATA",
         file_okay=False,
         show_default=False,
@@ -69,8 +69,7 @@ DAMAGED: tuple[type[Exception], ...] = (sa.exc.SQLAlchemyError, *UNREADABLE)
 def served() -> Path:
     """The data folder of the only service that runs, else the one in this folder; an error names where it searched."""
     here, running = DATA.absolute(), services()
-    if any(Path(service.data) == here for service in running):
-        return DATA
+    running = [service for service in running if Path(service.data) == here] or running
     if len(running) > 1:
         listed = "".join(f"\n  --data {service.data}  ({service.address})" for service in running)
         raise WrongInputError(f"{len(running)} services of this user are running; name one of them:{listed}")
@@ -82,12 +81,14 @@ def served() -> Path:
             f"{here / 'clearance.sqlite3'}: start one with `clearance serve`, or name its folder with --data or "
             "CLEARANCE_DATA"
         )
-    (service,) = running
+    service = running[0]
     if not service.usual:
         raise WrongInputError(
             f"the service at {service.address} has its database outside its data folder: name both, with "
             f"--data {service.data} and --database"
         )
+    if Path(service.data) == here:
+        return DATA
     typer.echo(f"For the service of {service.data}:", err=True)
     return Path(service.data)
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WrongInputError, replay
 from clearance.cli._code import AllowCode, for_replay
 from clearance.cli._service import Token
@@ -83,6 +84,8 @@ def audit(
     from worker.evidence.audit.record import UnreadableError, of_database, of_folder
     from worker.running.runs.audited import audited
 
+    if allow_code and rows is None:
+        raise WrongInputError("--allow-code is for --replay: nothing else is executed", RefusalCode.OPTIONS)
     with stored_in(ctx, run, data, database, service, token_file) as stored:
         try:
             items = audited(stored.load(of_folder, of_database))

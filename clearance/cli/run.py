@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 class _FailedRunError(Exception):
-    """A run has begun and cannot go on; the message says why."""
+    """A run cannot begin or go on; the message says why."""
 
 
 def run(
@@ -89,7 +89,7 @@ def run(
         try:
             campaign, store, verdict = _fresh(file, campaign, announced, sample_seed)
         except _FailedRunError as error:
-            _report_failed(f"{error}", campaign, options, note, file)
+            _report_failed(f"{error}", campaign, options, note, file, out, as_json)
             raise typer.Exit(INTERNAL) from None
         cites = None
     from clearance.local.likelihood import likelihoods
@@ -211,12 +211,17 @@ def _fresh(
         raise _FailedRunError("; ".join(map(str, error.problems))) from None
 
 
-def _report_failed(error: str, campaign: Campaign, options: launch.Launch, note: str, file: Path) -> None:
+def _report_failed(
+    error: str, campaign: Campaign, options: launch.Launch, note: str, file: Path, out: Path | None, as_json: bool
+) -> None:
     """Print why there is no verdict, and write the files that were asked for."""
+    if as_json:
+        typer.echo(json.dumps({"campaign": campaign.name, "state": RunState.FAILED, "error": error}, indent=2))
     typer.echo(f"Failed: no verdict\n{error}", err=True)
     notes = (note,) if note else ()
     ended = EndedRun(
-        "", campaign.name, RunState.FAILED, None, error, labels=options.labels, notes=notes,
+        "" if out is None else str(out), campaign.name, RunState.FAILED, None, error, labels=options.labels,
+        notes=notes, compared=campaign.baseline is not None or not options.baseline,
         source=_source(file, options), requirements=tuple(one.id for one in campaign.criterion.requirements),
     )  # fmt: skip
     write_files(ended, options)

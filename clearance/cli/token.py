@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -10,7 +11,7 @@ import typer
 from backend.db import access, audit
 from backend.db.roles import Scope
 from clearance.cli._following import aligned
-from clearance.cli._where import DATA, Data, Database, DataServed, opened, operator, served
+from clearance.cli._where import DATA, Database, DataServed, opened, operator, served
 
 app = typer.Typer(help="API tokens for programs: create, list, revoke.", no_args_is_help=True)
 
@@ -35,9 +36,7 @@ def create(
     database: Database = "",
 ) -> None:
     """Create a token and print it: the only time it is shown. Send it as `Authorization: Bearer TOKEN`."""
-    if data is None:
-        data = DATA if database or (DATA / "clearance.sqlite3").exists() else served()
-    with opened(data, database, create=True) as connection:
+    with opened(_folder(data, database), database, create=True) as connection:
         token = access.create_token(connection, name, owner, scope, None if days is None else days * 86400.0)
         details = {"owner": owner, "scope": scope, "days": days}
         audit.note_command(connection, operator(), "token.created", name, details)
@@ -46,9 +45,9 @@ def create(
 
 
 @app.command("list")
-def list_(data: Data = DATA, database: Database = "") -> None:
+def list_(data: DataServed = None, database: Database = "") -> None:
     """List the tokens: name, owner, scope, created, expires, last used, revoked."""
-    with opened(data, database) as connection:
+    with opened(_folder(data, database), database) as connection:
         rows = access.tokens(connection)
     table: list[tuple[str, ...]] = [("name", "owner", "scope", "created", "expires", "last used", "revoked")]
     for row in rows:
@@ -58,12 +57,18 @@ def list_(data: Data = DATA, database: Database = "") -> None:
 
 
 @app.command()
-def revoke(name: Name, data: Data = DATA, database: Database = "") -> None:
+def revoke(name: Name, data: DataServed = None, database: Database = "") -> None:
     """Revoke a token: from now on it is refused."""
-    with opened(data, database) as connection:
+    with opened(_folder(data, database), database) as connection:
         access.revoke_token(connection, name)
         audit.note_command(connection, operator(), "token.revoked", name, {})
     typer.echo(f"Token {name!r} was revoked.")
+
+
+def _folder(stated: Path | None, database: str) -> Path:
+    if stated is not None:
+        return stated
+    return DATA if database or (DATA / "clearance.sqlite3").exists() else served()
 
 
 def _shown(at: float | None) -> str:

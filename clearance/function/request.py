@@ -35,6 +35,8 @@ from worker.engine.systems.simulators.declared.function import (
 )
 
 MAX_SEED = 2**53
+ONLY_RUN = ("__name__ == '__main__'", "'__main__' == __name__")
+"""The condition of what a process that loads the file does not run."""
 
 Range = tuple[float, float]
 
@@ -140,7 +142,7 @@ def search(
 
 def _python(value: Any) -> Any:
     """With NumPy's numbers as Python's own."""
-    if isinstance(value, np.generic):
+    if isinstance(value, np.generic | np.ndarray) and value.ndim == 0:
         return value.item()
     if isinstance(value, Mapping):
         return {name: _python(part) for name, part in value.items()}
@@ -261,7 +263,8 @@ def _at_top(module: str, file: str, name: str) -> bool:
 def _names(body: Sequence[ast.stmt]) -> Iterator[str]:
     """What these statements define, whichever branches of theirs are run."""
     for one in body:
-        parts = one.orelse if isinstance(one, ast.If) and "__name__" in ast.unparse(one.test) else [one]
+        only_run = isinstance(one, ast.If) and ast.unparse(one.test) in ONLY_RUN
+        parts = one.orelse if isinstance(one, ast.If) and only_run else [one]
         for node in (node for part in parts for node in ast.walk(part)):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
                 yield node.name

@@ -16,6 +16,8 @@ from worker.evidence.audit.record import MISSING
 
 def agreement(run: Run) -> bool:
     """Whether methods that searched, of two families and all global ones, reached the worst case and its cost."""
+    if math.isnan(run.nominal):
+        return False
     findings, came, by = run.claims["findings"], dict[int, bool](), set[str]()
     stated = [f["cost"] for f in findings if f["validation"]["realisation"] is None]
     worst = min(stated or [f["cost"] for f in findings], default=math.nan)
@@ -24,15 +26,15 @@ def agreement(run: Run) -> bool:
         fall = min(fall, limits.AGREEMENT_OF_MARGIN * (worst - run.threshold))
     for k, row in zip(run.searches, run.claims["comparison"], strict=True):
         kind, spent = run.methods[k].kind, run.ended[k]["evaluations"]
-        within = worst + (max(fall, _rounding(run, worst)) if run.varies else math.inf)
+        within = max(fall, _rounding(run, worst)) if run.varies or run.older else math.inf
         least, labels = limits.LEAST.get(kind, math.inf) * len(run.bounds), {f["label"] for f in findings}
         searched = spent >= least and not (kind == "local" and spent >= run.plan[k].planned)
-        came[k] = searched and run.best[k] <= within and row["basin"] in labels
+        came[k] = searched and run.best[k] - worst <= within and row["basin"] in labels
         parts = run.claims["results"][k].get("apart") or []
         if came[k] and not parts:
             by.add(family(run, k))
         for part, basin in zip(parts, row.get("apart") or [], strict=True):
-            if came[k] and part["evaluations"] >= least and part["best"] <= within and basin in labels:
+            if came[k] and part["evaluations"] >= least and part["best"] - worst <= within and basin in labels:
                 by.add(run.methods[k].apart.get(part["member"], part["family"]))
     globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
     several = len(by) >= limits.METHODS
@@ -41,7 +43,7 @@ def agreement(run: Run) -> bool:
 
 def _rounding(run: Run, worst: float) -> float:
     """The difference of costs that is rounding; what earlier versions allowed, only where nothing was cleared."""
-    if run.wording < limits.ROUNDED and run.claims["verdict"] != "cleared":
+    if run.older:
         return 1e-9 * max(abs(worst), 1.0)
     return limits.AGREEMENT_ROUNDING * max(abs(worst), abs(run.nominal), abs(run.threshold))
 

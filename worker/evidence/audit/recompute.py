@@ -91,6 +91,8 @@ class Run:
         self.reworded = reworded(Versions.of(stored))
         self.wording = Versions.of(stored).wording or 0
         """Whose templates made the sentences, which are then not made again; empty if it is those of today."""
+        self.older = self.wording < limits.ROUNDED and self.claims.get("verdict") != "cleared"
+        """Whether what is rounding is judged as versions of before did: only where they cleared nothing by it."""
         self.sealed = SEAL not in twice or not isinstance(twice[SEAL][0], Missing)
         """Whether a version wrote it that states the evidence digest: then nothing of it may be absent."""
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
@@ -146,7 +148,7 @@ class Run:
     def _rounding(self) -> float:
         """The spread of costs that is rounding; of what earlier versions did not clear, whatever the margin is."""
         size: float = max(abs(self.highest), abs(self.lowest))
-        if self.wording < limits.ROUNDED and self.claims["verdict"] != "cleared":
+        if self.older:
             return limits.ROUNDING * size
         beside: float = limits.AGREEMENT_OF_MARGIN * abs(self.lowest - self.threshold)
         return max(min(limits.ROUNDING * size, beside), limits.AGREEMENT_ROUNDING * size)

@@ -88,3 +88,22 @@ def test_a_service_runs_where_it_cannot_register(elsewhere: Path, monkeypatch: p
     monkeypatch.setenv("XDG_STATE_HOME", str(elsewhere / "file"))
     with registered(elsewhere, default_url(elsewhere), "http://127.0.0.1:8123"):
         assert services() == []
+
+
+def test_a_token_is_made_for_the_service_that_runs_and_never_a_database_for_it(
+    elsewhere: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert invoke(["token", "create", "ci"]) == WRONG_INPUT, "there is neither a service nor a database"
+    data = elsewhere / "its data"
+    database = served(data)
+    with registered(data, database, "http://127.0.0.1:8123"):
+        assert invoke(["token", "create", "ci"]) == 0
+        assert invoke(["token", "list"]) == 0
+        assert "ci " in capsys.readouterr().out
+        assert invoke(["token", "revoke", "ci"]) == 0
+    assert not Path("data").exists()
+    here = Path("data").absolute()
+    with registered(here, database, "http://127.0.0.1:8124"):  # it uses a database elsewhere
+        assert invoke(["token", "create", "ci"]) == WRONG_INPUT
+    assert not Path("data", "clearance.sqlite3").exists()
+    assert invoke(["token", "create", "ci", "--data", str(elsewhere / "first")]) == 0, "before its first start"

@@ -139,6 +139,9 @@ def test_a_run_in_other_units_is_no_baseline(tmp_path: Path, capsys: pytest.Capt
     assert run("two", "km", *baseline) == WRONG_INPUT
     assert {"m,", "km"} <= set(capsys.readouterr().err.split())
     assert run("three", "m", *baseline) == 2
+    evidence = tmp_path / "one" / "out" / "evidence.json"
+    evidence.write_text(json.dumps(json.loads(evidence.read_text()) | {"components": None}), encoding="utf-8")
+    assert run("four", "m", *baseline) == WRONG_INPUT
 
 
 def test_its_findings_are_replayed_where_its_command_is_permitted(

@@ -72,7 +72,7 @@ def test_what_goes_wrong_inside(
     monkeypatch.setattr(token.access, "tokens", broken)
     monkeypatch.setattr(token, "opened", lambda *_: _Nothing())
     assert build() is not None
-    assert invoke(["token", "list"]) == code
+    assert invoke(["token", "list", "--data", "anywhere"]) == code
     assert capsys.readouterr().err.splitlines()[-1] == statement
 
 

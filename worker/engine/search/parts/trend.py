@@ -13,6 +13,7 @@ from collections.abc import Generator
 import numpy as np
 
 from worker.engine.search.base import Batch, Floats
+from worker.engine.search.parts.one_thread import one_thread
 
 CELLS = 10
 """Of each parameter's range; a cell of the box keeps the first of its points."""
@@ -54,7 +55,7 @@ class Trend:
             drawn = 2.0 * random.random((POINTS * len(point), len(point))) - 1.0
             around = np.clip(point + side * drawn, 0.0, 1.0)
             values = (yield around.copy()).ranked()
-            residuals = values - self._terms(around) @ coefficients
+            residuals = values - self._expected(around, coefficients)
             best = int(np.argmin(residuals))
             if residuals[best] < lowest:
                 point, lowest = around[best], float(residuals[best])
@@ -63,7 +64,7 @@ class Trend:
     def _next(self, coefficients: Floats) -> Floats | None:
         """The point (n,) with the lowest residual that is away from earlier ones."""
         points, values = self._points[: len(self._filled)], self._values[: len(self._filled)]
-        residuals = values - self._terms(points) @ coefficients
+        residuals = values - self._expected(points, coefficients)
         for i in np.argsort(residuals, kind="stable"):
             if not residuals[i] < -LEAST * values.std():
                 return None
@@ -78,7 +79,13 @@ class Trend:
         terms = self._terms(self._points[:count])
         if count < 2 * terms.shape[1] or np.abs(self._values[:count]).max() > 1e150:
             return None
-        return np.asarray(np.linalg.lstsq(terms, self._values[:count], rcond=None)[0])
+        with one_thread():
+            return np.asarray(np.linalg.lstsq(terms, self._values[:count], rcond=None)[0])
+
+    def _expected(self, points: Floats, coefficients: Floats) -> Floats:
+        """The trend at points (m, n)."""
+        with one_thread():
+            return np.asarray(self._terms(points) @ coefficients)
 
     def _terms(self, points: Floats) -> Floats:
         """One, every parameter and every product of two, of points (m, n)."""

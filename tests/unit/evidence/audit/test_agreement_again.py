@@ -1,0 +1,52 @@
+"""Agreement, judged a second time: where there is nothing to agree on, within rounding, and of earlier versions."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from worker.evidence.audit.agreement import agreement
+
+
+def run(first: float, second: float, nominal: float, varies: bool = True, older: bool = False) -> Any:
+    """What `agreement` reads of a run in which two global methods of different families searched."""
+    methods = {
+        k: SimpleNamespace(name=name, kind="global", family=name, families={}, apart={}, options={})
+        for k, name in enumerate(("direct", "genetic"))
+    }
+    finding = {"label": "F1", "cost": min(first, second), "validation": {"realisation": None}}
+    search = [SimpleNamespace(options={}) for _ in methods]
+    return SimpleNamespace(
+        claims={
+            "findings": [finding], "comparison": [{"basin": "F1"}] * 2, "results": [{}, {}], "verdict": "inconclusive",
+        },
+        campaign=SimpleNamespace(agreement=0.05, stages=SimpleNamespace(search=search)),
+        nominal=nominal, threshold=0.0, searches=[0, 1], methods=methods, bounds={"a": (0.0, 1.0)},
+        ended=[{"evaluations": 100}] * 2, plan=[SimpleNamespace(planned=1000)] * 2, best=[first, second],
+        varies=varies, older=older,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("scale", [1e-12, 1.0, 1e9])
+def test_what_one_method_missed_is_no_rounding_on_any_scale(scale: float) -> None:
+    assert agreement(run(0.43 * scale, 0.43 * scale, 1.4 * scale))
+    assert not agreement(run(0.43 * scale, 1.0 * scale, 1.4 * scale))
+
+
+def test_nothing_agrees_where_the_nominal_case_failed() -> None:
+    assert not agreement(run(1.0, 1.0, math.nan, varies=False))
+
+
+def test_a_flat_criterion_agrees_but_of_earlier_versions_only_within_their_rule() -> None:
+    flat = (100.0, 100.00004, 100.00004)
+    assert agreement(run(*flat, varies=False))
+    assert not agreement(run(*flat, varies=False, older=True))
+    assert agreement(run(100.0, 100.0 + 1e-8, 100.00004, varies=False, older=True))
+
+
+def test_a_difference_of_rounding_is_compared_as_the_verdict_compares_it() -> None:
+    best = 1.0 + 5 * math.ulp(1.0)
+    assert not agreement(run(1.0, best, 1.0 + 1e-14))

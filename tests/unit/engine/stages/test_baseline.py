@@ -250,7 +250,11 @@ def test_a_worse_controller_fails_and_every_other_command_reads_the_run(
 def stored(engine: sa.Engine, launched: Campaign, request: str, **labels: str) -> int:
     """A run in a database, launched with these labels and carried out."""
     with engine.begin() as writer:
-        found = baselines.resolved(writer, launched, request) if request else baselines.Resolved(launched, None, "")
+        found = (
+            baselines.resolved(writer, launched, request, catalogue())
+            if request
+            else baselines.Resolved(launched, None, "")
+        )
         run_id = submit(
             writer,
             found.campaign,
@@ -280,7 +284,7 @@ def test_a_stored_run_is_compared_audited_and_extended(tmp_path: Path, capsys: p
     assert invoke(["audit", "R-0002", *data]) == 0
     assert invoke(["replay", "R-0002", "baseline:0", *data]) == 0
     with read(engine) as reader:
-        stated = baselines.resolved(reader, launched, "label:branch=main").sentence
+        stated = baselines.resolved(reader, launched, "label:branch=main", catalogue()).sentence
     capsys.readouterr()
     assert invoke(["run", "--continue", "R-0002", "--budget", "+20", "--threads", "1", *data]) == VIOLATED
     assert "R-0003 extends R-0002" in capsys.readouterr().out

@@ -15,9 +15,8 @@ class CannotCompare(ValueError):
 
 
 def with_baseline(
-    campaign: Campaign, run: str, other: Campaign, findings: Sequence[Finding],
-    units: str = "",
-) -> Campaign:  # fmt: skip
+    campaign: Campaign, run: str, other: Campaign, findings: Sequence[Finding], units: str = ""
+) -> Campaign:
     """The campaign with the findings of the run `run` of the campaign `other` as its baseline.
 
     units: how those of the two differ, as a clause (`campaigns.checked.units`). Raises `CannotCompare`.

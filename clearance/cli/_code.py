@@ -107,12 +107,10 @@ def for_replay(run: str, allowed: bool) -> str:
 
     if allowed:
         of_results(run, allowed, "replayed")
-    command = "" if allowed else versions_of(Path(run)).command
-    return (
-        f". Its campaign file gave the command, {command}; for a run that you trust, --allow-code permits it"
-        if command
-        else ""
-    )
+        return ""
+    command = versions_of(Path(run)).command
+    text = f". Its campaign file gave the command, {command}; for a run that you trust, --allow-code permits it"
+    return text if command else ""
 
 
 def _described(folder: Path) -> InlineProgram:

@@ -1,13 +1,13 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
 import { clsx } from 'clsx'
 import { Menu } from '@mantine/core'
-import { useClipboard } from '@mantine/hooks'
 import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '@tabler/icons-react'
 import type { Theme } from '../theme/useTheme'
 import { useTheme } from '../theme/useTheme'
 import { Popup } from '../ui/Popup'
 import { at } from '../format/root'
 import { EntryLines } from '../ui/EntryLines'
+import { byHand, useCopy } from '../ui/files'
 import buttons from '../ui/buttons.module.css'
 
 /** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
@@ -81,15 +81,15 @@ const SHOWN = 10_000
 /** The menu stays open to confirm the copy. */
 function CopyLink({ address }: { address: string }) {
   const link = new URL(address, location.origin).href
-  const { copied, error, copy } = useClipboard({ timeout: SHOWN })
+  const { outcome, copy } = useCopy(SHOWN)
   return (
     <Menu.Item
       closeMenuOnClick={false}
-      onClick={() => copy(link)}
-      leftSection={copied ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />}
+      onClick={() => void copy(link)}
+      leftSection={outcome === 'copied' ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />}
     >
       <EntryLines title="Copy link to the recording" live>
-        {copied ? 'Copied' : error ? `The browser blocks copying; copy it by hand: ${link}` : 'Requires a login; plays without a simulation'}
+        {outcome === 'copied' ? 'Copied' : outcome ? byHand(link) : 'Requires a login; plays without a simulation'}
       </EntryLines>
     </Menu.Item>
   )

@@ -7,6 +7,7 @@ import { useMemo, useRef, useState } from 'react'
 import { useBarred } from '../api/may'
 import { checkCampaign, submitRun } from '../api/calls'
 import { asCampaign, hasScenario } from '../api/campaign'
+import { useKey } from '../api/keys'
 import { type FieldProblem, Refusal } from '../api/problems'
 import type { Catalogue, Draft, LibraryCampaign } from '../client'
 import { Skipped } from '../page/Skipped'
@@ -81,17 +82,14 @@ export function Editor(props: EditorProps) {
       props.onKept(kept)
     },
   )
-  // One key per campaign state: pressing twice never starts two runs.
-  const submission = useRef({ body: '', key: '' })
+  const keyOf = useKey()
   const launch = useMutation({
     mutationFn: async () => {
       const text = await draft.typed()
       const checked = await checkCampaign(text)
       if (!checked.ok) throw new Refusal(422, 'The campaign has problems', '', checked.problems)
       const request = { campaign: asCampaign(checked.document), name: name.trim(), tags, ...regression.request, text }
-      const body = JSON.stringify(request)
-      if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
-      const run = await submitRun(request, submission.current.key)
+      const run = await submitRun(request, keyOf(request))
       // The run takes precedence: a draft that another user has saved in the meantime is not changed.
       await saved.launched(run.id, remove).catch(() => undefined)
       return run

@@ -1,7 +1,6 @@
 // Copy to the clipboard, save as a file.
-import { useClipboard } from '@mantine/hooks'
 import { IconCheck, IconCopy } from '@tabler/icons-react'
-import type { ReactNode } from 'react'
+import { type ReactNode, useEffect, useState } from 'react'
 import { Button } from './Button'
 
 /** Saves text or a blob as a file. */
@@ -15,17 +14,51 @@ export function save(name: string, content: string | Blob, type = 'text/plain'):
   URL.revokeObjectURL(url)
 }
 
+const LABEL = { copied: 'Copied', refused: 'The browser blocks copying' }
+
 interface CopyProps {
   text: () => string
   children: ReactNode
 }
 
+/** Copies a text; whether the browser did. Where a page came by plain HTTP, there is only the older command. */
+export async function copied(text: string): Promise<boolean> {
+  if ('clipboard' in navigator)
+    return navigator.clipboard.writeText(text).then(
+      () => true,
+      () => false,
+    )
+  const fill = (event: ClipboardEvent) => {
+    event.preventDefault()
+    event.clipboardData?.setData('text/plain', text)
+  }
+  document.addEventListener('copy', fill)
+  const done = document.execCommand('copy')
+  document.removeEventListener('copy', fill)
+  return done
+}
+
+/** What a page says where the browser has refused. */
+export const byHand = (text: string) => `The browser blocks copying; copy it by hand: ${text}`
+
+/** Copies a text, and tells for a while [ms] whether the browser did. */
+export function useCopy(period: number) {
+  const [outcome, setOutcome] = useState<'copied' | 'refused' | null>(null)
+  useEffect(() => {
+    if (!outcome) return
+    const timer = setTimeout(() => setOutcome(null), period)
+    return () => clearTimeout(timer)
+  }, [outcome, period])
+  const copy = async (text: string) => setOutcome((await copied(text)) ? 'copied' : 'refused')
+  return { outcome, copy }
+}
+
 /** A button that copies and confirms it. */
 export function CopyButton({ text, children }: CopyProps) {
-  const { copied: done, copy } = useClipboard({ timeout: 1600 })
+  const { outcome, copy } = useCopy(1600)
   return (
-    <Button small icon={done ? IconCheck : IconCopy} onClick={() => copy(text())}>
-      <span aria-live="polite">{done ? 'Copied' : children}</span>
+    <Button small icon={outcome === 'copied' ? IconCheck : IconCopy} onClick={() => void copy(text())}>
+      <span aria-live="polite">{outcome ? LABEL[outcome] : children}</span>
     </Button>
   )
 }

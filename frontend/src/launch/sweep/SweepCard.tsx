@@ -2,9 +2,10 @@
 import { clsx } from 'clsx'
 import { IconPlayerTrackNext } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
-import { useRef, useState } from 'react'
+import { useState } from 'react'
 import { checkCampaign, submitSweep } from '../../api/calls'
 import { asCampaign, type Campaign } from '../../api/campaign'
+import { useKey } from '../../api/keys'
 import { Refusal } from '../../api/problems'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
@@ -34,16 +35,13 @@ export function SweepCard({ campaign, parameters, name, tags, labels, blocked, t
   const chosen = fixed.find((parameter) => parameter.path === path) ?? fixed[0]
   const entered = valuesOf(text, chosen?.entry)
   const values = 'values' in entered ? entered.values : null
-  // One key per request: pressing twice never launches two sweeps.
-  const submission = useRef({ body: '', key: '' })
+  const keyOf = useKey()
   const launch = useMutation({
     mutationFn: async () => {
       const checked = await checkCampaign(await typed())
       if (!checked.ok) throw new Refusal(422, 'The campaign has problems', 'Solve the problems of the campaign first.', [])
       const request = { campaign: asCampaign(checked.document), path: chosen?.path ?? '', values: values ?? [], name, tags, labels }
-      const body = JSON.stringify(request)
-      if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
-      return submitSweep(request, submission.current.key)
+      return submitSweep(request, keyOf(request))
     },
     onSuccess: (sweep) => onLaunched(sweep.id),
   })

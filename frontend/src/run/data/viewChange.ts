@@ -49,15 +49,6 @@ export function again(last: ViewState, simulates = true): ViewChange {
   }
 }
 
-/** A random UUID (RFC 9562, version 4), also on plain HTTP. */
-export function uuid(): string {
-  const bytes = crypto.getRandomValues(new Uint8Array(16))
-  bytes[6] = ((bytes[6] ?? 0) & 0x0f) | 0x40
-  bytes[8] = ((bytes[8] ?? 0) & 0x3f) | 0x80
-  const hex = Array.from(bytes, (byte) => byte.toString(16).padStart(2, '0')).join('')
-  return hex.replace(/^(.{8})(.{4})(.{4})(.{4})(.{12})$/, '$1-$2-$3-$4-$5')
-}
-
 /** The address of a view: its state is in the fragment, so that all views of a run share one cached page. */
 export function addressOf(run: string, { flight, theme }: Wanted, { time, camera }: Place, key: string): string {
   const parts = [flight, ...(time === undefined ? [] : ['t', String(time)]), ...(camera ? ['cam', camera] : []), theme]

@@ -14,6 +14,7 @@ import type { ViewState } from '../../client'
 import { RecordingMenu } from '../../exports/Recording'
 import { fixed } from '../../format/numbers'
 import { Seg } from '../../ui/Card'
+import { byHand, copied } from '../../ui/files'
 import { IconButton } from '../../ui/IconButton'
 import type { RunData } from '../data/data'
 import { camerasOf } from './declared'
@@ -125,10 +126,7 @@ function CopyInstant({ view, address, alone }: CopyProps) {
     const shown = await view.look()
     if (!shown) return setStatement('The 3D view is not open yet')
     const link = linkTo(view.run, shown, address, alone)
-    return navigator.clipboard.writeText(link).then(
-      () => setStatement(`Copied, at ${fixed(shown.time, 2)} s`),
-      () => setStatement(`The browser blocks copying; copy it by hand: ${link}`),
-    )
+    setStatement((await copied(link)) ? `Copied, at ${fixed(shown.time, 2)} s` : byHand(link))
   }
   return (
     <>

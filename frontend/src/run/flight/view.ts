@@ -1,11 +1,12 @@
 // Controls the page's 3D view: changes are sent with a key that only this page has, and movements of camera and time are
 // received. `reconnect` is its state machine.
 import { changeView, getView } from '../../api/calls'
+import { uuid } from '../../api/keys'
 import { Refusal } from '../../api/problems'
 import { signedOut } from '../../api/session'
 import type { ViewChange, ViewState } from '../../client'
 import { CLOSED, type Event, type Machine, next, phaseOf, reframed, statementOf } from './reconnect'
-import { addressOf, again, merged, type Place, uuid, type Wanted } from '../data/viewChange'
+import { addressOf, again, merged, type Place, type Wanted } from '../data/viewChange'
 
 /** Minimum interval between changes [ms]: pending ones are merged, the newest of each kind. */
 const PAUSE = 40

@@ -43,7 +43,7 @@ VIEW = ViewState(
 
 @contextmanager
 def served(data: Path, catalogue: dict[str, Any] | None = None, **given: Any) -> Iterator[Service]:
-    """A running service on an empty folder, with a catalogue, by default that of the API's tests. given: more settings."""
+    """A running service on an empty folder, with a catalogue, by default that of the API's tests. given: settings."""
     migrate(default_url(data))
     with opened(data, **given) as service:
         service.publish(catalogue)

@@ -1,10 +1,8 @@
 // Error responses of the service as RFC 9457 problem documents, and their display.
 
-export interface FieldProblem {
-  field: string
-  given: string
-  message: string
-}
+import type { ProblemError } from '../client'
+
+export type FieldProblem = ProblemError
 
 /** A detail of the service as a sentence: with a full stop, and a capital letter unless it begins with a name such as `vehicle.m`. */
 export function statement(detail: string): string {

@@ -21,6 +21,5 @@ export const mantineTheme = createTheme({
       classNames: { content: look.content, header: look.header, title: look.title },
       defaultProps: { closeButtonProps: { 'aria-label': 'Close' } },
     },
-    Tooltip: { classNames: { tooltip: look.tooltip } },
   },
 })

@@ -40,16 +40,7 @@ export function ChartCard({ data, run, right, children, footer, ...card }: Chart
     <>
       {right}
       <span className={layout.row} style={{ gap: 4 }}>
-        <button
-          type="button"
-          data-control className={clsx(buttonsCss.iconbtn, buttonsCss.bd)}
-          aria-pressed={table !== null}
-          aria-label={table ? 'Hide data' : 'Show data'}
-          title={table ? 'Hide data' : 'Show data'}
-          onClick={() => setTable(table ? null : data())}
-        >
-          <IconTable className="i s" aria-hidden />
-        </button>
+        <IconButton label={table ? 'Hide data' : 'Show data'} icon={IconTable} pressed={table !== null} act={() => setTable(table ? null : data())} />
         <FigureButton name={() => `${run}-${data().name}`} />
         <IconButton label="Download CSV" icon={IconDownload} act={download} />
       </span>

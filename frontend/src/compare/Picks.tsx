@@ -10,7 +10,7 @@ import type { Column } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
 import type { Compared, Comparison } from './data'
 import { MOST, withRun } from './search'
-import buttons from '../ui/buttons.module.css'
+import { IconButton } from '../ui/IconButton'
 import cards from '../ui/cards.module.css'
 import tables from '../ui/tables.module.css'
 import styles from './compare.module.css'
@@ -83,12 +83,7 @@ export const runColumns = <T,>(
 export const apartColumn = <T,>(cell: (row: T) => ReactNode): Column<T> => ({ head: 'B minus A', num: true, tone: 'b', cell })
 
 function Remove({ id, onRemove }: { id: string; onRemove: () => void }) {
-  const words = `Take ${id} out`
-  return (
-    <button type="button" className={buttons.iconbtn} onClick={onRemove} aria-label={words} title={words}>
-      <IconX className="i s" aria-hidden />
-    </button>
-  )
+  return <IconButton bare label={`Take ${id} out`} icon={IconX} act={onRemove} />
 }
 
 function Add({ ids, onAdd }: { ids: readonly string[]; onAdd: (id: string) => void }) {

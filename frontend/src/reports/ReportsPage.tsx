@@ -1,10 +1,11 @@
 // All reports: one for every run that has ended, with verdict, sign-offs, digest and files.
 import { clsx } from 'clsx'
 import { IconFileText, IconFileTypePdf } from '@tabler/icons-react'
-import { infiniteQueryOptions, useInfiniteQuery, useMutation } from '@tanstack/react-query'
+import { useInfiniteQuery, useMutation } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useCallback } from 'react'
 import { getFile, listReports } from '../api/calls'
+import { paged } from '../api/queries'
 import type { Report, ReportFile } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
@@ -12,6 +13,7 @@ import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { SignedBy } from '../signoffs/SignedBy'
+import { RunCell } from '../trends/cells'
 import { Button } from '../ui/Button'
 import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
@@ -22,19 +24,10 @@ import { SearchBox } from '../ui/SearchBox'
 import { RunBadge } from '../ui/VerdictBadge'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
 import styles from './reports.module.css'
 
-const reportsQuery = (q: string) =>
-  infiniteQueryOptions({
-    queryKey: ['reports', q],
-    queryFn: ({ pageParam }) => listReports(q, pageParam),
-    initialPageParam: null as string | null,
-    getNextPageParam: (page) => page.next_cursor,
-    placeholderData: (before) => before,
-    // Sign-offs and new runs must be visible when the page is opened again.
-    staleTime: 0,
-  })
+// Sign-offs and new runs must be visible when the page is opened again.
+const reportsQuery = (q: string) => paged(['reports', q], (cursor) => listReports(q, cursor), 0)
 
 export function ReportsPage() {
   useTitle('Reports')
@@ -99,20 +92,7 @@ function Reports({ items }: { items: readonly Report[] }) {
       by={({ run }) => run}
       columns={[
         { head: 'Verdict', cell: (report) => <RunBadge run={report} /> },
-        {
-          head: 'Run',
-          cell: ({ run, name, campaign_name }) => (
-            <span className={tables.rn}>
-              <Link to="/runs/$id" params={{ id: run }}>
-                {name}
-              </Link>
-              <small>
-                {run}
-                {campaign_name !== name && ` · ${campaign_name}`}
-              </small>
-            </span>
-          ),
-        },
+        { head: 'Run', cell: ({ run, name, campaign_name }) => <RunCell run={run} name={name} campaign={campaign_name} /> },
         { head: 'Report', label: 'Report', className: layout.hideN, tone: 'sec nw', cell: ({ id }) => id },
         { head: 'Sign-off', label: 'Sign-off', className: styles.signed, cell: ({ signoffs }) => (signoffs.length > 0 ? <SignedBy items={signoffs} /> : <span className="mut">none</span>) },
         {

@@ -22,13 +22,14 @@ export const marginOf = (outcome: Outcome | null): string => {
 export const boundOf = (outcome: Outcome | null): string =>
   outcome?.upper_bound === null || outcome?.upper_bound === undefined ? NONE : `≤ ${atMost(outcome.upper_bound)}`
 
-export function RunCell({ run, name }: { run: string; name?: string }) {
+/** campaign: its name, shown where the run's is another one. */
+export function RunCell({ run, name, campaign = name }: { run: string; name?: string; campaign?: string }) {
   return (
     <span className={tables.rn}>
       <Link to="/runs/$id" params={{ id: run }}>
         {name ?? run}
       </Link>
-      {name && <small>{run}</small>}
+      {name && <small>{campaign === name ? run : `${run} · ${campaign}`}</small>}
     </span>
   )
 }

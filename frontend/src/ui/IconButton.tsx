@@ -16,10 +16,12 @@ interface IconButtonProps {
   large?: boolean
   /** Whether what it shows is open. */
   expanded?: boolean
+  /** Whether what it turns on and off is on. */
+  pressed?: boolean
   className?: string
 }
 
-export function IconButton({ label, title = label, icon: Icon, off, act, bare, large, expanded, className }: IconButtonProps) {
+export function IconButton({ label, title = label, icon: Icon, off, act, bare, large, expanded, pressed, className }: IconButtonProps) {
   return (
     <button
       type="button"
@@ -27,6 +29,7 @@ export function IconButton({ label, title = label, icon: Icon, off, act, bare, l
       data-control={bare ? undefined : true}
       aria-label={label}
       aria-expanded={expanded}
+      aria-pressed={pressed}
       title={title}
       disabled={off}
       onClick={act}

@@ -4,13 +4,7 @@ import { useState } from 'react'
 import { createDraft, deleteDraft, saveDraft } from '../../api/calls'
 import { useBarred, useBarredFromOwn } from '../../api/may'
 import { Refusal } from '../../api/problems'
-import type { Draft } from '../../client'
-
-export interface Content {
-  name: string
-  tags: string[]
-  text: string
-}
+import type { Draft, DraftContent } from '../../client'
 
 export interface Saved {
   draft: Draft | null
@@ -31,7 +25,7 @@ export interface Saved {
 const refusedWith = (error: unknown, ...statuses: number[]) => error instanceof Refusal && statuses.includes(error.status)
 
 /** `content` returns the content to be saved; `onSaved` is called afterwards. */
-export function useSaved(first: Draft | null, content: () => Promise<Content>, onSaved: (draft: Draft) => void): Saved {
+export function useSaved(first: Draft | null, content: () => Promise<DraftContent>, onSaved: (draft: Draft) => void): Saved {
   const [draft, setDraft] = useState(first)
   const [gone, setGone] = useState(false)
   const cache = useQueryClient()

@@ -29,11 +29,6 @@ export function baselineProblem(text: string): string {
   return 'problem' in found ? found.problem : ''
 }
 
-export interface RegressionRequest {
-  labels: Record<string, string>
-  baseline: string | null
-}
-
 export interface Regression {
   labels: string[]
   baseline: string
@@ -42,7 +37,7 @@ export interface Regression {
   /** Why they cannot be used, as a sentence; empty if they can. */
   problem: { labels: string; baseline: string }
   /** As the request has them. */
-  request: RegressionRequest
+  request: { labels: Record<string, string>; baseline: string | null }
 }
 
 /** As texts, for the fields. */

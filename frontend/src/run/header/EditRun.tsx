@@ -11,7 +11,7 @@ import { useEdit } from './useEdit'
 import { Field, Form } from '../../ui/Form'
 import { Modal } from '../../ui/Modal'
 import { Button } from '../../ui/Button'
-import buttons from '../../ui/buttons.module.css'
+import { IconButton } from '../../ui/IconButton'
 import cards from '../../ui/cards.module.css'
 import fields from '../../ui/fields.module.css'
 
@@ -22,27 +22,16 @@ export function EditRun({ run }: { run: RunDetail }) {
   const pin = run.pinned ? 'Unpin this run' : 'Pin this run to the top of the list'
   return (
     <span className="nw">
-      <button
-        type="button"
-        className={buttons.iconbtn}
-        onClick={() => setOpen(true)}
-        disabled={barred !== undefined}
-        aria-label="Change name and tags"
-        title={barred ?? 'Change name and tags'}
-      >
-        <IconPencil className="i s" aria-hidden />
-      </button>
-      <button
-        type="button"
-        className={buttons.iconbtn}
-        onClick={() => edit.mutate({ pinned: !run.pinned })}
-        disabled={edit.isPending || barred !== undefined}
-        aria-pressed={run.pinned}
-        aria-label={pin}
-        title={barred ?? pin}
-      >
-        {run.pinned ? <IconPinnedFilled className="i s" aria-hidden /> : <IconPin className="i s" aria-hidden />}
-      </button>
+      <IconButton bare label="Change name and tags" title={barred} icon={IconPencil} off={barred !== undefined} act={() => setOpen(true)} />
+      <IconButton
+        bare
+        label={pin}
+        title={barred}
+        icon={run.pinned ? IconPinnedFilled : IconPin}
+        pressed={run.pinned}
+        off={edit.isPending || barred !== undefined}
+        act={() => edit.mutate({ pinned: !run.pinned })}
+      />
       {edit.isError && (
         <span className={fields.ferr} role="alert">
           {edit.error.message}

@@ -7,7 +7,7 @@ import { putRun } from '../../api/events'
 import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
 import { Button } from '../../ui/Button'
-import fields from '../../ui/fields.module.css'
+import { Refused } from '../../ui/Form'
 import layout from '../../ui/layout.module.css'
 
 export function OtherCode({ run }: { run: RunDetail }) {
@@ -34,11 +34,7 @@ export function OtherCode({ run }: { run: RunDetail }) {
         </Button>
       </div>
       {run.not_continuable !== null && <p className="small sec">It cannot be continued as a new run: {run.not_continuable}.</p>}
-      {refused && (
-        <p className={fields.ferr} role="alert">
-          {refused.message}
-        </p>
-      )}
+      <Refused error={refused} />
     </div>
   )
 }

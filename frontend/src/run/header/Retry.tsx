@@ -6,7 +6,7 @@ import { useBarredFromOwn } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
 import { Button } from '../../ui/Button'
-import fields from '../../ui/fields.module.css'
+import { Refused } from '../../ui/Form'
 
 export function Retry({ run }: { run: RunDetail }) {
   const cache = useQueryClient()
@@ -18,11 +18,7 @@ export function Retry({ run }: { run: RunDetail }) {
       <Button disabled={retry.isPending} barred={barred} onClick={() => retry.mutate()}>
         Retry{kept}
       </Button>
-      {retry.error && (
-        <p className={fields.ferr} role="alert">
-          {retry.error.message}
-        </p>
-      )}
+      <Refused error={retry.error} />
     </>
   )
 }

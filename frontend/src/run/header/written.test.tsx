@@ -5,6 +5,7 @@ import { run } from '../../../tests/fixtures'
 import { all, asked, begin, type Call, call, end, leaves, nothing, of, one, open, patches, press, send, sent, service, text, until, write } from '../../../tests/looked'
 import { getRun } from '../../api/calls'
 import { Field, Form } from '../../ui/Form'
+import { IconButton } from '../../ui/IconButton'
 import { EditRun } from './EditRun'
 import { Notes } from './Notes'
 
@@ -42,7 +43,7 @@ async function named() {
   service['GET runs/R-0001'] = () => read('"1"')
   const found = await getRun('R-0001')
   await open(<EditRun run={found} />, ['EditForm'])
-  call(of('button', { 'aria-label': 'Change name and tags' }), 'onClick')
+  call(of(IconButton, { label: 'Change name and tags' }), 'act')
   await until(() => of(Form))
   asked.length = 0
 }
@@ -59,7 +60,7 @@ it('replaces the name and tags that were shown when the form was opened, not tho
   await until(() => expect(patches()[0]).toEqual({ what: 'PATCH runs/R-0001', match: '"1"', body: { name: 'mine', tags: ['a'] } }))
   await until(() => expect(all().some(({ type }) => type === Form)).toBe(false))
   // The next form replaces what this one wrote.
-  call(of('button', { 'aria-label': 'Change name and tags' }), 'onClick')
+  call(of(IconButton, { label: 'Change name and tags' }), 'act')
   await until(() => call(of(Form), 'onSend'))
   await until(() => expect(patches().at(-1)).toMatchObject({ what: 'PATCH runs/R-0001', match: '"3"' }))
 })
@@ -67,7 +68,7 @@ it('replaces the name and tags that were shown when the form was opened, not tho
 it('pins a run whatever it was since it was read', async () => {
   await named()
   service['PATCH runs/R-0001'] = () => read('"2"')
-  call(of('button', { 'aria-label': 'Pin this run to the top of the list' }), 'onClick')
+  call(of(IconButton, { label: 'Pin this run to the top of the list' }), 'act')
   await until(() => expect(patches()[0]).toEqual({ what: 'PATCH runs/R-0001', match: null, body: { pinned: true } }))
 })
 

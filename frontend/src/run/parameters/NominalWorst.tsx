@@ -7,21 +7,14 @@ import { Card } from '../../ui/Card'
 import { CopyButton } from '../../ui/files'
 import { MethodName } from '../../ui/MethodMark'
 import { Sign } from '../../ui/Sign'
-import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
+import { type Best, type RunData, type UncertainParameter, valuesOf } from '../data/data'
 import { insteadOf } from '../data/missing'
 import { noiseOf } from '../flight/flown'
 import layout from '../../ui/layout.module.css'
 import tables from '../../ui/tables.module.css'
 import styles from './parameters.module.css'
 
-interface Worst {
-  cost: number
-  parameters: Record<string, number>
-  method: string | null
-  /** Values of all criteria, by name. */
-  values: Record<string, number | null>
-  atBounds?: Record<string, string>
-}
+type Worst = Best & { atBounds?: Record<string, string> }
 
 interface NominalWorstProps {
   data: RunData

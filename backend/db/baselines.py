@@ -7,6 +7,7 @@ from typing import NamedTuple
 import sqlalchemy as sa
 
 from backend.db import continuation, labels, snapshots
+from backend.db.sweeps import in_sweep
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Finding, Run, RunBaseline
 from campaigns.asked.load import load_document
@@ -75,7 +76,8 @@ def _labelled(reader: sa.Connection, campaign: Campaign, request: str, here: Cat
     except ValueError as error:
         raise CannotCompare(f"invalid baseline {request[:60]!r}: {error}") from None
     found = sa.exists().where(Finding.run_id == Run.id)
-    ended = (Run.state.in_(ENDED), Run.removed.is_(None), Run.purged.is_(None), found)
+    # A variant of a sweep carries its labels and is of another value, which nobody chose as what to compare with.
+    ended = (Run.state.in_(ENDED), Run.removed.is_(None), Run.purged.is_(None), found, ~in_sweep())
     named = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == campaign.name))
     of = sa.select(Run.id).where(*ended, named, *labels.conditions([wanted]))
     query = of.order_by(Run.id.desc()).limit(LOOKED_AT)

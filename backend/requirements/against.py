@@ -17,11 +17,11 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db.purge import violates
+from backend.db.sweeps import in_sweep
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
 from backend.requirements.standing import Edge
 from backend.runs import identity
-from backend.signoffs import present
 from backend.signoffs.present import chunks
 from campaigns.alike import plain
 from campaigns.identity.identity import UNSTORED
@@ -44,8 +44,9 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     questions of `edges` decide which of them count, see `standing`.
     """
     highest: dict[str, float] = {}
-    for edge in (e for found in edges.values() for e in found if e.verdict is not None and e.threshold is not None):
-        highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), edge.threshold or 0.0)
+    for edge in (e for found in edges.values() for e in found):
+        threshold = -math.inf if edge.threshold is None else edge.threshold
+        highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), threshold)
     kinds = [stage.kind for stage in declared().values() if stage.against]
     lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, Stage.kind.in_(kinds))
     worst = lowest.scalar_subquery().label("worst")
@@ -97,7 +98,7 @@ def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
     gone = sa.or_(Run.removed.is_not(None), Run.purged.is_not(None))
     columns = (RunRequirement.requirement, Run.id, gone.label("gone"))
     of = sa.select(*columns).join(Run, Run.id == RunRequirement.run_id)
-    of = of.where(RunRequirement.requirement.in_(ids), sa.or_(gone, present.in_sweep())).order_by(Run.id)
+    of = of.where(RunRequirement.requirement.in_(ids), sa.or_(gone, in_sweep())).order_by(Run.id)
     found: dict[str, Ignored] = defaultdict(Ignored)
     for row in reader.execute(of):
         now = found[row.requirement]

@@ -14,6 +14,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db.digest import EVIDENCE
+from backend.db.sweeps import in_sweep
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement
 from backend.http.errors import RefusedError
@@ -91,7 +92,7 @@ def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[Requireme
     for key in ids:
         row, text = registered.get(key), worded.now.get(key, "")
         whole = [_whole(e, known.get(e.run_id), key, worded) for e in edges.get(key, [])]
-        found = standing(whole, others)
+        found = standing(whole, others, ignored[key].sweeps)
         beside = [_whole(e, known[e.run_id], key, worded) for e in others if e.run_id in known]
         notes = " ".join([found.sentence, *against.notes(ignored[key], similar.get(key, []))])
         made.append(_row(key, row, text, whole, beside, replace(found, sentence=notes), shown, known, ignored))
@@ -131,15 +132,17 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     of = of.where(RunRequirement.requirement.in_(ids), *present.counted()).order_by(RunRequirement.run_id.desc())
     found: dict[str, list[Edge]] = defaultdict(list)
     compared: set[int] = set()
+    first: dict[tuple[str, str], int] = {}
     newest: set[tuple[str, str]] = set()
     for key, run_id, question, state, word, name, threshold in reader.execute(of):
         verdict = against.judged(state, word)
         found[key].append(Edge(run_id, name, question, verdict, UNSTORED, threshold=threshold))
+        first.setdefault((key, name), run_id)
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)
         if verdict is not None:
             newest.add((key, name))
-    known = identity.of_runs(reader, compared)
+    known = identity.of_runs(reader, compared | {run_id for of, run_id in first.items() if of not in newest})
     return {
         key: [replace(e, identity=known[e.run_id]) if e.run_id in known else e for e in edges]
         for key, edges in found.items()
@@ -161,7 +164,7 @@ def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present
         of = sa.select(Run.id, CampaignRow.name, CampaignRow.document, evidence, *identity.COLUMNS)
         of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(some))
         stored = {row.id: row for row in reader.execute(of)}
-        swept = set(reader.scalars(sa.select(Run.id).where(Run.id.in_(some), present.in_sweep())))
+        swept = set(reader.scalars(sa.select(Run.id).where(Run.id.in_(some), in_sweep())))
         for outcome in outcomes(reader, [Run.id.in_(some)]):
             run_id = run_number(outcome.id) or 0
             row = stored[run_id]

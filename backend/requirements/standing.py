@@ -57,14 +57,15 @@ class Standing:
     """Runs that violate, or found a value that would, and that nothing has changed since."""
 
 
-def standing(edges: Sequence[Edge], others: Sequence[Edge] = ()) -> Standing:
+def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0) -> Standing:
     """The standing of a requirement with these runs, without removed ones and those of sweeps.
 
     others: further runs of these campaigns that are no evidence for it, such as those of sweeps, and those that do not
-    state it; they can violate it.
+    state it; they can violate it. sweeps: how many runs of sweeps state it.
     """
     if not edges:
-        return Standing("no evidence", "No run refers to this requirement.")
+        variants = f": the {sweeps} that do are variants of sweeps, which are no evidence" if sweeps else ""
+        return Standing("no evidence", f"No run that counts refers to this requirement{variants}.")
     found = [
         _of_campaign(name, [e for e in edges if e.campaign == name], [e for e in others if e.campaign == name])
         for name in dict.fromkeys(e.campaign for e in edges)
@@ -83,10 +84,8 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = ()) -> Standing:
 
 def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> Standing:
     judged = sorted((e for e in edges if e.verdict is not None), key=lambda e: -e.run_id)
-    if not judged:
-        text = f"{name}: no run has a verdict."
-        return Standing("no verdict", text, frozenset({max(e.run_id for e in edges)}))
-    newest = judged[0]
+    # What asks the same of the same model as the newest run speaks against it, also before that run has a verdict.
+    newest = judged[0] if judged else max(edges, key=lambda e: e.run_id)
     evidence = frozenset({newest.run_id})
     every = {e.run_id: e for e in (*edges, *others)}
     against = [e for _, e in sorted(every.items(), reverse=True) if _stands(e, newest)]
@@ -98,9 +97,11 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
     if against:
         text = (
             f"{name}: {', '.join(run_name(e.run_id) for e in against)} found a value at or below the threshold of "
-            f"{run}, the newest with a verdict, on the same question and model; no verdict confirms it.{before}"
+            f"{run}, {_newest(newest)}, on the same question and model; no verdict confirms it.{before}"
         )
         return Standing("inconclusive", text, evidence, runs)
+    if newest.verdict is None:
+        return Standing("no verdict", f"{name}: no run that counts has a verdict.", evidence)
     if newest.not_sampled:
         lacks = "has no independent sample with a seed drawn at launch, so what every search missed would not show"
         return Standing("not sampled", f"{name}: {run}, the newest with a verdict, {lacks}.{before}", evidence)
@@ -123,17 +124,21 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
     return Standing("met", text, evidence)
 
 
+def _newest(newest: Edge) -> str:
+    return "the newest, which has no verdict" if newest.verdict is None else "the newest with a verdict"
+
+
 def _before(judged: Sequence[Edge]) -> str:
     runs = [run_name(e.run_id) for e in judged[1:] if e.verdict == VerdictWord.VIOLATED]
     return f" Before, another campaign of that name or another model violated it: {', '.join(runs)}." if runs else ""
 
 
 def _stands(edge: Edge, newest: Edge) -> bool:
-    """Whether a run violates, or found a value that would, with the question and the model of the newest verdict.
+    """Whether a run violates, or found a value that would, with the question and the model of the newest run.
 
     A cleared run of the same question on the same model has missed a case that exists.
     """
-    if edge.run_id == newest.run_id:
+    if edge.run_id == newest.run_id and newest.verdict is not None:
         return edge.verdict == VerdictWord.VIOLATED
     if edge.question != newest.question or not may_equal(edge.identity, newest.identity):
         return False
@@ -152,6 +157,8 @@ def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:
     if newest.verdict == VerdictWord.VIOLATED:
         return f"{name}: {runs} {verb} it."
     later = run_name(newest.run_id)
+    if newest.verdict is None:
+        return f"{name}: {runs} {verb} it, and {later}, which asks the same of the same model, has no verdict."
     return (
         f"{name}: {runs} {verb} it. The newer {later} is {newest.verdict}, but asks the same of the same model: it "
         "missed a case that exists."

@@ -9,8 +9,9 @@ from typing import Any, TypeVar
 import sqlalchemy as sa
 
 from backend.catalog.service import published
+from backend.db.sweeps import in_sweep
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, SweepRun
+from backend.db.tables import Run
 from campaigns import CampaignError, Catalogue
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import definition
@@ -42,10 +43,6 @@ class Present:
 
 def counted() -> tuple[sa.ColumnElement[bool], ...]:
     return Run.removed.is_(None), Run.purged.is_(None), ~in_sweep()
-
-
-def in_sweep() -> sa.ColumnElement[bool]:
-    return sa.exists().where(SweepRun.run_id == Run.id)
 
 
 def present(reader: sa.Connection, names: Collection[str]) -> Present:

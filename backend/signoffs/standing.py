@@ -11,12 +11,13 @@ import sqlalchemy as sa
 
 from backend.db.digest import results_digest
 from backend.db.signed import signer
+from backend.db.sweeps import in_sweep
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from backend.db.tables import Signoff as Row
 from backend.runs import identity
 from backend.signoffs.persons import person
-from backend.signoffs.present import Present, changes, in_sweep, present
+from backend.signoffs.present import Present, changes, present
 from backend.signoffs.repeats import COLUMNS, CONCLUDED, Repeats
 from backend.signoffs.schemas import Signoff, Standing
 from backend.signoffs.texts import Texts, texts

@@ -64,3 +64,5 @@ class Trend(Schema):
     """The newest of them, oldest first."""
     total: int
     """How many there are."""
+    sweeps: int
+    """Runs of sweeps that are left out: variants, of other values than the campaigns of this name."""

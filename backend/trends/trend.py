@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import sqlalchemy as sa
 
 from backend.db import labels
+from backend.db.sweeps import in_sweep
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement
 from backend.http.errors import RefusedError, not_found
@@ -26,7 +27,8 @@ def of_campaign(
 
     404 for an unknown digest; a name that no campaign has is one without runs, as before the first run.
 
-    Removed runs are omitted. label: only runs with these labels, of which those of one key are alternatives.
+    Removed runs are omitted, and from the trend of a name the variants of sweeps, which are of other values. label:
+    only runs with these labels, of which those of one key are alternatives.
     """
     if (digest is None) == (name is None):
         message = "give either `campaign`, a digest, or `name`, the name of campaigns"
@@ -38,10 +40,12 @@ def of_campaign(
         wanted = Run.campaign_digest == digest
     else:
         wanted = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == name))
-    there = (wanted, Run.removed.is_(None), Run.purged.is_(None))
-    conditions = (*there, *labels.conditions(label))
+    every, narrowed = (wanted, Run.removed.is_(None), Run.purged.is_(None)), labels.conditions(label)
+    there = every if digest is not None else (*every, ~in_sweep())
+    conditions = (*there, *narrowed)
     numbers = sa.select(sa.func.count(), sa.func.count(sa.distinct(Run.campaign_digest))).where(*conditions)
     total, campaigns = reader.execute(numbers).one()
+    with_sweeps = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(*every, *narrowed)) or 0
     found = outcomes(reader, conditions, limit)
     return Trend(
         name=name or "",
@@ -50,6 +54,7 @@ def of_campaign(
         labels=labels_of(reader, *there),
         runs=_marked(reader, found[::-1]),
         total=total,
+        sweeps=with_sweeps - total,
     )
 
 

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from clearance.client import answers
 
 Floats = NDArray[np.float64]
+_DRAW = "draw"
 _FIXED = ("stage", "kind", "method", "index", "status", "reason", "seconds")
-"""The first columns of evaluations.csv; then come the criteria and the parameters."""
+"""The first columns of evaluations.csv; then come the criteria, the parameters, and of some runs `_DRAW`."""
 
 
 def table(columns: Mapping[str, Any]) -> Any:
@@ -33,14 +34,15 @@ def table(columns: Mapping[str, Any]) -> Any:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Evaluations:
-    """Every evaluation of a run: m evaluations of n parameters, k criteria.
+    """Every stored evaluation of a run: m evaluations of n parameters, k criteria.
 
     names (n,): paths of the parameters; units: by path or criterion. points (m, n): parameters in their units,
     bit-identical to those that were simulated. criteria (k,): names; values (m, k): in their units, NaN unless the
     status is "ok"; costs (m,): of the deciding criterion, the first. status (m,): "ok", "failed", "timeout" or
     "excluded". stage (m,): position; kind (m,): "nominal", "search", ...; method (m,): empty for other stages than
     searches. index (m,): in its stage. seconds (m,): working time of the stage when each was completed [s]. reasons:
-    why there is no value, by row.
+    why there is no value, by row. draw (m,): which draw of its sample it is where only a part of the sample is stored,
+    which then is not every evaluation; -1 elsewhere.
     """
 
     names: tuple[str, ...]
@@ -55,6 +57,7 @@ class Evaluations:
     index: NDArray[np.int64]
     seconds: Floats
     reasons: Mapping[int, str]
+    draw: NDArray[np.int64]
 
     @property
     def costs(self) -> Floats:
@@ -66,17 +69,24 @@ class Evaluations:
         """The arrays of evaluations.csv; raises ValueError if it has other columns."""
         heads, *rows = csv.reader(io.StringIO(content.decode("utf-8"), newline=""))
         named = [_split(head) for head in heads]
-        width = len(run.campaign["uncertain"])
-        first = len(named) - width
-        if tuple(name for name, _ in named[: len(_FIXED)]) != _FIXED or first <= len(_FIXED):
+        uncertain = run.campaign["uncertain"]
+        last = len(named) - (heads[-1] == _DRAW)
+        first = last - len(uncertain)
+        names = tuple(name for name, _ in named[first:last])
+        if (
+            tuple(name for name, _ in named[: len(_FIXED)]) != _FIXED
+            or first <= len(_FIXED)
+            or sorted(names) != sorted(uncertain)
+        ):
             raise ValueError(f"evaluations.csv of {run.id} has unexpected columns: {', '.join(heads)}")
         by_column = list(zip(*rows, strict=True)) if rows else [()] * len(named)
         stage, kind, method, index, status, reason, seconds = by_column[: len(_FIXED)]
+        draws = by_column[-1] if last < len(named) else [""] * len(rows)
         return Evaluations(
-            names=tuple(name for name, _ in named[first:]),
+            names=names,
             criteria=tuple(name for name, _ in named[len(_FIXED) : first]),
             units={name: unit for name, unit in named[len(_FIXED) :] if unit},
-            points=_floats(by_column[first:], len(rows)),
+            points=_floats(by_column[first:last], len(rows)),
             values=_floats(by_column[len(_FIXED) : first], len(rows)),
             status=_fixed(np.array(status, dtype=np.str_)),
             stage=_fixed(np.array(stage, dtype=np.int64)),
@@ -85,6 +95,7 @@ class Evaluations:
             index=_fixed(np.array(index, dtype=np.int64)),
             seconds=_floats([seconds], len(rows))[:, 0],
             reasons={row: text for row, text in enumerate(reason) if text},
+            draw=_fixed(np.array([int(text or -1) for text in draws], dtype=np.int64)),
         )
 
     def to_dataframe(self) -> Any:
@@ -92,7 +103,7 @@ class Evaluations:
         columns: dict[str, Any] = dict(zip(self.names, self.points.T, strict=True))
         reasons = np.array([self.reasons.get(k, "") for k in range(len(self.points))], dtype=object)
         own = dict(zip(self.criteria, self.values.T, strict=True))
-        own |= {name: getattr(self, name) for name in ("status", "stage", "kind", "method", "index", "seconds")}
+        own |= {name: getattr(self, name) for name in ("status", "stage", "kind", "method", "index", "seconds", "draw")}
         for name, column in (own | {"reason": reasons}).items():
             columns[name + "_" * (name in columns)] = column
         return table(columns)
@@ -139,10 +150,13 @@ class Findings(list[answers.Finding]):
     def to_dataframe(self) -> Any:
         """A data frame with a row for each finding: label, cost, margin, methods, how likely it is, and each parameter.
 
-        `distance`, `density` and `tail` are those of its likelihood, NaN where it has none. Needs pandas.
+        `cost` and `margin` are those that the verdict states, `evaluated` is the value that the search saw. `distance`, `density` and `tail` are those of its likelihood, NaN where it has none. Needs pandas.
         """
         paths = dict.fromkeys(path for finding in self for path in finding.parameters)
-        columns: dict[str, Any] = {name: [getattr(f, name) for f in self] for name in ("label", "cost", "margin")}
+        stated = [f.cost if f.granted is None else f.granted for f in self]
+        columns: dict[str, Any] = {"label": [f.label for f in self], "cost": stated}
+        columns["margin"] = [f.margin + (cost - f.cost) for f, cost in zip(self, stated, strict=True)]
+        columns["evaluated"] = [f.cost for f in self]
         columns["methods"] = [" ".join(f.methods) for f in self]
         for name in ("distance", "density", "tail"):
             found = [None if f.likelihood is None else getattr(f.likelihood, name) for f in self]

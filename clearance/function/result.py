@@ -79,15 +79,17 @@ class Nominal:
 
 @dataclass(frozen=True)
 class Finding:
-    """One distinct worst case: parameters [unit] by name, the number returned and its margin to the threshold [unit].
+    """One distinct worst case: parameters [unit] by name, the value stated for it and its margin to the threshold [unit].
 
-    label: F1 is the worst. methods: the search methods that found it by themselves; empty if only polishing did.
+    cost: what the function returned; of a violation whose repeated evaluations differ, the mildest of them, as the
+    verdict has it. evaluated: what the search saw. label: F1 is the worst. methods: the search methods that found it by themselves; empty if only polishing did.
     at_bounds: "low" or "high" by parameter. validation: whether a repeated evaluation agrees, in words.
     """
 
     label: str
     cost: float
     margin: float
+    evaluated: float
     parameters: Mapping[str, float]
     methods: tuple[str, ...]
     at_bounds: Mapping[str, str] = field(default_factory=dict)
@@ -253,7 +255,14 @@ def _finding(origin: Origin, f: Stored) -> Finding:
 
     bounds = {path.removeprefix("simulator."): str(at) for path, at in f.at_bounds.items()}
     return Finding(
-        f.label, f.cost, f.margin, _by_name(origin, f.parameters), tuple(f.methods), bounds, validated(f.validation)
+        f.label,
+        f.granted,
+        f.margin + (f.granted - f.cost),
+        f.cost,
+        _by_name(origin, f.parameters),
+        tuple(f.methods),
+        bounds,
+        validated(f.validation),
     )
 
 

@@ -91,7 +91,8 @@ def _rows(result: Result) -> list[list[str]]:
     for f in result.findings:
         found = ", ".join(known[m].title if m in known else m for m in f.methods) or "no search"
         parameters = [number(f.parameters[p]) for p in result.names]
-        rows.append([f.label, number(f.cost), signed(f.margin), *parameters, found])
+        evaluated = "" if f.evaluated == f.cost else f" (evaluated: {number(f.evaluated)})"
+        rows.append([f.label, number(f.cost) + evaluated, signed(f.margin), *parameters, found])
     return rows
 
 

@@ -34,7 +34,7 @@ from tests.faults.processes import REPOSITORY, until
 SCREENSHOTS = REPOSITORY / "build" / "screenshots"
 
 NAMED = "clearance.test"
-"""A name of this machine. By it, unlike by 127.0.0.1, a page over HTTP is as it is for colleagues: no secure context."""
+"""A name of this machine. By it, unlike by 127.0.0.1, a page over HTTP is what it is for colleagues: not secure."""
 
 ARGUMENTS = (
     "--no-sandbox",

@@ -19,6 +19,14 @@ def submit(client: httpx.Client, **changes: Any) -> str:
     return str(answer.json()["id"])
 
 
+def swept(client: httpx.Client, values: list[float], **more: Any) -> dict[str, Any]:
+    """Launch a sweep over the avoider's distance; returns it."""
+    given = {"campaign": campaign(), "path": "avoider.d_0", "values": values, "name": "Range", **more}
+    answer = client.post("/api/v1/sweeps", json=given)
+    assert answer.status_code == 201, answer.text
+    return dict(answer.json())
+
+
 def altered(*path: str | int, value: Any) -> dict[str, Any]:
     """The campaign with the entry at that path replaced."""
     document: Any = json.loads(json.dumps(campaign()))

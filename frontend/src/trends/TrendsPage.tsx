@@ -128,7 +128,10 @@ function Shown({ trend }: { trend: Trend }) {
         )}
       </PageHead>
       {runs.length === 0 ? (
-        <p className="sec">{search.label ? 'No run of this campaign has these labels.' : 'No run has this campaign.'}</p>
+        <p className="sec">
+          {search.label ? 'No run of this campaign has these labels' : 'No run has this campaign'}
+          {trend.sweeps > 0 && ' outside a sweep'}.
+        </p>
       ) : (
         <div className={layout.grid}>
           <ChartCard
@@ -146,7 +149,7 @@ function Shown({ trend }: { trend: Trend }) {
             note="The newest first"
             className={layout.c12}
             flush
-            footer={total > runs.length && `The newest ${runs.length} of ${count(total)} runs.`}
+            footer={footerOf(trend)}
           >
             <Runs runs={runs} named={!trend.digest} label={search.label} />
           </Card>
@@ -196,6 +199,13 @@ function Runs({ runs, named, label }: { runs: readonly TrendRun[]; named: boolea
       ]}
     />
   )
+}
+
+/** What the table leaves out. */
+function footerOf({ runs, total, sweeps }: Trend): string {
+  const newest = total > runs.length ? `The newest ${runs.length} of ${count(total)} runs. ` : ''
+  const left = sweeps === 1 ? 'One run of a sweep, of another value, is not shown.' : `${count(sweeps)} runs of sweeps, of other values, are not shown.`
+  return newest + (sweeps > 0 ? left : '')
 }
 
 const labelsText = (labels: TrendRun['labels'], between: string): string =>

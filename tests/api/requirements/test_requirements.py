@@ -30,7 +30,7 @@ from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service, until
 from tests.given.small_catalogue import campaign
-from tests.given.submissions import submit
+from tests.given.submissions import submit, swept
 
 AT = "/api/v1/requirements"
 WRITTEN = (Path(__file__).parents[1] / "requirements" / "written.reqif").read_bytes()
@@ -79,8 +79,7 @@ def test_sign_offs_of_runs_that_speak_against_it_are_stated(service: Service, cl
     ran(service, client, "REQ-1", seed=2)
     variant = submit(client)
     finish_fully(service, "violated")
-    variants = {"campaign": campaign(), "path": "avoider.d_0", "values": [1.0, 2.0]}
-    assert client.post("/api/v1/sweeps", json=variants).status_code == 201
+    swept(client, [1.0, 2.0])
     with service.engine.begin() as writer:
         writer.execute(sa.update(SweepRun).where(SweepRun.value == 1.0).values(run_id=run_number(variant)))
     found = {one["id"]: one for one in row(client, "REQ-1")["runs"]}
@@ -184,6 +183,36 @@ def test_a_run_that_is_no_evidence_can_still_speak_against_it(service: Service, 
         assert row(client, "REQ-1")["status"] == "violated"
     with changed(service.engine, first.values(verdict="violated", threshold=0.9, worst_cost=0.8)):
         assert row(client, "REQ-1")["status"] == "met"
+
+
+@BOTH
+def test_what_speaks_against_a_requirement_needs_no_verdict_of_its_own_run(
+    service: Service, client: httpx.Client
+) -> None:
+    """A violation of a variant, or of a run that does not state it, and a value that a cancelled run found."""
+    ran(service, client)
+    run = submit(client, criterion=stating("REQ-1"), seed=2)
+    assert row(client, "REQ-1")["status"] == "no verdict"
+    other, own = (sa.update(Run).where(Run.id == run_id) for run_id in (1, 2))
+    with changed(service.engine, other.values(verdict="violated", worst_cost=0.3)):
+        found = row(client, "REQ-1")
+        assert (found["status"], [one["part"] for one in found["runs"]]) == ("violated", ["evidence", "violation"])
+        assert f"R-0001 violates it, and {run}, which asks the same" in found["sentence"]
+    with changed(service.engine, other.values(state="cancelled", verdict=None, worst_cost=0.5)):
+        assert row(client, "REQ-1")["status"] == "inconclusive"
+    with changed(service.engine, own.values(state="cancelled", worst_cost=0.5)):
+        found = row(client, "REQ-1")
+        assert found["status"] == "inconclusive", found["sentence"]
+        assert [(one["id"], one["part"]) for one in found["runs"]] == [(run, "violation")]
+    with changed(service.engine, own.values(state="cancelled", worst_cost=0.6)):
+        assert row(client, "REQ-1")["status"] == "no verdict"
+
+
+def test_variants_of_a_sweep_are_named_where_they_alone_state_a_requirement(client: httpx.Client) -> None:
+    swept(client, [1.5, 2.5], campaign=campaign(criterion=stating("REQ-1")))
+    found = row(client, "REQ-1")
+    assert (found["status"], found["sweeps"]) == ("no evidence", 2)
+    assert "the 2 that do are variants of sweeps" in found["sentence"]
 
 
 def test_the_text_of_a_requirement_is_that_of_runs_that_count(service: Service, client: httpx.Client) -> None:

@@ -23,6 +23,7 @@ from backend.db.queue import Queue
 from backend.db.store import RunStore
 from campaigns import Campaign
 from campaigns.results import Verdict
+from clearance import Client
 from clearance.cli._report import print_report
 from clearance.local.summary import summary
 from tests.api.conftest import Fresh, running
@@ -64,6 +65,7 @@ class Both:
 class Ran:
     """The run as it is in the service and as the command line has it."""
 
+    service: Service
     client: httpx.Client
     campaign: Campaign
     memory: MemoryStore
@@ -106,7 +108,7 @@ def ran(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory, request: 
             verdict = execute(asked, _both(service, memory))
             audited(memory, asked)
             audited(service.engine)
-            yield Ran(client, asked, memory, verdict)
+            yield Ran(service, client, asked, memory, verdict)
 
 
 def _both(service: Service, memory: MemoryStore) -> Any:
@@ -191,6 +193,22 @@ def test_the_exports_count_the_same(ran: Ran) -> None:
     (stage,) = (s for s in document["stages"] if s["kind"] == "certify")
     assert [row[-1] for row in stage["rows"]] == certified["result"]["flights"]
     assert {row["draw"] for row in rows if row["kind"] != "certify"} == {""}
+
+
+def test_the_client_reads_every_column_for_what_it_is(ran: Ran) -> None:
+    with Client(ran.service.url, ran.service.token("reader")) as client:
+        found = client.evaluations("R-0001")
+    rows = ran.api("/exports/run.json")["stages"]
+    names = list(ran.campaign.uncertain)
+    assert (list(found.names), found.criteria) == (names, ("d_min",))
+    drawn = bool(ran.counts.get("counted"))
+    width = len(names)
+    stored = [row[-width - 1 : -1] if drawn else row[-width:] for stage in rows for row in stage["rows"]]
+    assert found.points.tolist() == stored
+    (certified,) = (s for s in ran.api("/stages") if s["kind"] == "certify")
+    expected = certified["result"]["flights"] if drawn else [-1] * certified["stored"]
+    assert found.draw[found.kind == "certify"].tolist() == expected
+    assert set(found.draw[found.kind != "certify"].tolist()) == {-1}
 
 
 def test_what_is_only_counted_is_told_by_the_result(ran: Ran) -> None:

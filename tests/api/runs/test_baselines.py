@@ -21,6 +21,7 @@ from tests.given.problem_documents import problem
 from tests.given.reported_runs import PARAMETERS, finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
+from tests.given.submissions import swept
 
 
 def launched(client: httpx.Client, key: str = "", **fields: Any) -> dict[str, Any]:
@@ -79,6 +80,16 @@ def test_a_label_selects_the_newest_run_of_the_same_question(service: Service, c
     assert " branch=main " in sentence
     client.delete("/api/v1/runs/R-0002", params={"reason": "wrong"})
     assert launched(client, baseline="label: branch = main")["baseline"]["run"] == "R-0001"
+
+
+def test_no_label_selects_a_variant_of_a_sweep(service: Service, client: httpx.Client) -> None:
+    main = {"labels": {"branch": "main"}}
+    finished(service, client, **main)
+    swept(client, [1.5, 2.5], **main)
+    for _ in range(2):
+        finish_fully(service, "violated")
+    assert launched(client, baseline="label:branch=main")["baseline"]["run"] == "R-0001"
+    assert launched(client, baseline="R-0002")["baseline"]["run"] == "R-0002", "named, it is what is compared with"
 
 
 def test_a_label_that_no_run_has_is_stated(client: httpx.Client) -> None:

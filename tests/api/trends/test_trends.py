@@ -13,7 +13,7 @@ from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
-from tests.given.submissions import submit
+from tests.given.submissions import submit, swept
 
 DIGEST = Campaign.model_validate(campaign()).digest
 NAME = "Unicycle past a pillar"
@@ -55,6 +55,23 @@ def test_outcomes_and_removed_runs(service: Service, client: httpx.Client) -> No
         ("R-0002", "violated", 1.3),
         (queued, None, None),
     ]
+
+
+def test_a_trend_by_name_leaves_out_the_variants_of_sweeps(client: httpx.Client) -> None:
+    submit(client)
+    sweep = swept(client, [1.5, 2.5])
+    found = trend(client, name=NAME)
+    assert [[run["id"] for run in found["runs"]], found["total"], found["campaigns"], found["sweeps"]] == [
+        ["R-0001"],
+        1,
+        1,
+        2,
+    ]
+    variant = sweep["points"][0]["outcome"]["campaign_digest"]
+    alone = trend(client, campaign=variant)
+    assert ([run["id"] for run in alone["runs"]], alone["sweeps"]) == (["R-0002"], 0), (
+        "of one campaign it is one of its runs"
+    )
 
 
 def test_runs_with_a_label_are_a_trend_of_their_own(service: Service, client: httpx.Client) -> None:

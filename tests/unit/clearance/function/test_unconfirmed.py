@@ -40,3 +40,20 @@ def test_the_report_has_its_parameters(result: clearance.Result, tmp_path: Path)
     page = result.report(tmp_path / "report.html").read_text(encoding="utf-8")
     row = page.partition("Uncertain parameters")[2].partition("</table>")[0]
     assert all(f">{value:.4g}<" in row for value in result.worst.parameters.values())
+
+
+def test_a_value_that_is_milder_when_evaluated_again_is_stated_as_in_the_verdict() -> None:
+    calls: list[None] = []
+
+    def drifting(a: float, b: float) -> float:
+        """It repeats itself in the first calls, and varies by up to 0.01 later."""
+        calls.append(None)
+        later = 0.0 if len(calls) < 40 else 1e-4 * (len(calls) * 7919 % 100)
+        return 2.0 + (a - 0.3) ** 2 + (b + 0.2) ** 2 + later
+
+    found = clearance.search(drifting, {"a": (-1.0, 1.0), "b": (-1.0, 1.0)}, 2.3, unit="m", budget=200, certify=60)
+    assert found.worst is not None
+    assert found.worst.cost > found.worst.evaluated
+    assert found.worst.margin == pytest.approx(found.worst.cost - 2.3)
+    assert f"{found.worst.cost:.6g} m" in found.verdict.sentence
+    assert f"{found.worst.cost:.6g} (evaluated: {found.worst.evaluated:.6g})" in str(found)

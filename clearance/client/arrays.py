@@ -150,7 +150,8 @@ class Findings(list[answers.Finding]):
     def to_dataframe(self) -> Any:
         """A data frame with a row for each finding: label, cost, margin, methods, how likely it is, and each parameter.
 
-        `cost` and `margin` are those that the verdict states, `evaluated` is the value that the search saw. `distance`, `density` and `tail` are those of its likelihood, NaN where it has none. Needs pandas.
+        `cost` and `margin` are those that the verdict states, `evaluated` is the value that the search saw. `distance`,
+        `density` and `tail` are those of its likelihood, NaN where it has none. Needs pandas.
         """
         paths = dict.fromkeys(path for finding in self for path in finding.parameters)
         stated = [f.cost if f.granted is None else f.granted for f in self]

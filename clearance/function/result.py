@@ -79,11 +79,13 @@ class Nominal:
 
 @dataclass(frozen=True)
 class Finding:
-    """One distinct worst case: parameters [unit] by name, the value stated for it and its margin to the threshold [unit].
+    """One distinct worst case: parameters [unit] by name, the value stated for it and its margin to the threshold
+    [unit].
 
-    cost: what the function returned; of a violation whose repeated evaluations differ, the mildest of them, as the
-    verdict has it. evaluated: what the search saw. label: F1 is the worst. methods: the search methods that found it by themselves; empty if only polishing did.
-    at_bounds: "low" or "high" by parameter. validation: whether a repeated evaluation agrees, in words.
+    cost: what the function returned; of a violation whose repeated evaluations differ, the mildest of them, as in the
+    verdict. evaluated: what the search saw. label: F1 is the worst. methods: the search methods that found it by
+    themselves; empty if only polishing did. at_bounds: "low" or "high" by parameter. validation: whether a repeated
+    evaluation agrees, in words.
     """
 
     label: str

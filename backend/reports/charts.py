@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from markupsafe import Markup
 
 from backend.reports import figures, plan_view, plot, words
@@ -12,6 +14,7 @@ from campaigns.results.sample import Sample
 from campaigns.results.slices import Curve
 
 MOST_CURVES = 12
+"""Those with the largest effects, and of these a page of paper holds no more."""
 
 
 def drawn(record: Record) -> dict[str, object]:
@@ -25,8 +28,11 @@ def drawn(record: Record) -> dict[str, object]:
         "convergence": _convergence(record),
         "keys": [(title, colour) for colour, title, _ in _series(record)],
         "sensitivity": _sensitivity(record),
+        "sensitivity_gaps": _gaps(record),
+        "sensitivity_left_out": _symbols(record, [c for c in _curves(record) if c not in _shown(record)]),
         "through_worst": bool(_slices(record)),
         "tornado": _tornado(record),
+        "tornado_left_out": _symbols(record, [c for c in _curves(record) if None in (c.costs[0], c.costs[-1])]),
         "histogram": _histogram(record),
         **_off(record),
     }
@@ -82,6 +88,30 @@ def _curves(record: Record) -> list[Curve]:
     return [curve for result in record.every for curve in result.slices]
 
 
+def _shown(record: Record) -> list[Curve]:
+    """The curves of the figure in their order: if there are too many, those with gaps and those that vary most."""
+
+    def effect(curve: Curve) -> float:
+        known = [cost for cost in curve.costs if cost is not None]
+        return max(known) - min(known) if len(known) == len(curve.costs) else math.inf
+
+    curves = _curves(record)
+    least = sorted(curves, key=effect)[: max(0, len(curves) - MOST_CURVES)]
+    return [curve for curve in curves if curve not in least]
+
+
+def _gaps(record: Record) -> int:
+    """Evaluations of the curves that are shown which have no value."""
+    through = _slices(record)
+    shown = [c for curve in _shown(record) for c in (curve, through.get(curve.path)) if c is not None]
+    return sum(cost is None for curve in shown for cost in curve.costs)
+
+
+def _symbols(record: Record, curves: list[Curve]) -> Markup:
+    """Parameters by their symbols, for a sentence."""
+    return Markup(", ").join(words.symbol_html(record.symbol(curve.path), curve.path) for curve in curves)
+
+
 def _slices(record: Record) -> dict[str, Curve]:
     """The curves through the worst case by path, if they were evaluated."""
     through = None if record.worst is None else record.worst.slices
@@ -90,14 +120,14 @@ def _slices(record: Record) -> dict[str, Curve]:
 
 def _sensitivity(record: Record) -> list[tuple[Markup, str, Markup]]:
     """A small chart for each parameter: symbol, description, drawing."""
-    curves, through = _curves(record), _slices(record)
+    curves, through = _shown(record), _slices(record)
     values = [c for curve in [*curves, *through.values()] for c in curve.costs if c is not None]
     if not values:
         return []
     near = [record.of.threshold] if record.of.threshold is not None and _holds(record, values) else []
     low, high = plot.padded([*values, *near], 0.1)
     found = []
-    for curve in curves[:MOST_CURVES]:
+    for curve in curves:
         about = _about(record, curve)
         svg = figures.sensitivity(curve, through.get(curve.path), about, (low, high), record.of)
         found.append((words.symbol_html(about.symbol, curve.path), about.text, svg))

@@ -139,11 +139,24 @@ def sensitivity(curve: Curve, other: Curve | None, about: About, y_range: Point,
     axes.criterion(of.threshold, "")
     for shown, colour in ((curve, plot.NOMINAL), (other, plot.WORST)):
         if shown is not None:
-            pairs = zip(shown.values, shown.costs, strict=False)
-            axes.line([(x, y) for x, y in pairs if y is not None], colour, 1.5)
+            for part in _unbroken(shown):
+                axes.line(part, colour, 1.5)
+                if len(part) == 1:
+                    axes.dot(*part[0], colour, 1.8)
     if about.nominal_cost is not None:
         axes.dot(about.nominal, about.nominal_cost, plot.NOMINAL, 2.8)
     return axes.svg(f"{of.symbol} over {about.symbol}")
+
+
+def _unbroken(curve: Curve) -> list[list[Point]]:
+    """The parts of a curve between evaluations without a value, which no line may bridge."""
+    parts: list[list[Point]] = [[]]
+    for x, y in zip(curve.values, curve.costs, strict=False):
+        if y is None:
+            parts.append([])
+        else:
+            parts[-1].append((x, y))
+    return [part for part in parts if part]
 
 
 def tornado(bars: Sequence[tuple[str, float, float]], of: Quantity) -> Markup:

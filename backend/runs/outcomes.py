@@ -49,6 +49,8 @@ class Outcome(Schema):
     upper_bound: float | None
     """On P(violation), from the independent sample; null without one."""
     violations: int | None
+    failed_samples: int | None
+    """Of the violations: samples without a value, because their evaluation failed."""
     samples: int | None
     confidence: float | None
     """Of the upper bound."""
@@ -61,9 +63,10 @@ class Outcome(Schema):
 
 
 _PLAIN = ("name", "state", "verdict", "error", "campaign_digest", "threshold", "created", "finished")
-_NUMBERS = ("worst_cost", "upper_bound", "violations", "samples", "confidence")
+_NUMBERS = ("worst_cost", "upper_bound", "violations", "failed_samples", "samples", "confidence")
 _STATISTICS = {
     "violations": Run.summary["statistics", "violations"].as_integer(),
+    "failed_samples": Run.summary["statistics", "failed"].as_integer(),
     "confidence": Run.summary["statistics", "confidence"].as_float(),
 }
 

@@ -17,7 +17,7 @@ def csv_of(sweep: SweepDetail) -> bytes:
     headers = [
         headed(sweep.path, sweep.unit), "run", "state", "verdict", headed("criterion", unit),
         headed(f"worst {quantity}", unit), headed("margin", unit), "P(violation) upper bound", "violations",
-        "samples", "confidence", "seed", "code", "error",
+        "of these failed", "samples", "confidence", "seed", "code", "error",
     ]  # fmt: skip
     return lines([headers, *map(_row, sweep.points)])
 
@@ -27,7 +27,7 @@ def _row(point: SweepPoint) -> list[object]:
     if found is None:
         return [repr(point.value), point.run, PURGED]
     numbers = (found.threshold, found.worst_cost, found.margin, found.upper_bound)
-    counts = (found.violations, found.samples)
+    counts = (found.violations, found.failed_samples, found.samples)
     return [
         repr(point.value), point.run, found.state, _word(found), *map(_number, numbers), *counts,
         _number(found.confidence), found.seed, found.code, found.error,

@@ -14,6 +14,7 @@ class Draws(NamedTuple):
     """What an estimate rests on. few: whether too few violate to weight them."""
 
     samples: int
+    failed: int
     excluded: int
     effective: float
     outside: float
@@ -26,10 +27,14 @@ def estimate(probability: float, ends: tuple[float, float], confidence: float, o
         *("P(violation) is estimated as ", share(probability, name="probability"), ", "),
         *(at_least(ends[0], name="low"), " to ", at_most(ends[1], name="high"), " with "),
         *(percent(confidence, 6, "confidence"), " confidence, by re-weighting ", count(of.samples, "samples")),
-        *(" stored draws", " that were not excluded" if of.excluded else ""),
+        *(" stored draws", " that were not excluded" if of.excluded else "", _failed(of)),
         *(" (effective sample size ", count(int(of.effective), "effective"), ")", _width(of)),
         ": an estimate, not a bound",
     )
+
+
+def _failed(of: Draws) -> Spans:
+    return say(", ", count(of.failed, "failed"), " of which failed and count as violations,") if of.failed else ()
 
 
 def _width(of: Draws) -> Spans:

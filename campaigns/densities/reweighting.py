@@ -144,7 +144,7 @@ def _estimated(found: Reweighted, of: _Weighted, terms: Terms) -> Reweighted:
         ends = wherever(found.violations, found.samples + found.excluded, of.ratios, terms.confidence)
         low, high = min(low, ends[0]), max(high, min(ends[1] / of.kept, 1.0))
     low, high = low * (1.0 - found.outside), high * (1.0 - found.outside) + found.outside
-    draws = claims.Draws(found.samples, found.excluded, found.effective, found.outside, few)
+    draws = claims.Draws(found.samples, found.failed, found.excluded, found.effective, found.outside, few)
     statement = claims.estimate(p, (low, high), terms.confidence, draws)
     quantiles = _quantiles(of.shares, of.costs, terms.shares)
     estimates = {"probability": p, "low": low, "high": high, "quantiles": quantiles, "statement": statement}

@@ -122,7 +122,7 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
     elif ended.accepted:
         Xml.SubElement(case, "skipped", message=_clean(f"{verdict.sentence} {exit_sentence(verdict)}"))
     else:
-        failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
+        failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=verdict.headline)
         failure.text = _clean("\n".join(filter(None, [verdict.reason, ended.link])))
 
 

@@ -473,6 +473,8 @@ class Outcome(Answer):
     upper_bound: float | None
     """On P(violation), from the independent sample; None without one."""
     violations: int | None = None
+    failed_samples: int | None = None
+    """Of the violations: samples without a value, because their evaluation failed."""
     samples: int | None = None
     confidence: float | None
     """Of the upper bound."""

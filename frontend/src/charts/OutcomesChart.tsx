@@ -1,7 +1,7 @@
 // Worst margins and bounds on P(violation) of runs, one above the other, with a shared crosshair.
 import { Sign } from '../ui/Sign'
 import { VerdictBadge } from '../ui/VerdictBadge'
-import { type At, type Axis, boundName, boundsOf, commonOf, isBare, kindsOf, marginsOf, spoken } from './outcomes'
+import { type At, type Axis, boundName, boundsOf, commonOf, isBare, kindsOf, marginsOf, observedName, spoken } from './outcomes'
 import styles from './outcomes.module.css'
 import { Plot } from './Plot'
 
@@ -44,7 +44,7 @@ export function OutcomesChart({ points, axis, sync, name }: OutcomesChartProps) 
               <i className={styles.dot} style={{ background: 'var(--c-bound)' }} /> {boundName(points)}
             </span>
             <span className={styles.key}>
-              <i className={styles.dot} style={{ background: 'var(--c-nom)' }} /> Observed fraction
+              <i className={styles.dot} style={{ background: 'var(--c-nom)' }} /> {observedName(points)}
             </span>
           </>
         )}

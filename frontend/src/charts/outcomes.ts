@@ -1,7 +1,7 @@
 // Outcomes of runs over a value or over time, as charts and texts. A run that is not done has no numbers.
 import type { Outcome } from '../client'
 import { decimalsFor, fixed, percent, plain, probability, signed } from '../format/numbers'
-import { lookOf, outcomeOf, type Outcome as Word } from '../ui/VerdictBadge'
+import { outcomeOf, type Outcome as Word, wordOf } from '../ui/VerdictBadge'
 import type { Line, PlotSpec, Point } from './spec'
 
 /** A position on the horizontal axis and the run there; null if its results were purged. */
@@ -14,9 +14,6 @@ export interface At {
 export type Kind = Word | 'purged'
 
 export const kindOf = (outcome: Outcome | null): Kind => (outcome ? outcomeOf(outcome) : 'purged')
-
-/** The word for a run: its verdict, or why it has none. */
-export const wordOf = (kind: Kind): string => (kind === 'purged' ? 'Purged' : lookOf(kind).word)
 
 /** The kinds among the runs, each once, in a fixed order. */
 const ORDER: readonly Kind[] = ['cleared', 'violated', 'inconclusive', 'queued', 'running', 'cancelling', 'cancelled', 'failed', 'purged']
@@ -88,7 +85,7 @@ export function boundsOf(points: readonly At[], axis: Axis, height: number, sync
   const highest = Math.max(...bounds.map((bound) => bound ?? 0), ...observed.map((fraction) => fraction ?? 0))
   const lines: Line[] = [
     { key: 'bound', label: boundName(points), colour: '--c-bound', y: bounds, dots: true },
-    { key: 'observed', label: 'Observed fraction', colour: '--c-nom', y: observed, dots: true },
+    { key: 'observed', label: observedName(points), colour: '--c-nom', y: observed, dots: true },
   ]
   return {
     ...chartOf(points, axis, height, sync),
@@ -109,9 +106,16 @@ export function boundName(points: readonly At[]): string {
 export const fractionOf = (outcome: Outcome | null): number | null =>
   outcome?.samples && outcome.violations !== null ? outcome.violations / outcome.samples : null
 
-/** "0 of 3 000", for a table. */
-export const sampleOf = (outcome: Outcome | null): string =>
-  outcome?.samples && outcome.violations !== null ? `${fixed(outcome.violations, 0)} of ${fixed(outcome.samples, 0)}` : ''
+/** The name of the observed fractions: a failed evaluation counts as a violation that nobody has observed. */
+export const observedName = (points: readonly At[]): string =>
+  points.some(({ outcome }) => outcome?.failed_samples) ? 'Violating or failed fraction' : 'Observed fraction'
+
+/** "0 of 3 000", or "4 of 60, 4 failed", for a table. */
+export function sampleOf(outcome: Outcome | null): string {
+  if (!outcome?.samples || outcome.violations === null) return ''
+  const failed = outcome.failed_samples ? `, ${fixed(outcome.failed_samples, 0)} failed` : ''
+  return `${fixed(outcome.violations, 0)} of ${fixed(outcome.samples, 0)}${failed}`
+}
 
 /** The codes that ran runs which are done. */
 export const codesOf = (points: readonly At[]): string[] => [
@@ -124,6 +128,6 @@ export const spoken = (points: readonly At[], name: (point: At) => string): stri
     .map((point) => {
       const { outcome } = point
       const margin = outcome?.margin === null || outcome?.margin === undefined ? '' : `, margin ${plain(outcome.margin, 4)} ${outcome.unit}`
-      return `${name(point)}: ${wordOf(kindOf(outcome))}${margin}`
+      return `${name(point)}: ${outcome ? wordOf(outcome) : 'Purged'}${margin}`
     })
     .join('; ')

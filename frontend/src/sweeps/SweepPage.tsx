@@ -22,6 +22,7 @@ import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { Table } from '../ui/Table'
 import { usePolling } from '../ui/usePolling'
+import { headlineOf } from '../ui/VerdictBadge'
 import { activeOf, statementOf } from './states'
 import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
@@ -50,10 +51,10 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
   }
   const data = () => ({
     name: 'sweep',
-    columns: [`${sweep.path}${unit && ` [${sweep.unit}]`}`, 'run', 'state', 'verdict', 'worst margin', 'unit', 'P(violation) upper bound', 'violations', 'samples'],
+    columns: [`${sweep.path}${unit && ` [${sweep.unit}]`}`, 'run', 'state', 'verdict', 'worst margin', 'unit', 'P(violation) upper bound', 'violations', 'of these failed', 'samples'],
     rows: sweep.points.map(({ value, run, outcome: o }) => [
-      value, run, o?.state ?? 'purged', o?.verdict ?? null, o?.margin ?? null, o?.unit ?? null, o?.upper_bound ?? null, o?.violations ?? null,
-      o?.samples ?? null,
+      value, run, o?.state ?? 'purged', o && headlineOf(o), o?.margin ?? null, o?.unit ?? null, o?.upper_bound ?? null, o?.violations ?? null,
+      o?.failed_samples ?? null, o?.samples ?? null,
     ]),
   })
   return (

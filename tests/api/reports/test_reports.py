@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
@@ -14,9 +15,10 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import CatalogueDocument, Run, Trace
-from backend.reports import pdf, plot, words
+from backend.reports import charts, figures, pdf, plot, words
 from backend.reports.service import _STATES
 from campaigns.claims import earlier, numbers
+from campaigns.results.slices import Curve
 from campaigns.runs import RunState
 from tests.given import declared_traces
 from tests.given.databases import AT_NIGHT, BOTH
@@ -220,6 +222,27 @@ def test_a_browser_that_fails_or_hangs_is_a_problem(
 @pytest.mark.parametrize("file", ["report.html", "report.pdf"])
 def test_no_report_of_a_run_that_is_not_there(guest: httpx.Client, file: str) -> None:
     problem(guest.get(f"/api/v1/runs/R-0999/{file}"), 404)
+
+
+def test_no_line_bridges_an_evaluation_without_a_value() -> None:
+    status: list[Any] = ["ok", "ok", "failed", "ok", "ok", "timeout", "ok"]
+    costs = [2.0, 2.1, None, 2.2, 2.3, None, 2.4]
+    curve = Curve(path="vehicle.m", values=[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], costs=costs, status=status)
+    about = figures.About("m", "Mass", "kg", 3.0, 0.0, 6.0, None)
+    svg = figures.sensitivity(curve, None, about, (1.0, 3.0), figures.Quantity("d", "m", 0.5))
+    lines = re.findall(rf'<path d="(M[^"]+)" stroke="{plot.NOMINAL}"', svg)
+    assert [line.count("L") for line in lines] == [1, 1]
+    assert svg.count("<circle") == 1, "a value between two gaps is a dot"
+
+
+def test_of_many_curves_those_with_gaps_and_the_largest_effects_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    def curve(k: int, last: float | None) -> Curve:
+        return Curve(path=f"p.{k}", values=[0.0, 1.0], costs=[2.0, last], status=["ok", "ok" if last else "failed"])
+
+    made = [curve(0, 2.001), curve(1, None), *(curve(k, 2.0 + k) for k in range(2, 14))]
+    monkeypatch.setattr(charts, "_curves", lambda record: made)
+    shown = charts._shown(None)  # type: ignore[arg-type]
+    assert [one.path for one in shown] == ["p.1", *(f"p.{k}" for k in range(3, 14))]
 
 
 def test_numbers_as_in_print() -> None:

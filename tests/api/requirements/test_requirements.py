@@ -197,7 +197,7 @@ def test_what_speaks_against_a_requirement_needs_no_verdict_of_its_own_run(
     with changed(service.engine, other.values(verdict="violated", worst_cost=0.3)):
         found = row(client, "REQ-1")
         assert (found["status"], [one["part"] for one in found["runs"]]) == ("violated", ["evidence", "violation"])
-        assert f"R-0001 violates it, and {run}, which asks the same" in found["sentence"]
+        assert ("R-0001 violates it" in found["sentence"], run in found["sentence"]) == (True, True)
     with changed(service.engine, other.values(state="cancelled", verdict=None, worst_cost=0.5)):
         assert row(client, "REQ-1")["status"] == "inconclusive"
     with changed(service.engine, own.values(state="cancelled", worst_cost=0.5)):
@@ -212,7 +212,7 @@ def test_variants_of_a_sweep_are_named_where_they_alone_state_a_requirement(clie
     swept(client, [1.5, 2.5], campaign=campaign(criterion=stating("REQ-1")))
     found = row(client, "REQ-1")
     assert (found["status"], found["sweeps"]) == ("no evidence", 2)
-    assert "the 2 that do are variants of sweeps" in found["sentence"]
+    assert "variants of sweeps" in found["sentence"]
 
 
 def test_the_text_of_a_requirement_is_that_of_runs_that_count(service: Service, client: httpx.Client) -> None:

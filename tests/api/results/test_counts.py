@@ -44,6 +44,13 @@ STAGES = {
     "findings": {"at_most": 1, "evaluations": 4000, "distance": 0.5},
     "validate": {"neighbours": 0, "evaluations": 20_000},
 }
+FIGURES = {
+    "gaps": "{} of these evaluations have no value; the curves have gaps there",
+    "bound": "Omitted, because they have no value at one of their bounds: ",
+    "sample": "of the {} that have a value, of {} independent",
+    "draws": "{} of which failed and count as violations",
+}
+"""What is said where evaluations without a value are left out of a figure, or count in an estimate."""
 
 
 class Both:
@@ -224,6 +231,37 @@ def test_what_is_only_counted_is_told_by_the_result(ran: Ran) -> None:
     assert status["failed"] + beside.get("failed", 0) == certified["failed"]
     assert status["excluded"] + beside.get("excluded", 0) == certified["excluded"]
     assert sum(beside.get("exclusions", {}).values()) == beside.get("excluded", 0)
+
+
+def test_failed_draws_are_named_wherever_violations_of_the_sample_are(ran: Ran) -> None:
+    sample = ran.api()["summary"]["statistics"]
+    assert 0 < sample["failed"] <= sample["violations"]
+    counted = {"violations": sample["violations"], "failed_samples": sample["failed"], "samples": sample["samples"]}
+    (shown,) = ran.client.get("/api/v1/trends", params={"name": ran.campaign.name}).json()["runs"]
+    assert {key: shown[key] for key in counted} == counted
+    answer = ran.client.post("/api/v1/runs/R-0001/reweighted", json={"uncertain": {}})
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    if ran.counts.get("counted"):
+        assert found["probability"] is None, "it is not stored whole"
+        return
+    assert found["failed"] == sample["failed"]
+    assert FIGURES["draws"].format(found["failed"]) in found["text"]
+
+
+def test_the_figures_of_the_report_state_what_has_no_value(ran: Ran) -> None:
+    (studied,) = (s["result"]["curves"] for s in ran.api("/stages") if s["kind"] == "sensitivity")
+    (found,) = ran.api("/findings")
+    through = [] if found["slices"] is None else found["slices"]["curves"]
+    gaps = sum(cost is None for curve in [*studied, *through] for cost in curve["costs"])
+    assert gaps > 0
+    text = ran.text("/report.html")
+    assert FIGURES["gaps"].format(gaps) in text
+    assert any(None in (curve["costs"][0], curve["costs"][-1]) for curve in studied)
+    assert FIGURES["bound"] in text
+    sample = ran.api()["summary"]["statistics"]
+    valued, whole = sample["samples"] - sample["failed"], sample["samples"]
+    assert FIGURES["sample"].format(grouped(valued), grouped(whole)) in text
 
 
 def test_the_report_counts_the_same(ran: Ran) -> None:

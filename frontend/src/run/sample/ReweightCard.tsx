@@ -105,6 +105,7 @@ export function Estimates({ run, stated, moved }: EstimatesProps) {
       name: <>{percent(share)} quantile of <Sign text={run.quantity || 'value'} />, {run.unit}</>,
       cells: both.map((of) => fixed(at(of, share), decimals)),
     })),
+    ...(both.some((of) => of?.failed) ? [{ name: 'Failed draws, which count as violations', cells: both.map((of) => (of ? count(of.failed) : NONE)) }] : []),
     { name: 'Effective sample size', cells: both.map((of) => (of ? count(Math.floor(of.effective)) : NONE)) },
   ]
   return (

@@ -95,7 +95,7 @@ class Ran:
         return self.verdict.evaluations.model_dump()
 
 
-@pytest.fixture(scope="module", params=[{"samples": 40}, {"samples": 2500, "keep": "lowest"}], ids=["all", "lowest"])
+@pytest.fixture(scope="module", params=[{"samples": 140}, {"samples": 2500, "keep": "lowest"}], ids=["all", "lowest"])
 def ran(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Iterator[Ran]:
     asked = campaign(
         uncertain=FAILING | EXCLUDED,

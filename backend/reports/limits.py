@@ -34,6 +34,8 @@ def conditions(record: Record) -> list[str]:
 def _asked(record: Record) -> str:
     """How often the question was asked: whoever repeats a run until it is cleared is seen."""
     runs = sum(record.question.values())
+    if not runs:
+        return "How often its question was asked is not known, because its campaign is of an earlier version."
     if runs < 2:
         return (
             "No other run of this service asks the same question: the same system, bounds and criterion, at any "

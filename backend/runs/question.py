@@ -10,9 +10,15 @@ from campaigns.results.verdict import VerdictWord
 
 
 def asked_again(reader: sa.Connection, run_id: int) -> dict[str, int]:
-    """How many runs ask the question of this one, by verdict: whoever repeats it until it is cleared is seen."""
+    """How many runs ask the question of this one, by verdict: whoever repeats it until it is cleared is seen.
+
+    None, not even itself, where its question is not stored, as by an earlier version.
+    """
     own = sa.select(CampaignRow.question).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
-    same = sa.select(CampaignRow.digest).where(CampaignRow.question == reader.scalar(own))
+    question = reader.scalar(own)
+    if question is None:  # of a version that did not store it: nothing is known to ask the same
+        return {}
+    same = sa.select(CampaignRow.digest).where(CampaignRow.question == question)
     verdict = sa.func.coalesce(Run.verdict, "none")
     of = sa.select(verdict, sa.func.count()).where(Run.campaign_digest.in_(same)).group_by(verdict)
     found: dict[str, int] = {word: n for word, n in reader.execute(of)}  # noqa: C416

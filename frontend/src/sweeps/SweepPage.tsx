@@ -10,7 +10,7 @@ import { ChartCard } from '../charts/ChartCard'
 import { type At, codesOf, sampleOf } from '../charts/outcomes'
 import { OutcomesChart } from '../charts/OutcomesChart'
 import type { SweepDetail } from '../client'
-import { field, plain } from '../format/numbers'
+import { count, field, plain } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
 import { unitText } from '../format/units'
@@ -45,6 +45,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
   const points = sweep.points.map(({ value, run, outcome }): At => ({ x: value, run, outcome }))
   const unit = unitText(sweep.unit)
   const codes = codesOf(points)
+  const unidentified = points.filter(({ outcome }) => outcome?.state === 'done' && outcome.code === null).length
   const axis = {
     xTitle: `${sweep.path}${unit && `, ${unit}`}`,
     xText: (x: number) => `${sweep.path} = ${plain(x)} ${unit}`.trim(),
@@ -79,6 +80,11 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
         <div className={clsx(cards.note, cards.warn)} style={{ marginBottom: 'var(--gap)' }}>
           The code changed while the sweep ran: {codes.length} codes ran its runs. Differences between the values may come
           from the code.
+        </div>
+      )}
+      {codes.length === 1 && unidentified > 0 && (
+        <div className={clsx(cards.note, cards.warn)} style={{ marginBottom: 'var(--gap)' }}>
+          The code of {unidentified === 1 ? 'one run is' : `${count(unidentified)} runs is`} not identified, so it may differ from that of the others.
         </div>
       )}
       <div className={layout.grid}>

@@ -53,6 +53,7 @@ export function RelatedCard({ run }: { run: RunDetail }) {
 function askedAgain(question: RelatedRuns['question']): string {
   const words = Object.entries(question).map(([word, n]) => `${count(n)} ${word === 'none' ? 'without a verdict' : word}`)
   const runs = Object.values(question).reduce((sum, n) => sum + n, 0)
+  if (runs === 0) return 'How often its question was asked is not known, because its campaign is of an earlier version.'
   if (runs < 2) return 'No other run asks the same question: the same system, bounds and criterion, at any threshold.'
   return `${count(runs)} runs ask the same question, removed ones included: ${words.join(', ')}.`
 }

@@ -43,10 +43,10 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
   const keys: Key[] = methodsOf(points).map(([method, label]) => ({ key: method, label, method }))
   const table = () => ({
     name: 'front',
-    columns: ['method', 'evaluation', ...criteria.map(headed), ...parameters.map((p) => p.path)],
+    columns: ['method', 'index', ...criteria.map(headed), ...parameters.map((p) => p.path)],
     rows: points.map((point) => [
       point.title,
-      point.index + 1,
+      point.index,
       ...criteria.map((c) => point.values[c.name] ?? null),
       ...parameters.map((p) => point.parameters[p.path] ?? null),
     ]),
@@ -160,7 +160,7 @@ function Points({ data, criteria, points }: PointsProps) {
               cell: ({ values }: Placed) => fixed(values[name], digits.get(name) ?? 3),
             })),
             ...parameterColumns<Placed>(data.parameters, (point, p) => fixed(point.parameters[p.path], decimalsFor([p.low, p.high])), undefined, 'sec'),
-            { head: 'Evaluation', num: true, tone: 'sec', cell: ({ index }) => count(index + 1) },
+            { head: 'Index', num: true, tone: 'sec', cell: ({ index }) => count(index) },
           ]}
         />
       </div>

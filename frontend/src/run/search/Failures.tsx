@@ -55,7 +55,7 @@ export function Failures({ data, className }: { data: RunData; className: string
         by={({ position, index }) => `${position}-${index}`}
         columns={[
           { head: 'Stage', tone: 'nw', cell: ({ position }) => stageTitle(data, position) },
-          { head: 'Evaluation', num: true, tone: 'sec', cell: ({ index }) => count(index + 1) },
+          { head: 'Index', num: true, tone: 'sec', cell: ({ index }) => count(index) },
           { head: 'Status', tone: 'nw', cell: ({ status }) => MEANING[status].word },
           { head: 'Reason', tone: clsx('sec', styles.reason), cell: ({ reason }) => reason },
           ...parameterColumns<EvaluationFailure>(data.parameters, ({ parameters }, p) => fixed(parameters[p.path], decimalsFor([p.low, p.high], 5)), 'text'),

@@ -101,6 +101,29 @@ def test_a_service_that_hangs_is_reported_until_it_answers(visit: Visit) -> None
     expect(connection).to_be_empty()
 
 
+def behind_a_proxy(route: Route) -> None:
+    """What a proxy says while the service behind it is away."""
+    route.fulfill(status=502, body="<html>Bad gateway</html>", content_type="text/html")
+
+
+def without_502(visit: Visit) -> None:
+    visit.wrong[:] = [entry for entry in visit.wrong if "502" not in entry]  # the browser reports them all
+
+
+def test_a_service_for_which_a_proxy_answers_is_reported_until_it_answers(visit: Visit) -> None:
+    page = visit.page
+    visit.move("/help")
+    page.route("**/api/v1/**", behind_a_proxy)
+    connection = page.get_by_role("status", name="Connection")
+    expect(connection).to_contain_text("The service does not answer")
+    page.evaluate("history.pushState(null, '', '/reports')")
+    expect(page.get_by_role("main")).to_contain_text("a proxy in between says 502")
+    page.unroute("**/api/v1/**")
+    expect(connection).to_be_empty()
+    expect(page.get_by_role("main")).not_to_contain_text("502")
+    without_502(visit)
+
+
 def test_removal_never_takes_the_place_of_cancelling(working: Service, visit: Visit) -> None:
     page = visit.page
     claim = Queue(working.engine).claim("w1")

@@ -25,10 +25,16 @@ export class Refusal extends Error {
   }
 }
 
+/** Whether a proxy answers in place of the service, whose own answers of these numbers are problem documents. */
+export const isOfProxy = ({ status, headers }: Response): boolean =>
+  [502, 503, 504].includes(status) && !headers.get('Content-Type')?.startsWith('application/problem+json')
+
 /** Converts whatever the client caught to a problem. */
 export function refusalOf(error: unknown, response: Response | undefined): Refusal {
   if (error instanceof Refusal) return error
   if (!response) return new Refusal(0, 'The service cannot be reached', 'No response from this address. Start the service on its machine with clearance serve.')
+  if (isOfProxy(response))
+    return new Refusal(response.status, 'Not available at the moment', `The service does not answer: a proxy in between says ${response.status}. Try again in a moment.`)
   const body = (typeof error === 'object' && error !== null ? error : {}) as Partial<Record<string, unknown>>
   const errors = Array.isArray(body.errors) ? (body.errors as FieldProblem[]) : []
   const title = typeof body.title === 'string' ? body.title : `Answer ${response.status}`

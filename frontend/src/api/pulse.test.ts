@@ -2,6 +2,8 @@
 import { afterEach, beforeEach, expect, it, vi } from 'vitest'
 import { PATIENCE, Pulse, troubleOf } from './pulse'
 
+const PROBLEM = { 'Content-Type': 'application/problem+json' }
+
 beforeEach(() => {
   vi.useFakeTimers({ now: 1_000_000 })
 })
@@ -9,17 +11,18 @@ afterEach(() => {
   vi.useRealTimers()
 })
 
-/** A service that hangs, refuses connections, or answers, as told. */
+/** A service that hangs, refuses connections, leaves the answer to a proxy, or answers, as told. */
 class Service {
-  state: 'hangs' | 'refuses' | 'answers' = 'answers'
+  state: 'hangs' | 'refuses' | 'behind a proxy' | 'answers' = 'answers'
   requests = 0
   private waiting: (() => void)[] = []
 
   /** Why it can do nothing, in its answer. */
   trouble = ''
 
-  readonly ask = (signal: AbortSignal): Promise<string | void> => {
+  readonly ask = (signal: AbortSignal): Promise<string | void | null> => {
     this.requests++
+    if (this.state === 'behind a proxy') return Promise.resolve(null)
     if (this.trouble) return Promise.resolve(this.trouble)
     if (this.state === 'refuses') return Promise.reject(new TypeError('Failed to fetch'))
     if (this.state === 'answers') return Promise.resolve()
@@ -110,13 +113,40 @@ it('asks nothing while answers come', async () => {
 it('reports a service that can do nothing with its sentence, until the health check succeeds', async () => {
   const [service, pulse] = made('answers')
   service.trouble = 'the database cannot be reached'
-  await pulse.follow(Promise.resolve(new Response(null, { status: 503 })))
+  await pulse.follow(Promise.resolve(new Response(null, { status: 503, headers: PROBLEM })))
   await vi.advanceTimersByTimeAsync(0)
   expect(pulse.contact.get()).toEqual({ state: 'unusable', since: 1_000_000, why: 'the database cannot be reached' })
   await pulse.follow(Promise.resolve(new Response(null, { status: 200 })))
   expect(pulse.contact.get().state).toBe('unusable')
   service.trouble = ''
   pulse.tick()
+  await vi.advanceTimersByTimeAsync(0)
+  expect(pulse.contact.get().state).toBe('well')
+})
+
+it('takes the answer of a proxy for silence, and asks again after a pause until the service answers', async () => {
+  const [service, pulse] = made('behind a proxy')
+  await pulse.follow(Promise.resolve(new Response('<html>', { status: 502, headers: { 'Content-Type': 'text/html' } })))
+  await vi.advanceTimersByTimeAsync(0)
+  expect(pulse.contact.get()).toEqual({ state: 'silent', since: 1_000_000 })
+  for (let i = 0; i < 6; i++) {
+    pulse.tick()
+    await pulse.follow(Promise.resolve(new Response('<html>', { status: 504 })))
+    await vi.advanceTimersByTimeAsync(1000)
+    expect(pulse.contact.get().state).toBe('silent')
+  }
+  expect(service.requests).toBeLessThan(6)
+  service.state = 'answers'
+  for (let i = 0; i < 2; i++) {
+    pulse.tick()
+    await vi.advanceTimersByTimeAsync(1000)
+  }
+  expect(pulse.contact.get().state).toBe('well')
+})
+
+it('believes the service rather than one request that a proxy gave up', async () => {
+  const [, pulse] = made('answers')
+  await pulse.follow(Promise.resolve(new Response(null, { status: 504 })))
   await vi.advanceTimersByTimeAsync(0)
   expect(pulse.contact.get().state).toBe('well')
 })

@@ -1,7 +1,9 @@
-// Whether the service answers. Every answer and event is a sign of life; without one the service is asked, and after 3 s
-// without an answer all pages say so, until it answers again. So they do while its database cannot be used.
+// Whether the service answers. Every answer and event is a sign of life, but not the 502 of a proxy in between. Without one
+// the service is asked, and after 3 s without an answer all pages say so, until it answers again. So they do while its
+// database cannot be used.
 import { at } from '../format/root'
 import { storeOf } from '../ui/store'
+import { isOfProxy } from './problems'
 
 /** Time without an answer after which it is reported [ms]. */
 export const PATIENCE = 3000
@@ -11,11 +13,11 @@ const SLOW = 500
 const QUIET = 5000
 /** Until an unanswered question is asked again [ms]. */
 const AGAIN = 10_000
-/** The pause after a refused connection [ms]. */
+/** The pause after a refused connection, or an answer of a proxy [ms]. */
 const PAUSE = 1500
 
 /**
- * `silent`: connected, but without an answer; `unreachable`: no connection; `unusable`: it answers why it can do nothing.
+ * `silent`: connected, but without an answer, or with that of a proxy alone; `unreachable`: no connection; `unusable`: it answers why it can do nothing.
  * Since when [ms since 1970].
  */
 export type Contact =
@@ -26,8 +28,8 @@ export type Contact =
 const WELL: Contact = { state: 'well' }
 
 /**
- * `ask` resolves with any answer of the service: why it can do nothing, or nothing. It rejects if there is no connection or
- * the signal aborts it.
+ * `ask` resolves with any answer of the service: why it can do nothing, or nothing; with null if a proxy answers. It rejects
+ * if there is no connection or the signal aborts it.
  */
 export class Pulse {
   readonly contact = storeOf<Contact>(WELL)
@@ -35,7 +37,7 @@ export class Pulse {
   private asking = false
 
   constructor(
-    private readonly ask: (signal: AbortSignal) => Promise<string | void>,
+    private readonly ask: (signal: AbortSignal) => Promise<string | void | null>,
     private readonly now: () => number = Date.now,
   ) {
     this.heard = now()
@@ -52,8 +54,9 @@ export class Pulse {
     const slow = setTimeout(() => void this.check(this.now() - SLOW), SLOW)
     try {
       const found = await answer
-      this.beat()
-      if (found instanceof Response && found.status === 503) void this.check()
+      const proxy = found instanceof Response && isOfProxy(found)
+      if (!proxy) this.beat()
+      if (proxy || (found instanceof Response && found.status === 503)) void this.check()
       return found
     } finally {
       clearTimeout(slow)
@@ -74,19 +77,26 @@ export class Pulse {
     const again = setTimeout(() => abort.abort(), AGAIN)
     try {
       const why = await this.ask(abort.signal)
+      if (why === null) {
+        await this.refused('silent', since)
+        return
+      }
       this.beat()
       if (why) this.lost('unusable', since, why)
       else if (this.contact.get().state !== 'well') this.contact.set(WELL)
     } catch {
-      if (!abort.signal.aborted) {
-        this.lost('unreachable', since)
-        await new Promise((resolve) => setTimeout(resolve, PAUSE))
-      }
+      if (!abort.signal.aborted) await this.refused('unreachable', since)
     } finally {
       clearTimeout(late)
       clearTimeout(again)
       this.asking = false
     }
+  }
+
+  /** There was an answer at once, but none of the service: it is not asked again at once. */
+  private async refused(state: 'silent' | 'unreachable', since: number): Promise<void> {
+    this.lost(state, since)
+    await new Promise((resolve) => setTimeout(resolve, PAUSE))
   }
 
   private lost(state: 'silent' | 'unreachable' | 'unusable', since: number, why = ''): void {
@@ -97,9 +107,10 @@ export class Pulse {
   }
 }
 
-/** Of this tab. Any answer counts, also a refusal. */
+/** Of this tab. Any answer of the service counts, also a refusal. */
 export const pulse = new Pulse(async (signal) => {
   const answer = await fetch(at('/api/v1/health'), { signal, cache: 'no-store' })
+  if (isOfProxy(answer)) return null
   return answer.status === 503 ? troubleOf(await answer.text()) : undefined
 })
 

@@ -64,7 +64,7 @@ async def stream_events(
         str | None, Header(alias="Last-Event-ID", description="The last `id` before; sent by browsers.")
     ] = None,
 ) -> EventStream:
-    """Changes as they happen, at most four times a second; comments every 15 s keep the stream alive.
+    """Changes as they happen, at most four times a second; a silent stream carries `event: beat` every 15 s.
 
     Every event has an `id`; with it as `Last-Event-ID` a stream resumes: active runs are reported again, and every run
     that ended meanwhile (the newest 500). An invalid id is ignored.
@@ -87,7 +87,7 @@ def _since(mark: str | None) -> float | None:
 
 
 async def _while_admitted(events: AsyncGenerator[str], still: Callable[[], Awaitable[bool]]) -> AsyncGenerator[str]:
-    """The events until the visitor's session or token ends; a silent stream has a comment at every heartbeat."""
+    """The events until the visitor's session or token ends; a silent stream has a beat at every heartbeat."""
     checked = time.monotonic()
     async with contextlib.aclosing(events):
         async for text in events:

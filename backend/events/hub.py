@@ -21,13 +21,15 @@ PERIOD = 0.25
 """Polling interval of the database [s]."""
 
 HEARTBEAT = 15.0
-"""A silent stream carries a comment this often, so that both ends notice when the other is gone [s]."""
+"""A silent stream carries a beat this often, so that both ends notice when the other is gone [s]."""
 
 BACKLOG = 256
 """A listener this many events behind is dropped; it reconnects and receives everything again."""
 
 RETRY = "retry: 2000\n\n"
-COMMENT = ": still here\n\n"
+BEAT = ": still here\nevent: beat\ndata:\n\n"
+"""A comment, which `clearance.client` reads, and an event: JavaScript sees no comments."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -122,7 +124,7 @@ class Hub:
             async with asyncio.timeout(HEARTBEAT):
                 return await listener.queue.get()
         except TimeoutError:
-            return COMMENT
+            return BEAT
 
     async def _poll(self) -> None:
         watch, roster = Watch(self._engine), Roster(self._engine, self._room)

@@ -117,7 +117,9 @@ def test_a_change_is_reported_when_it_is_sent_without_a_pause(clock: Clock) -> N
     assert clock.slept == []
 
 
-@pytest.mark.parametrize("stream", [None, "", ": still here\n\n", "event: run\ndata: no JSON\n\n", "<html>"])
+@pytest.mark.parametrize(
+    "stream", [None, "", ": still here\nevent: beat\ndata:\n\n", "event: run\ndata: no JSON\n\n", "<html>"]
+)
 def test_without_events_it_is_read_again_after_a_pause(stream: str | None, clock: Clock) -> None:
     assert followed(["running", "running", "done"], stream, stream) == ["running", "running", "done"]
     assert clock.slept == [1.0, 1.0], "never in a tight loop"

@@ -124,6 +124,30 @@ def test_a_service_for_which_a_proxy_answers_is_reported_until_it_answers(visit:
     without_502(visit)
 
 
+def test_live_updates_return_after_a_refusal_and_the_list_asks_meanwhile(working: Service, visit: Visit) -> None:
+    page = visit.page
+    page.route("**/api/v1/events*", behind_a_proxy)
+    visit.go("/runs")
+    connection = page.get_by_role("status", name="Connection")
+    expect(connection).to_contain_text("Live updates are interrupted")
+    with working.signed_in() as client:
+        run = submit(client, seed=2)
+        expect(page.locator(f"tr[data-run={run}]")).to_be_visible()
+        page.unroute("**/api/v1/events*")
+        expect(connection).to_be_empty()
+        run = submit(client, seed=3)
+        expect(page.locator(f"tr[data-run={run}]")).to_be_visible()
+    without_502(visit)
+
+
+def test_the_stream_is_opened_again_when_the_network_returns(visit: Visit) -> None:
+    page = visit.page
+    visit.go("/runs")
+    with page.expect_response("**/api/v1/events*"):
+        page.evaluate("dispatchEvent(new Event('online'))")
+    expect(page.get_by_role("status", name="Connection")).to_be_empty()
+
+
 def test_removal_never_takes_the_place_of_cancelling(working: Service, visit: Visit) -> None:
     page = visit.page
     claim = Queue(working.engine).claim("w1")

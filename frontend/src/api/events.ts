@@ -1,11 +1,11 @@
 // The one event stream of this tab: it feeds the query cache, at most four times a second. It is closed while the tab is
-// hidden, because a browser has only six connections to a service; if it fails, polling continues. Start: `useStream`.
+// hidden, because a browser has only six connections to a service; while it is lost, pages poll. Start: `useStream`, `feed`.
 import type { InfiniteData, QueryClient } from '@tanstack/react-query'
 import { useQueryClient } from '@tanstack/react-query'
 import { useEffect, useLayoutEffect } from 'react'
 import type { EvaluationSeries, Evaluations, RunDetail, RunPage, RunSummary, StageProgress, Workers } from '../client'
+import { Feed } from './feed'
 import { refreshRuns } from './lists'
-import { pulse } from './pulse'
 import { isLive } from './queries'
 import { at } from '../format/root'
 import { storeOf } from '../ui/store'
@@ -55,51 +55,52 @@ function useSource(run: string | null, on: boolean): void {
   const cache = useQueryClient()
   useEffect(() => {
     if (!on) return
-    let source: EventSource | null = null
+    let feed: Feed | null = null
     const pending: (() => void)[] = []
-    const flush = setInterval(() => {
+    const tick = setInterval(() => {
       for (const apply of pending.splice(0)) apply()
+      feed?.tick()
     }, FLUSH)
-    const later = (event: Event, apply: (data: never) => void) => {
-      pulse.beat()
-      pending.push(() => apply(JSON.parse((event as MessageEvent<string>).data) as never))
+    const later = (apply: (data: never) => void) => (text: string) => pending.push(() => apply(JSON.parse(text) as never))
+    const events = {
+      run: later((data: RunSummary) => putRun(cache, data)),
+      workers: later((data: Workers) => cache.setQueryData<Workers>(['workers'], data)),
+      stages: later((data: StageProgress[]) => run && putStages(cache, run, data)),
+      evaluations: later((data: Record<string, Improvements>) => run && putImprovements(cache, run, data)),
+    }
+    const refresh = () => {
+      if (run) void cache.invalidateQueries({ queryKey: ['run', run] })
+      else refreshRuns(cache)
     }
     const open = () => {
       streams++
-      set('connecting')
-      source = new EventSource(at(`/api/v1/events${run ? `?run=${encodeURIComponent(run)}` : ''}`))
-      source.addEventListener('open', () => set('open'))
-      source.addEventListener('error', () => set('connecting'))
-      source.addEventListener('run', (event) => later(event, (data: RunSummary) => putRun(cache, data)))
-      source.addEventListener('workers', (event) =>
-        later(event, (data: Workers) => cache.setQueryData<Workers>(['workers'], data)),
-      )
-      source.addEventListener('stages', (event) =>
-        later(event, (data: StageProgress[]) => run && putStages(cache, run, data)),
-      )
-      source.addEventListener('evaluations', (event) =>
-        later(event, (data: Record<string, Improvements>) => run && putImprovements(cache, run, data)),
-      )
+      feed = new Feed(at(`/api/v1/events${run ? `?run=${encodeURIComponent(run)}` : ''}`), events, {
+        open: (open) => set(open ? 'open' : 'connecting'),
+        missed: refresh,
+      })
     }
     const close = () => {
-      if (source) streams--
-      source?.close()
-      source = null
+      if (feed) streams--
+      feed?.close()
+      feed = null
       set('closed')
     }
     const visible = () => {
       if (document.hidden) close()
-      else if (!source) {
+      else if (!feed) {
         open()
-        if (run) void cache.invalidateQueries({ queryKey: ['run', run] })
-        else refreshRuns(cache)
+        refresh()
       }
     }
+    // The connection of before may be one by another network.
+    const online = () => feed?.renew()
     document.addEventListener('visibilitychange', visible)
+    window.addEventListener('online', online)
     if (!document.hidden) open()
     return () => {
       document.removeEventListener('visibilitychange', visible)
-      clearInterval(flush)
+      window.removeEventListener('online', online)
+      clearInterval(tick)
       close()
     }
   }, [cache, run, on])

@@ -1,9 +1,11 @@
 // The run list: campaigns, results, progress.
 import { clsx } from 'clsx'
 import { IconPlus } from '@tabler/icons-react'
-import { useInfiniteQuery } from '@tanstack/react-query'
+import { useInfiniteQuery, useQueryClient } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useCallback, useMemo, useState } from 'react'
+import { useStreamStatus } from '../api/events'
+import { refreshRuns } from '../api/lists'
 import { runsQuery } from '../api/queries'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
@@ -17,12 +19,18 @@ import { Button } from '../ui/Button'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
+import { usePolling } from '../ui/usePolling'
+
+/** How often the list is asked for without an open stream [ms]. */
+const PERIOD = 5000
 
 export function RunsPage() {
   useTitle('Runs')
   const search = useSearch({ from: '/runs' })
   const navigate = useNavigate({ from: '/runs' })
   const query = useInfiniteQuery(runsQuery(filterOf(search)))
+  const cache = useQueryClient()
+  usePolling(() => refreshRuns(cache), PERIOD, useStreamStatus() !== 'open')
   const set = useCallback(
     (change: Partial<RunsSearch>) => void navigate({ to: '/runs', search: (before) => ({ ...before, ...change }), replace: true }),
     [navigate],

@@ -43,6 +43,17 @@ def test_a_run_and_a_sweep_are_launched(visit: Visit) -> None:
     page.wait_for_url(re.compile(r"/sweeps/\w+"))
 
 
+def test_what_notifications_need_is_stated(visit: Visit) -> None:
+    page = visit.page
+    visit.move("/runs/R-0001")
+    page.get_by_role("button", name="Notify me").click()
+    expect(page.get_by_text("Notifications need HTTPS, or a browser on the service’s machine.")).to_be_visible()
+    page.get_by_role("button", name=re.compile("Session of")).click()
+    page.get_by_role("menuitem", name="Notify when my runs end").click()
+    expect(page.get_by_role("menuitem", name="Notifications need HTTPS")).to_be_visible()
+    page.keyboard.press("Escape")
+
+
 def test_a_token_is_copied(visit: Visit) -> None:
     page = visit.page
     visit.move("/access/tokens")

@@ -32,7 +32,7 @@ import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
 import { Contact } from './Contact'
 import { Keys } from './Keys'
-import { toggleMine, useNotifier, useWanted } from '../page/notify'
+import { toggleMine, useNotifier, useToggle, useWanted } from '../page/notify'
 import { SignedOut } from './SignedOut'
 import { Workers } from './Workers'
 import buttons from '../ui/buttons.module.css'
@@ -167,16 +167,16 @@ function Session() {
 
 function NotifyMine() {
   const { mine } = useWanted()
-  const [refused, setRefused] = useState(false)
+  const [why, press] = useToggle(toggleMine)
   const Icon = mine ? IconBellFilled : IconBell
   return (
     <Menu.Item
       leftSection={<Icon className="i s" />}
       closeMenuOnClick={false}
       aria-pressed={mine}
-      onClick={() => void toggleMine().then((answer) => setRefused(answer !== 'granted'))}
+      onClick={press}
     >
-      {refused ? 'Blocked by the browser' : mine ? 'Notifies when my runs end' : 'Notify when my runs end'}
+      {why || (mine ? 'Notifies when my runs end' : 'Notify when my runs end')}
     </Menu.Item>
   )
 }

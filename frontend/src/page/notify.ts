@@ -1,11 +1,12 @@
 // Browser notifications when a run has ended, on request: for all own runs, or single ones. The choice is stored in this
 // browser. A hidden tab has no event stream, so this polls the service.
 import { useQuery } from '@tanstack/react-query'
-import { useEffect } from 'react'
+import { useEffect, useState } from 'react'
 import { getRun, listRuns } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { decimalsFor, signed } from '../format/numbers'
+import { at } from '../format/root'
 import { store, stored, storeOf } from '../ui/store'
 import { wordOf } from '../ui/VerdictBadge'
 
@@ -16,7 +17,7 @@ export interface Wanted {
   runs: readonly string[]
 }
 
-const KEY = 'notify'
+const [KEY, UNABLE] = ['notify', 'notify unable']
 const PERIOD = 5000
 const NOTHING: Wanted = { mine: false, runs: [] }
 const LIVE = ['queued', 'running', 'cancelling'] as const
@@ -43,12 +44,36 @@ addEventListener('storage', () => wanted.set(readWanted(stored(KEY))))
 
 export const useWanted = wanted.useValue
 
-export type Asked = 'granted' | 'denied' | 'unavailable'
+/** Whether this browser failed to show one: Chrome on Android has the class, but withholds it from pages. */
+const unable = storeOf(stored(UNABLE) !== null)
 
-/** Asks the user for permission, once; browsers support it only on localhost and over HTTPS. */
+/** A notification, which is not shown without permission; null, from then on, where pages can have none. */
+function made(title: string, options?: NotificationOptions): Notification | null {
+  try {
+    return new Notification(title, options)
+  } catch {
+    unable.set(true)
+    store(UNABLE, 'yes')
+    want(NOTHING)
+    return null
+  }
+}
+
+type Asked = 'granted' | 'denied' | 'insecure' | 'unavailable'
+
+const WHY: Record<Asked, string> = {
+  granted: '',
+  denied: 'Blocked by the browser’s settings for this site.',
+  insecure: 'Notifications need HTTPS, or a browser on the service’s machine.',
+  unavailable: 'This browser shows no notifications of pages. Use one on a computer.',
+}
+
+/** Asks the user for permission, once. */
 async function permitted(): Promise<Asked> {
-  if (!('Notification' in window) || !isSecureContext) return 'unavailable'
+  if (!isSecureContext) return 'insecure'
+  if (!('Notification' in window) || unable.get()) return 'unavailable'
   if (Notification.permission === 'granted') return 'granted'
+  if (!made('')) return 'unavailable'
   return (await Notification.requestPermission()) === 'granted' ? 'granted' : 'denied'
 }
 
@@ -65,6 +90,12 @@ export async function toggleRun(run: string): Promise<Asked> {
   const answer = on ? 'granted' : await permitted()
   if (answer === 'granted') want({ ...wanted.get(), runs: on ? wanted.get().runs.filter((id) => id !== run) : [...wanted.get().runs, run] })
   return answer
+}
+
+/** Why notifications could not be turned on, if so; and what turns them on or off. */
+export function useToggle(toggle: () => Promise<Asked>): [why: string, press: () => void] {
+  const [answer, setAnswer] = useState<Asked>('granted')
+  return [WHY[unable.useValue() ? 'unavailable' : answer], () => void toggle().then(setAnswer)]
 }
 
 /** Requested runs that were active and have ended. */
@@ -94,14 +125,11 @@ export function useNotifier(open: (run: string) => void): void {
   }, [on, mine, runs, user, open])
 }
 
-function tell(run: RunSummary, open: (run: string) => void): void {
-  if (wanted.get().runs.includes(run.id)) want({ ...wanted.get(), runs: wanted.get().runs.filter((id) => id !== run.id) })
+export function tell(run: RunSummary, open: (run: string) => void): void {
   // The tag merges notifications from several tabs.
-  const message = new Notification(`${run.id} ${wordOf(run).toLowerCase()}`, {
-    body: bodyOf(run),
-    tag: run.id,
-    icon: '/favicon.svg',
-  })
+  const message = made(`${run.id} ${wordOf(run).toLowerCase()}`, { body: bodyOf(run), tag: run.id, icon: at('/favicon.svg') })
+  if (!message) return
+  if (wanted.get().runs.includes(run.id)) want({ ...wanted.get(), runs: wanted.get().runs.filter((id) => id !== run.id) })
   message.onclick = () => {
     focus()
     open(run.id)

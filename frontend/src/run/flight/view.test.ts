@@ -1,7 +1,12 @@
-// Merging of changes, and the addresses of views.
-import { expect, it } from 'vitest'
-import { View } from './view'
+// Merging of changes, the addresses of views, and what a browser lacks.
+import { afterEach, expect, it, vi } from 'vitest'
+import { anyOf, View } from './view'
 import { addressOf, again, merged } from '../data/viewChange'
+
+afterEach(() => {
+  vi.unstubAllGlobals()
+  vi.restoreAllMocks()
+})
 
 it('puts changes together, the newest of each kind', () => {
   expect(merged({ time: 1, camera: 'top' }, { time: 2 })).toEqual({ time: 2, camera: 'top' })
@@ -46,3 +51,29 @@ it('keeps one page for all views that a page opens', () => {
 })
 
 it('has a key of its own', () => expect(new View('R-0001').key).not.toBe(new View('R-0001').key))
+
+it('joins signals without AbortSignal.any, which browsers of 2023 lack', () => {
+  const [first, second] = [new AbortController(), new AbortController()]
+  const joined = anyOf(first.signal, second.signal)
+  expect(joined.aborted).toBe(false)
+  second.abort('left')
+  first.abort('late')
+  expect([joined.aborted, joined.reason]).toEqual([true, 'left'])
+  expect(anyOf(new AbortController().signal, first.signal)).toMatchObject({ aborted: true, reason: 'late' })
+})
+
+it('fails with a sentence where the browser lacks something else', async () => {
+  vi.stubGlobal('document', new EventTarget())
+  vi.stubGlobal('window', new EventTarget())
+  vi.spyOn(AbortSignal, 'timeout').mockImplementation(() => {
+    throw new TypeError('AbortSignal.timeout is not a function')
+  })
+  const view = new View('R-0001')
+  view.want({ flight: 'F2', theme: 'dark' })
+  const close = view.open({})
+  await vi.waitFor(() => expect(view.known.phase).toBe('failed'))
+  expect(view.known.statement).toBe(
+    'This browser cannot show the 3D view (AbortSignal.timeout is not a function). Try again, or use a newer browser.',
+  )
+  close()
+})

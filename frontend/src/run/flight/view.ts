@@ -125,7 +125,7 @@ export class View {
   /** Runs the action of each state and feeds its result to the machine, until the page is left or the view has failed. */
   private async live(signal: AbortSignal): Promise<void> {
     while (!signal.aborted && this.machine.name !== 'failed') {
-      const event = await this.doing(signal)
+      const event = await this.doing(signal).catch(faultOf)
       if (!signal.aborted) this.take(event)
     }
   }
@@ -156,7 +156,7 @@ export class View {
     this.pending = {} // pending changes are sent once it is open
     const before = last ? again(last, this.simulates) : {}
     const change = merged(before, { ...pending, ...wanted })
-    const inTime = AbortSignal.any([signal, lateAfter(machine.wait)])
+    const inTime = anyOf(signal, lateAfter(machine.wait))
     const answer = await changeView(this.run, this.key, change, machine.wait, inTime).catch(refusedFor)
     if (signal.aborted || answer instanceof Refusal) {
       if (this.abort?.signal === signal) this.pending = merged(pending, this.pending)
@@ -179,7 +179,7 @@ export class View {
     const late = lateAfter(QUIET)
     const woken = new AbortController()
     this.hurry = () => woken.abort()
-    const until = AbortSignal.any([signal, late, woken.signal])
+    const until = anyOf(signal, late, woken.signal)
     const answer = await getView(this.run, this.key, until, { since, wait: QUIET }).catch(refusedFor)
     const failed = answer instanceof Refusal && (late.aborted || !until.aborted)
     const wait = document.activeElement instanceof HTMLIFrameElement ? OWN : 0
@@ -248,10 +248,26 @@ export class View {
 
 export const refusedFor = (error: unknown): Refusal => (error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.'))
 
+/** What this page or the browser cannot do: the view fails, and says so, rather than open for ever. */
+const faultOf = (error: unknown): Event => ({
+  kind: 'barred',
+  why: `This browser cannot show the 3D view (${error instanceof Error ? error.message : String(error)}). Try again, or use a newer browser.`,
+})
+
 /** Aborts a request that the service may answer after a wait [s], and has not. */
 const lateAfter = (wait: number): AbortSignal => AbortSignal.timeout((wait + LATE) * 1000)
 
 const placeOf = ({ time, camera }: ViewState): Place => ({ time, ...(camera && { camera }) })
+
+/** Aborted as soon as one of these is: browsers of 2023 have no AbortSignal.any. */
+export function anyOf(...signals: AbortSignal[]): AbortSignal {
+  const one = new AbortController()
+  for (const signal of signals) {
+    if (signal.aborted) one.abort(signal.reason)
+    signal.addEventListener('abort', () => one.abort(signal.reason), { signal: one.signal })
+  }
+  return one.signal
+}
 
 /** The event of a refused opening. */
 function eventOf(answer: ViewState | Refusal): Event {

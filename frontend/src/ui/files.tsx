@@ -3,6 +3,9 @@ import { IconCheck, IconCopy } from '@tabler/icons-react'
 import { type ReactNode, useEffect, useState } from 'react'
 import { Button } from './Button'
 
+/** How long a browser may take to read what it saves: some ask first where to [ms]. */
+const READ = 40_000
+
 /** Saves text or a blob as a file. */
 export function save(name: string, content: string | Blob, type = 'text/plain'): void {
   const blob = typeof content === 'string' ? new Blob([content], { type: `${type};charset=utf-8` }) : content
@@ -11,7 +14,7 @@ export function save(name: string, content: string | Blob, type = 'text/plain'):
   link.href = url
   link.download = name
   link.click()
-  URL.revokeObjectURL(url)
+  setTimeout(() => URL.revokeObjectURL(url), READ)
 }
 
 const LABEL = { copied: 'Copied', refused: 'The browser blocks copying' }

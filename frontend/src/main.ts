@@ -4,7 +4,7 @@ import { askAhead } from './api/ahead'
 import { pageAt } from './app/lazy'
 
 const pages = import('./app/Pages')
-// If the code cannot be loaded, the router retries and reports it.
+// If the code cannot be loaded, its page says so.
 pageAt(location.pathname)?.().catch(() => undefined)
 askAhead(location)
 // Without preloading, fonts would be requested at first use and cause a second layout.

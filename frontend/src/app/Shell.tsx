@@ -18,15 +18,17 @@ import {
 import { useQuery } from '@tanstack/react-query'
 import { Link, Outlet, useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
-import { lazy, Suspense, useCallback, useState } from 'react'
+import { type ReactNode, useCallback, useEffect, useState } from 'react'
 import { hasRole } from '../api/access'
 import { endSession } from '../api/calls'
 import { useBaseStream } from '../api/events'
 import { sessionQuery } from '../api/queries'
 import { signedOut, useSignedOut } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
-import { keepTyped } from '../jump/early'
+import { keepTyped, typedEarly } from '../jump/early'
+import { later, Part } from '../page/later'
 import { IconButton } from '../ui/IconButton'
+import { Modal } from '../ui/Modal'
 import { Popup } from '../ui/Popup'
 import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
@@ -40,7 +42,7 @@ import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './app.module.css'
 
-const Jump = lazy(() => import('../jump/Jump').then((module) => ({ default: module.Jump })))
+const Jump = later(() => import('../jump/Jump'), 'Jump')
 
 const PAGES = ['runs', 'launch', 'compare', 'requirements', 'reports', 'help'] as const
 
@@ -96,12 +98,22 @@ function Frame() {
         <Outlet />
       </main>
       {jump !== 'never' && (
-        <Suspense>
+        <Part failed={(line) => <NoJump onClose={() => setJump('never')}>{line}</NoJump>}>
           <Jump opened={jump === 'open'} onClose={() => setJump('closed')} />
-        </Suspense>
+        </Part>
       )}
       <Keys opened={keys} onClose={() => setKeys(false)} />
     </>
+  )
+}
+
+/** In place of the search. */
+function NoJump({ onClose, children }: { onClose: () => void; children: ReactNode }) {
+  useEffect(() => void typedEarly(), []) // nothing takes what is typed for it
+  return (
+    <Modal opened onClose={onClose} title="Search">
+      {children}
+    </Modal>
   )
 }
 

@@ -1,5 +1,5 @@
 // The routes of the pages; the state of a page is in its address.
-import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect, type RouteComponent } from '@tanstack/react-router'
+import { createRootRoute, createRoute, createRouter, redirect, type RouteComponent } from '@tanstack/react-router'
 import { readAudit, readUsers } from '../access/search'
 import { readCompare } from '../compare/search'
 import { readChosen } from '../run/data/chosen'
@@ -10,6 +10,7 @@ import { readTrend } from '../trends/search'
 import { onlyKnown, parseSearch, stringifySearch } from './address'
 import { lazy } from './lazy'
 import { Shell } from './Shell'
+import { laterPage } from '../page/later'
 import { Loading, NotFound, Trouble } from '../page/Trouble'
 import { text } from '../format/query'
 import { ROOT } from '../format/root'
@@ -34,7 +35,7 @@ const start = createRoute({
   },
 })
 
-const runs = statedPage('/runs', lazyRouteComponent(lazy.runs, 'RunsPage'), readSearch)
+const runs = statedPage('/runs', laterPage(lazy.runs, 'RunsPage'), readSearch)
 
 interface LaunchSearch {
   /** A campaign of the library. */
@@ -56,7 +57,7 @@ const readLaunch = (search: Search): LaunchSearch => ({
   tab: search.tab === 'yaml' ? 'yaml' : undefined,
 })
 
-const launch = statedPage('/launch', lazyRouteComponent(lazy.launch, 'LaunchPage'), readLaunch)
+const launch = statedPage('/launch', laterPage(lazy.launch, 'LaunchPage'), readLaunch)
 
 const run = createRoute({
   getParentRoute: () => root,
@@ -67,32 +68,32 @@ const run = createRoute({
 const runPage = createRoute({
   getParentRoute: () => run,
   path: '/',
-  component: lazyRouteComponent(lazy.run, 'RunPage'),
+  component: laterPage(lazy.run, 'RunPage'),
 })
 
 /** Its 3D view in its own window. */
 const flight = createRoute({
   getParentRoute: () => run,
   path: 'flight',
-  component: lazyRouteComponent(lazy.flight, 'FlightPage'),
+  component: laterPage(lazy.flight, 'FlightPage'),
 })
 
-const docs = page('/docs', lazyRouteComponent(lazy.docs, 'ApiPage'))
-const verdicts = page('/help', lazyRouteComponent(lazy.verdicts, 'VerdictsPage'))
-const evidence = page('/help/evidence', lazyRouteComponent(lazy.evidence, 'EvidencePage'))
-const methods = page('/help/methods', lazyRouteComponent(lazy.methods, 'MethodsPage'))
-const components = page('/help/components', lazyRouteComponent(lazy.components, 'ComponentsPage'))
-const guide = page('/help/guides/$name', lazyRouteComponent(lazy.guide, 'GuidePage'))
-const compare = statedPage('/compare', lazyRouteComponent(lazy.compare, 'ComparePage'), readCompare)
-const trends = statedPage('/trends', lazyRouteComponent(lazy.trends, 'TrendsPage'), readTrend)
-const sweeps = page('/sweeps', lazyRouteComponent(lazy.sweeps, 'SweepsPage'))
-const sweep = page('/sweeps/$id', lazyRouteComponent(lazy.sweep, 'SweepPage'))
-const reports = statedPage('/reports', lazyRouteComponent(lazy.reports, 'ReportsPage'), readReports)
-const requirements = statedPage('/requirements', lazyRouteComponent(lazy.requirements, 'RequirementsPage'), readRequirements)
-const users = statedPage('/access/users', lazyRouteComponent(lazy.users, 'UsersPage'), readUsers)
-const tokens = page('/access/tokens', lazyRouteComponent(lazy.tokens, 'TokensPage'))
-const sessions = page('/access/sessions', lazyRouteComponent(lazy.sessions, 'SessionsPage'))
-const audit = statedPage('/access/audit', lazyRouteComponent(lazy.audit, 'AuditPage'), readAudit)
+const docs = page('/docs', laterPage(lazy.docs, 'ApiPage'))
+const verdicts = page('/help', laterPage(lazy.verdicts, 'VerdictsPage'))
+const evidence = page('/help/evidence', laterPage(lazy.evidence, 'EvidencePage'))
+const methods = page('/help/methods', laterPage(lazy.methods, 'MethodsPage'))
+const components = page('/help/components', laterPage(lazy.components, 'ComponentsPage'))
+const guide = page('/help/guides/$name', laterPage(lazy.guide, 'GuidePage'))
+const compare = statedPage('/compare', laterPage(lazy.compare, 'ComparePage'), readCompare)
+const trends = statedPage('/trends', laterPage(lazy.trends, 'TrendsPage'), readTrend)
+const sweeps = page('/sweeps', laterPage(lazy.sweeps, 'SweepsPage'))
+const sweep = page('/sweeps/$id', laterPage(lazy.sweep, 'SweepPage'))
+const reports = statedPage('/reports', laterPage(lazy.reports, 'ReportsPage'), readReports)
+const requirements = statedPage('/requirements', laterPage(lazy.requirements, 'RequirementsPage'), readRequirements)
+const users = statedPage('/access/users', laterPage(lazy.users, 'UsersPage'), readUsers)
+const tokens = page('/access/tokens', laterPage(lazy.tokens, 'TokensPage'))
+const sessions = page('/access/sessions', laterPage(lazy.sessions, 'SessionsPage'))
+const audit = statedPage('/access/audit', laterPage(lazy.audit, 'AuditPage'), readAudit)
 
 export const router = createRouter({
   basepath: ROOT || '/',

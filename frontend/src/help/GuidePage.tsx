@@ -1,6 +1,7 @@
 // A guide from the folder `docs`, bundled at build time.
 import { getRouteApi, Link } from '@tanstack/react-router'
-import { lazy, Suspense, useEffect } from 'react'
+import { useEffect } from 'react'
+import { later, Part } from '../page/later'
 import { NotFound } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { fragmentOf, GUIDES, parts, sectionsOf, shown } from './guides'
@@ -11,7 +12,7 @@ import { Card } from '../ui/Card'
 const PICTURES = import.meta.glob<string>('../../../docs/images/*.svg', { query: '?url', import: 'default', eager: true })
 
 // The Markdown parser is loaded on demand, as for the notes of a run.
-const Markdown = lazy(() => import('../ui/Markdown').then((module) => ({ default: module.Markdown })))
+const Markdown = later(() => import('../ui/Markdown'), 'Markdown')
 
 const ALL = (
   <Link to="/help/guides/$name" params={{ name: 'index' }}>
@@ -42,7 +43,7 @@ export function GuidePage() {
       contents={sectionsOf(text)}
     >
       <Card>
-        <Suspense>
+        <Part>
           {parts(shown(text)).map((part, i) =>
             typeof part === 'string' ? (
               <Markdown key={i} text={part} idOf={fragmentOf} />
@@ -51,7 +52,7 @@ export function GuidePage() {
             ),
           )}
           <Landing key={guide.name} />
-        </Suspense>
+        </Part>
       </Card>
     </HelpFrame>
   )

@@ -2,7 +2,8 @@
 import { useMediaQuery } from '@mantine/hooks'
 import { IconCircleCheck, IconDownload, IconFileText, IconLoader } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import { type DragEvent, lazy, Suspense, useRef, useState } from 'react'
+import { type DragEvent, useRef, useState } from 'react'
+import { later, Part } from '../page/later'
 import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { CopyButton, save } from '../ui/files'
@@ -11,7 +12,7 @@ import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './launch.module.css'
 
-const CodeEditor = lazy(() => import('./code/CodeEditor'))
+const CodeEditor = later(() => import('./code/CodeEditor'), 'default')
 
 interface YamlEditorProps extends Omit<CodeEditorProps, 'readOnly' | 'onChange'> {
   ok: boolean
@@ -39,6 +40,7 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
   }
   // An on-screen keyboard hides the text: on tablets it is read-only and can be replaced by a file.
   const touched = useMediaQuery('(pointer: coarse) and (max-width: 1180px)') ?? false
+  const plain = <pre className={styles.coming}>{text}</pre>
   return (
     <Card
       title="campaign.yaml"
@@ -74,9 +76,9 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
         onDragOverCapture={over}
         onDragLeave={() => setDropping(false)}
       >
-        <Suspense fallback={<pre className={styles.coming}>{text}</pre>}>
+        <Part waiting={plain} failed={(line) => <>{line}{plain}</>}>
           <CodeEditor {...code} readOnly={touched} />
-        </Suspense>
+        </Part>
       </div>
     </Card>
   )

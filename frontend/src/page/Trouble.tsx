@@ -111,11 +111,11 @@ export function Loaded<T>({ query, what, children }: LoadedProps<T>) {
 }
 
 /** A part of a page that could not be loaded, within its card. */
-export function Failed({ error, retry }: { error: Error; retry: () => void }) {
+export function Failed({ error, retry, label = 'Try again' }: { error: Error; retry: () => void; label?: string }) {
   return (
     <p className={layout.row} role="alert">
       <span className={clsx('bad-t', layout.wrapAny)}>{statement(error.message)}</span>
-      <Button small onClick={retry}>Try again</Button>
+      <Button small onClick={retry}>{label}</Button>
     </p>
   )
 }

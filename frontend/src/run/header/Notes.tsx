@@ -1,10 +1,11 @@
 // Notes on a run, in Markdown.
 import { clsx } from 'clsx'
 import { IconPencil } from '@tabler/icons-react'
-import { lazy, Suspense, useEffect, useState } from 'react'
+import { useEffect, useState } from 'react'
 import { useBarredFromOwn } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
+import { later, Part } from '../../page/later'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { useEdit } from './useEdit'
@@ -14,7 +15,7 @@ import layout from '../../ui/layout.module.css'
 import styles from './header.module.css'
 
 // Most runs have no notes: the parser is loaded on first use.
-const Parsed = lazy(() => import('../../ui/Markdown').then((module) => ({ default: module.Markdown })))
+const Parsed = later(() => import('../../ui/Markdown'), 'Markdown')
 
 const MOST = 20_000
 
@@ -118,8 +119,8 @@ function NotesCard({ run, className }: NotesProps) {
 
 function Markdown({ text }: { text: string }) {
   return (
-    <Suspense>
+    <Part>
       <Parsed text={text} />
-    </Suspense>
+    </Part>
   )
 }

@@ -1,9 +1,10 @@
 // The component and method descriptions of a run, collapsed, and their differences from the installation.
 import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
-import { lazy, Suspense, useState } from 'react'
+import { useState } from 'react'
 import { componentsQuery } from '../../api/queries'
 import type { RunComponents, RunDetail } from '../../client'
+import { later, Part } from '../../page/later'
 import { namesOf, unreadOf } from '../../trends/code'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
@@ -12,7 +13,7 @@ import cards from '../../ui/cards.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
 
-const Described = lazy(() => import('./Described').then((module) => ({ default: module.Described })))
+const Described = later(() => import('./Described'), 'Described')
 
 export function Components({ run, className }: { run: RunDetail; className: string | undefined }) {
   const [open, setOpen] = useState(false)
@@ -32,9 +33,9 @@ export function Components({ run, className }: { run: RunDetail; className: stri
         <Origin record={data} />
         <Code record={data} />
         {open && (
-          <Suspense>
+          <Part>
             <Described catalogue={data.catalogue} />
-          </Suspense>
+          </Part>
         )}
       </div>
     </Card>

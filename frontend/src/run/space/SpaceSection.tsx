@@ -2,10 +2,11 @@
 // does not shift.
 import { useQueryClient } from '@tanstack/react-query'
 import { useNavigate } from '@tanstack/react-router'
-import { lazy, Suspense, useEffect, useState } from 'react'
+import { useEffect, useState } from 'react'
 import { flushSync } from 'react-dom'
 import { hasScenario } from '../../api/campaign'
 import { evaluationsQuery } from '../../api/queries'
+import { later, Part } from '../../page/later'
 import { useCalm } from '../../ui/useCalm'
 import { useNear } from '../../ui/useNear'
 import { usePolling } from '../../ui/usePolling'
@@ -14,8 +15,7 @@ import { written } from '../flight/whatif'
 import type { WhatIfState } from '../flight/useWhatIf'
 import layout from '../../ui/layout.module.css'
 
-const load = () => import('./SpaceCard')
-const SpaceCard = lazy(() => load().then((module) => ({ default: module.SpaceCard })))
+const SpaceCard = later(() => import('./SpaceCard'), 'SpaceCard')
 
 interface Props {
   data: RunData
@@ -29,14 +29,14 @@ export function SpaceSection({ data, whatIf }: Props) {
   const printed = usePrinted()
   // Drawing all evaluations takes a fifth of the page's time: only where they are seen. To print them, the code must be there.
   useEffect(() => {
-    if (calm) void load().catch(() => undefined)
+    if (calm) void SpaceCard.preload()
   }, [calm])
   return (
     <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>
       {calm && (near || printed) && (
-        <Suspense>
+        <Part>
           <SpaceCard data={data} className="" whatIf={whatIf} onPick={whatIf && whatIf.change} />
-        </Suspense>
+        </Part>
       )}
     </div>
   )
@@ -66,14 +66,14 @@ export function LiveSpace({ data }: { data: RunData }) {
   return (
     <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>
       {near && (
-        <Suspense>
+        <Part>
           <SpaceCard
             data={data}
             className=""
             whatIf={null}
             onPick={flies ? (next) => void navigate({ to: '/runs/$id/flight', params: { id: data.run.id }, search: (before) => ({ ...before, ...written(next) }) }) : null}
           />
-        </Suspense>
+        </Part>
       )}
     </div>
   )

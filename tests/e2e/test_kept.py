@@ -1,0 +1,154 @@
+"""What is typed stays where code cannot be loaded, where the service was updated, and where the session ends."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+from playwright.sync_api import Browser, Page, Route, expect
+
+from tests.e2e.browser import Visit, visiting
+from tests.e2e.stored import served
+from tests.given.service import Service
+from tests.given.submissions import submit
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+DRAWS = False
+CODE = re.compile(r"/assets/.*\.js$")
+MISSING = "This part of the page could not be loaded"
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with served(tmp_path_factory.mktemp("kept")) as service:
+        with service.signed_in() as client:
+            submit(client)
+        yield service
+
+
+@pytest.fixture
+def visit(service: Service, browser: Browser) -> Iterator[Visit]:
+    """A browser that has no code yet, besides that of the pages it goes to."""
+    with visiting(browser, service.url) as visit:
+        visit.sign_in(service.login_code())
+        yield visit
+        visit.wrong.clear()  # the browser reports what it was refused
+
+
+@contextmanager
+def answered(page: Page, status: int | None) -> Iterator[None]:
+    """No more code comes: with this answer, or without any."""
+
+    def refuse(route: Route) -> None:
+        if status is None:
+            route.abort("connectionfailed")
+        else:
+            route.fulfill(status=status, body="")
+
+    page.route(CODE, refuse)
+    try:
+        yield
+    finally:
+        page.unroute(CODE)
+
+
+def named(visit: Visit) -> None:
+    """The launch page with a name that is not saved."""
+    visit.go("/launch?from=R-0001")
+    name = visit.page.get_by_role("textbox", name="Name", exact=True)
+    expect(name).to_have_value("Unicycle past a pillar")
+    name.fill("precious")
+
+
+def still_named(page: Page) -> None:
+    expect(page.get_by_role("textbox", name="Name", exact=True)).to_have_value("precious")
+
+
+def test_the_search_is_loaded_again_over_what_was_typed(visit: Visit) -> None:
+    page = visit.page
+    named(visit)
+    with answered(page, None):
+        page.keyboard.press("Control+k")
+        told = page.get_by_role("dialog", name="Search")
+        expect(told).to_contain_text(MISSING)
+    told.get_by_role("button", name="Try again").click()
+    expect(page.get_by_role("dialog", name="Search or jump to")).to_be_visible()
+    page.keyboard.press("Escape")
+    still_named(page)
+
+
+def test_an_updated_service_is_told_from_one_out_of_reach(visit: Visit) -> None:
+    page = visit.page
+    named(visit)
+    with answered(page, 404):
+        page.keyboard.press("Control+k")
+        told = page.get_by_role("dialog", name="Search")
+        expect(told).to_contain_text("Clearance was updated. Save what you are writing")
+        expect(told.get_by_role("button", name="Reload this page")).to_be_visible()
+        page.keyboard.press("Escape")
+        expect(told).to_be_hidden()
+        still_named(page)
+        page.on("dialog", lambda dialog: dialog.dismiss())  # it asks before what is not saved is lost
+        page.keyboard.press("Control+k")
+        with page.expect_event("dialog"):
+            told.get_by_role("button", name="Reload this page").click()
+    page.keyboard.press("Escape")
+    still_named(page)
+
+
+def test_the_editor_of_the_text_is_loaded_again(visit: Visit) -> None:
+    page = visit.page
+    named(visit)
+    with answered(page, None):
+        page.get_by_role("button", name="YAML").click()
+        told = page.get_by_role("alert").filter(has_text=MISSING)
+        expect(told).to_be_visible()
+        expect(page.locator("pre").filter(has_text="scenario:")).to_be_visible()
+        still_named(page)
+    told.get_by_role("button", name="Try again").click()
+    expect(page.get_by_role("textbox", name="Campaign as YAML")).to_be_visible()
+    still_named(page)
+
+
+def test_notes_are_written_without_their_preview(visit: Visit) -> None:
+    page = visit.page
+    visit.go("/runs/R-0001")
+    notes = page.locator("#notes")
+    with answered(page, 502):
+        notes.get_by_role("button", name="Write").click()
+        typed = notes.get_by_role("textbox")
+        typed.fill("**precious**")
+        expect(notes.get_by_role("alert")).to_contain_text(MISSING)
+        expect(page.get_by_role("heading", level=1)).to_have_text("Unicycle past a pillar")
+    notes.get_by_role("button", name="Try again").click()
+    expect(notes.get_by_role("region", name="Preview").locator("strong")).to_have_text("precious")
+    expect(typed).to_have_value("**precious**")
+
+
+def test_a_page_that_cannot_be_loaded_comes_once_the_service_answers(visit: Visit) -> None:
+    page = visit.page
+    visit.go("/runs")
+    expect(page.locator("tr[data-run=R-0001]")).to_be_visible()
+    page.context.set_offline(True)
+    page.get_by_role("link", name="Help", exact=True).click()
+    expect(page.get_by_role("heading", name="This page could not be loaded", level=1)).to_be_visible()
+    expect(page.get_by_role("navigation", name="Main")).to_be_visible()
+    expect(page.get_by_role("main")).to_contain_text("It is loaded as soon as the service answers")
+    page.context.set_offline(False)
+    expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
+
+
+def test_a_page_of_an_updated_service_is_reloaded_once(visit: Visit) -> None:
+    page = visit.page
+    visit.go("/runs")
+    expect(page.locator("tr[data-run=R-0001]")).to_be_visible()
+    help_page = re.compile(r"/assets/VerdictsPage.*\.js$")
+    page.route(help_page, lambda route: route.fulfill(status=404, body=""))
+    with page.expect_event("load"):
+        page.get_by_role("link", name="Help", exact=True).click()
+    expect(page.get_by_role("main")).to_contain_text("Clearance was updated. Reload this page.")
+    page.unroute(help_page)
+    page.get_by_role("button", name="Reload this page").click()
+    expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()

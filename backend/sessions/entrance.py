@@ -25,7 +25,13 @@ WRONG = "The name or the password is wrong."
 
 @router.api_route("/login", methods=["GET", "HEAD"])
 async def open_session(request: Request, engine: Engine, code: str = "", next: str = "") -> Response:  # noqa: A002
-    """Use a login link, or show the form. HEAD does not use a link, because link previews send HEAD."""
+    """Use a login link, or show the form, or lead on who is signed in already.
+
+    HEAD does not use a link, because link previews send HEAD.
+    """
+    visitor = None if code else await _door(request).visitor(request)
+    if visitor is not None and visitor.via != "token":
+        return RedirectResponse(forms.own_path(next), status.HTTP_303_SEE_OTHER)
     if not code or request.method == "HEAD":
         return forms.sign_in(200, await _door(request).ask(users.with_passwords), next, provider=_provider(request))
     attempts = request.app.state.attempts

@@ -117,6 +117,22 @@ def test_a_login_link_without_a_code_explains_where_to_find_it(still: Service) -
         assert "clearance serve" in stranger.get("/login").text
 
 
+@pytest.mark.parametrize(
+    ("back", "leads"), [("/sweeps?x=1", "/sweeps?x=1"), ("https://elsewhere.example/", "/runs"), ("", "/runs")]
+)
+def test_who_is_signed_in_is_led_on_by_the_sign_in_page(still: Service, back: str, leads: str) -> None:
+    with still.signed_in() as visitor:
+        answer = visitor.get("/login", params={"next": back})
+        assert (answer.status_code, answer.headers["location"]) == (303, leads)
+        assert visitor.delete("/api/v1/session").status_code == 204
+        assert visitor.get("/login", params={"next": back}).status_code == 200
+
+
+def test_a_token_is_no_session_for_the_sign_in_page(still: Service) -> None:
+    with still.visitor(authorization=f"Bearer {still.token('led-on')}") as program:
+        assert program.get("/login").status_code == 200
+
+
 def test_an_expired_login_link_is_refused(still: Service) -> None:
     code = still.login_code(lifetime=-1.0)
     with still.visitor() as stranger:

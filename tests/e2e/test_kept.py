@@ -152,3 +152,89 @@ def test_a_page_of_an_updated_service_is_reloaded_once(visit: Visit) -> None:
     page.unroute(help_page)
     page.get_by_role("button", name="Reload this page").click()
     expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
+
+
+def ended(visit: Visit) -> None:
+    """The session is no more, as after signing out in another tab."""
+    assert visit.page.request.delete(f"{visit.address}/api/v1/session").status == 204
+
+
+def back(visit: Visit, service: Service) -> None:
+    """The user has signed in again elsewhere, and comes back to this tab."""
+    visit.sign_in(service.login_code())
+    visit.page.evaluate("window.dispatchEvent(new Event('focus'))")
+
+
+def test_a_campaign_outlives_the_session(visit: Visit, service: Service) -> None:
+    page = visit.page
+    named(visit)
+    title = page.title()
+    ended(visit)
+    page.get_by_role("button", name="Save as draft").click()
+    notice = page.get_by_role("dialog", name="You are signed out")
+    expect(notice).to_be_visible()
+    visit.shot("signed-out", full=False)
+    expect(page.get_by_role("textbox", name="Name", exact=True)).to_have_count(0)
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
+    page.keyboard.press("n")
+    page.keyboard.press("Control+k")
+    page.evaluate("window.dispatchEvent(new Event('focus'))")
+    expect(notice).to_contain_text("What you typed on this page is kept")
+    with page.context.expect_page() as opened:
+        notice.get_by_role("link", name="Sign in on a new tab").click()
+    expect(opened.value).to_have_url(f"{visit.address}/login?next=%2Flaunch%3Ffrom%3DR-0001")
+    opened.value.close()
+    back(visit, service)
+    expect(notice).to_have_count(0)
+    expect(page).to_have_title(title)
+    still_named(page)
+    page.get_by_role("button", name="Save as draft").click()
+    page.wait_for_url(re.compile(r"/launch\?draft=D-0001"))
+    still_named(page)
+
+
+def test_notes_outlive_the_session(visit: Visit, service: Service) -> None:
+    page = visit.page
+    visit.go("/runs/R-0001")
+    notes = page.locator("#notes")
+    notes.get_by_role("button", name="Write").click()
+    notes.get_by_role("textbox").fill("precious")
+    ended(visit)
+    notes.get_by_role("button", name="Save notes").click()
+    notice = page.get_by_role("dialog", name="You are signed out")
+    expect(notice).to_be_visible()
+    back(visit, service)
+    expect(notice).to_have_count(0)
+    notes.get_by_role("button", name="Save notes").click()
+    expect(notes.get_by_role("textbox")).to_have_count(0)
+    expect(notes).to_contain_text("precious")
+
+
+def test_without_anything_to_lose_signing_in_is_in_this_tab(visit: Visit, service: Service) -> None:
+    page = visit.page
+    visit.go("/runs")
+    expect(page.locator("tr[data-run=R-0001]")).to_be_visible()
+    page.get_by_role("button", name=re.compile("^Session of")).click()
+    page.get_by_role("menuitem", name="Sign out").click()
+    notice = page.get_by_role("dialog", name="You are signed out")
+    notice.get_by_role("link", name="Sign in").click()
+    expect(page).to_have_url(f"{visit.address}/login?next=%2Fruns")
+    visit.sign_in(service.login_code())
+    page.reload()
+    expect(page.locator("tr[data-run=R-0001]")).to_be_visible()
+
+
+def test_another_user_gets_a_page_of_their_own(visit: Visit, service: Service) -> None:
+    page = visit.page
+    visit.go("/runs")
+    expect(page.locator("tr[data-run=R-0001]")).to_be_visible()
+    mine = page.request.get(f"{visit.address}/api/v1/session").json()
+    ended(visit)
+    page.get_by_role("button", name=re.compile("^Session of")).click()
+    page.get_by_role("menuitem", name="Sign out").click()
+    expect(page.get_by_role("dialog", name="You are signed out")).to_be_visible()
+    page.route("**/api/v1/session", lambda route: route.fulfill(json=mine | {"user": "bob", "account": "bob"}))
+    with page.expect_event("load"):
+        back(visit, service)
+    expect(page.get_by_role("button", name="Session of bob, BO")).to_be_visible()

@@ -1,6 +1,6 @@
 // The query cache: keys and freshness of the service's responses. The event stream writes into the same cache.
 import {
-  infiniteQueryOptions, type InvalidateOptions, type InvalidateQueryFilters, keepPreviousData, QueryCache, QueryClient, queryOptions,
+  infiniteQueryOptions, type InvalidateOptions, type InvalidateQueryFilters, keepPreviousData, MutationCache, QueryCache, QueryClient, queryOptions,
 } from '@tanstack/react-query'
 import type { ReweightRequest, RunSummary, TraceHead } from '../client'
 import { learnMethods, requestBy } from '../ui/methods'
@@ -22,12 +22,13 @@ export class Cache extends QueryClient {
   }
 }
 
+const onError = (error: unknown) => {
+  if (refused(error, 401)) signedOut()
+}
+
 export const queryClient = new Cache({
-  queryCache: new QueryCache({
-    onError: (error) => {
-      if (refused(error, 401)) signedOut()
-    },
-  }),
+  queryCache: new QueryCache({ onError }),
+  mutationCache: new MutationCache({ onError }),
   defaultOptions: {
     queries: {
       staleTime: 15_000,

@@ -47,7 +47,15 @@ const Jump = later(() => import('../jump/Jump'), 'Jump')
 const PAGES = ['runs', 'launch', 'compare', 'requirements', 'reports', 'help'] as const
 
 export function Shell() {
-  return useSignedOut() ? <SignedOut /> : <Frame />
+  const out = useSignedOut()
+  return (
+    <>
+      <div inert={out} aria-hidden={out}>
+        <Frame />
+      </div>
+      {out && <SignedOut />}
+    </>
+  )
 }
 
 function Frame() {

@@ -1,6 +1,6 @@
 // Code that is loaded when it is first shown. Where it cannot be loaded only its own place says so, and loads it again on
 // request and once the service answers: the rest of the page, and what was typed there, stay.
-import { Component, type ComponentType, type FunctionComponent, type JSXElementConstructor, type ReactNode, Suspense, use, useEffect, useRef, useState } from 'react'
+import { Component, type ComponentType, createElement, type FunctionComponent, type JSXElementConstructor, type ReactNode, Suspense, use, useEffect, useRef, useState } from 'react'
 import { pulse, useContact } from '../api/pulse'
 import { Card } from '../ui/Card'
 import { PageHead } from './PageHead'
@@ -35,10 +35,7 @@ export function later<M, K extends keyof M>(load: () => Promise<M>, name: K): La
         throw new Missed(error, () => (coming = undefined))
       },
     ))
-  function Later(props: object) {
-    const Come = come ?? use(ask())
-    return <Come {...props} />
-  }
+  const Later = (props: object) => createElement(come ?? use(ask()), props)
   Later.preload = () => ask().then(() => undefined, (missed: Missed) => missed.forget())
   return Later as Later<M[K]>
 }

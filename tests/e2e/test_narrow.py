@@ -6,6 +6,7 @@ The runs were evaluated by a worker, so that every section of their pages has co
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Iterator
 
 import pytest
@@ -13,14 +14,16 @@ from playwright.sync_api import Browser, ViewportSize, expect
 
 from tests.e2e.browser import PATIENCE, Visit, draws, rests, visiting
 from tests.e2e.flown import BASINS, BOX, CANCELLED, CLEARED, INTRUDER, SEVERAL
-from tests.e2e.stored import VIEW
+from tests.e2e.stored import VIEW, served
 from tests.faults.processes import until
 from tests.given.at_night import nightly_but
 from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
 WINDOW: ViewportSize = {"width": 390, "height": 844}
+DESK: ViewportSize = {"width": 1280, "height": 900}
 TABLETS: tuple[ViewportSize, ...] = ({"width": 768, "height": 844}, {"width": 1024, "height": 844})
 """[px]"""
 RUN = ["#methods", "#space canvas", "#validation", "#provenance", "#notes"]
@@ -164,6 +167,41 @@ def test_every_main_page_is_one_tap_away(visit: Visit) -> None:
 @pytest.mark.parametrize("name", nightly_but(BY_DAY, PAGES))
 def test_the_page_fits(visit: Visit, name: str) -> None:
     fits(visit, *PAGES[name])
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory, browser: Browser) -> Iterator[Visit]:
+    """A run and a sweep of which nothing that a user names has a space."""
+    with served(tmp_path_factory.mktemp("unbroken")) as service, visiting(browser, service.url) as visit:
+        label = {"branch": "l" * 100}
+        document = campaign() | {"name": "C" * 120}
+        body = {"campaign": document, "name": "W" * 120, "tags": ["t" * 40], "labels": label}
+        sweep = {"campaign": document, "name": "S" * 120, "path": "start.v", "values": [1, 2]}
+        with service.signed_in() as client:
+            for path, sent in (("runs", body | {"baseline": f"label:branch={'l' * 100}"}), ("sweeps", sweep)):
+                answer = client.post(f"/api/v1/{path}", json=sent)
+                assert answer.status_code == 201, answer.text
+        visit.sign_in(service.login_code())
+        yield visit
+
+
+@pytest.mark.parametrize("path", ["/runs/R-0001", "/runs/R-0001/flight", "/launch?from=R-0001", "/sweeps/S-0001"])
+def test_names_without_spaces_fit(unbroken: Visit, path: str) -> None:
+    page = unbroken.page
+    for window in (WINDOW, DESK):
+        page.set_viewport_size(window)
+        unbroken.go(path)
+        heading = page.locator("main h1")
+        expect(heading).to_be_visible()
+        if path.startswith("/launch"):
+            expect(page.get_by_role("textbox", name="Name", exact=True)).to_have_value("W" * 120)
+            box = heading.bounding_box()
+            assert box is not None
+            assert box["height"] < 40, "the note beside the heading wraps, not the heading"
+        else:
+            expect(heading).to_have_text(re.compile("^(W|S){120}$"))
+        found = settled(unbroken)
+        assert not found, "; ".join(found)
 
 
 def test_the_page_of_an_unknown_address_fits(visit: Visit) -> None:

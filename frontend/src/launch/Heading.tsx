@@ -68,7 +68,7 @@ function Note({ icon, children }: { icon: ReactNode; children: ReactNode }) {
   return (
     <span className={cards.note}>
       {icon}
-      <span>{children}</span>
+      <span className={layout.wrapAny}>{children}</span>
     </span>
   )
 }

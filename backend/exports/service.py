@@ -10,7 +10,7 @@ from fastapi import Request
 from backend.catalog.service import published_digest
 from backend.db.tables import Finding, Trace
 from backend.exports.format import LABEL, Stored, known
-from backend.http.naming import named
+from backend.http.naming import disposition, named
 from backend.http.root import at
 from backend.http.schema import Schema
 from backend.runs import service as runs
@@ -57,8 +57,8 @@ def _stored(reader: sa.Connection, run_id: int) -> Stored:
 def headers(reader: sa.Connection, run_id: int, file: str) -> dict[str, str]:
     """Of the answer with a file: the name under which it is saved, and its entity tag once the run has ended."""
     run, known_as = runs.summary(reader, run_id), tag(reader, run_id)
-    disposition = {"Content-Disposition": f'attachment; filename="{named(run.id, run.name, file)}"'}
-    return disposition if known_as is None else disposition | {"ETag": known_as, "Cache-Control": "private, no-cache"}
+    saved = {"Content-Disposition": disposition("attachment", named(run.id, run.name, file))}
+    return saved if known_as is None else saved | {"ETag": known_as, "Cache-Control": "private, no-cache"}
 
 
 def unchanged(request: Request, answer: dict[str, str]) -> bool:

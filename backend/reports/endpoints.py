@@ -11,6 +11,7 @@ from fastapi.responses import HTMLResponse
 from backend.db.engine import now, read
 from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import answers, problems
+from backend.http.naming import disposition
 from backend.http.schema import RunName
 from backend.reports import listing, pdf, service
 from backend.reports.kept import Page
@@ -33,7 +34,7 @@ async def get_report(run: RunName, request: Request, engine: Engine) -> Response
     run_id = number(run)
     page = await capacities(request).files.run(lambda: _made(request, engine, run_id), request.is_disconnected)
     headers = {
-        "Content-Disposition": f'inline; filename="{page.file}.html"',
+        "Content-Disposition": disposition("inline", f"{page.file}.html"),
         "Content-Security-Policy": f"{page.policy}; frame-ancestors 'none'",
     }
     return HTMLResponse(page.html, headers=headers)
@@ -53,7 +54,7 @@ async def get_report_pdf(run: RunName, request: Request, engine: Engine) -> Resp
         return page.file, pdf.printed(page.html, request.app.state.settings.browser_sandbox)
 
     file, content = await capacities(request).pdf.run(printed, request.is_disconnected)
-    headers = {"Content-Disposition": f'attachment; filename="{file}.pdf"'}
+    headers = {"Content-Disposition": disposition("attachment", f"{file}.pdf")}
     return Response(content, headers=headers, media_type="application/pdf")
 
 

@@ -23,7 +23,7 @@ from backend.db.engine import read
 from backend.db.tables import Finding
 from backend.http.capacity import Capacity, Gone
 from backend.http.errors import RefusedError, not_found
-from backend.http.naming import named
+from backend.http.naming import disposition, named
 from backend.http.root import at
 from backend.results import service as results
 from backend.runs.service import number, summary
@@ -167,5 +167,5 @@ async def answer(request: Request, run: str, flight: str, dark: bool, how: str) 
     if how == "inline":
         headers["Content-Security-Policy"] += f"; {SANDBOX}"
         headers |= OPENED_ALONE
-    headers["Content-Disposition"] = f'{how}; filename="{found.file}"'
+    headers["Content-Disposition"] = disposition(how, found.file)
     return Response(found.html, media_type="text/html", headers=headers)

@@ -7,6 +7,7 @@ import io
 import json
 import tracemalloc
 from collections.abc import Iterator
+from urllib.parse import unquote
 
 import httpx
 import numpy as np
@@ -18,7 +19,7 @@ from backend.db.engine import read
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run
 from backend.exports.formats.evaluations_csv import evaluations_csv
 from backend.exports.sheet import sheet
-from backend.http.naming import named
+from backend.http.naming import disposition, named
 from backend.http.written import lines
 from backend.runs.service import campaign
 from backend.scenes.recordings import recording
@@ -79,8 +80,25 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str, mo
 
 def test_no_name_of_a_run_leaves_the_header() -> None:
     assert named("R-0001", '../a"; x\r\nSet-Cookie: y', "run.json") == "R-0001-a-x-set-cookie-y-run.json"
-    assert named("R-0001", "\u6a5f", "run.json") == "R-0001-run.json"
+    assert named("R-0001", "a\u202e\u2028b", "run.json") == "R-0001-a-b-run.json"
     assert len(named("R-0001", "long " * 40, "run.json")) < 70
+    assert disposition("inline", 'x"\r\ny') == "inline; filename=\"xy\"; filename*=UTF-8''x%22%0D%0Ay"
+
+
+@pytest.mark.parametrize(
+    ("name", "plain", "whole"),
+    [
+        ("\u00dcn\u00efc\u00f6de 1", "unicode-1-", "\u00fcn\u00efc\u00f6de-1-"),
+        ("\u6a5f \u65e5\u672c", "", "\u6a5f-\u65e5\u672c-"),
+        ("Plain", "plain-", None),
+    ],
+)
+def test_letters_of_every_script_stay_in_the_name_of_a_file(name: str, plain: str, whole: str | None) -> None:
+    header = disposition("attachment", named("R-0001", name, "run.json"))
+    given, _, extended = header.partition("; filename*=UTF-8''")
+    assert header.isascii()
+    assert given == f'attachment; filename="R-0001-{plain}run.json"'
+    assert unquote(extended) == ("" if whole is None else f"R-0001-{whole}run.json")
 
 
 @pytest.fixture(scope="module", params=[KINDS[0], pytest.param(KINDS[1], marks=pytest.mark.nightly)])

@@ -112,6 +112,25 @@ def test_the_editor_of_the_text_is_loaded_again(visit: Visit) -> None:
     still_named(page)
 
 
+def test_what_is_edited_before_its_code_is_there_is_saved_once_it_is(visit: Visit) -> None:
+    page = visit.page
+    text = re.compile(r"/assets/text-.*\.js$")
+    page.route(text, lambda route: route.abort("connectionfailed"))
+    visit.go("/launch?from=R-0001")
+    trouble = page.get_by_role("alert").filter(has_text="A part of this page could not be loaded")
+    expect(trouble).to_be_visible()
+    low = page.get_by_label("M, low")
+    low.fill("4.25")
+    page.context.set_offline(True)
+    expect(page.get_by_role("status", name="Connection")).to_contain_text("cannot be reached")
+    page.unroute(text)
+    page.context.set_offline(False)
+    expect(trouble).to_have_count(0)
+    expect(low).to_have_value("4.25")
+    page.get_by_role("button", name="YAML").click()
+    expect(page.get_by_role("textbox", name="Campaign as YAML")).to_contain_text("4.25")
+
+
 def test_notes_are_written_without_their_preview(visit: Visit) -> None:
     page = visit.page
     visit.go("/runs/R-0001")

@@ -4,6 +4,7 @@ import { useDebouncedValue } from '@mantine/hooks'
 import { keepPreviousData, replaceEqualDeep, useQuery } from '@tanstack/react-query'
 import { useCallback, useEffect, useState } from 'react'
 import { checkCampaign } from '../../api/calls'
+import { pulse, useContact } from '../../api/pulse'
 import { schemaQuery } from '../../api/queries'
 import { asCampaign, type Campaign, type List, without, write } from '../../api/campaign'
 import type { FieldProblem } from '../../api/problems'
@@ -63,12 +64,20 @@ let tools: Tools | null = null
 function useTools(): [Tools | null, Error | null] {
   const [found, setFound] = useState(tools)
   const [failed, setFailed] = useState<Error | null>(null)
+  const well = useContact().state === 'well'
   useEffect(() => {
+    if (!well) return // what is edited meanwhile is written into the text afterwards
     load().then(
-      (come) => setFound((tools = come)),
-      () => setFailed(new Error('A part of this page could not be loaded: reload the page to continue.')),
+      (come) => {
+        setFound((tools = come))
+        setFailed(null)
+      },
+      () => {
+        setFailed(new Error('A part of this page could not be loaded. It is loaded once the service answers; if Clearance was updated, reload the page.'))
+        void pulse.check()
+      },
     )
-  }, [])
+  }, [well])
   return [found, failed]
 }
 

@@ -36,6 +36,7 @@ from backend.db.tables import (
 from backend.db.waiting import RESULTS
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import ACTIVE, ENDED, RunState, run_name
+from campaigns.stages.found import declared
 
 _EMPTY: dict[str, object] = {
     "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
@@ -127,14 +128,15 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
         at = now(writer)
         # Locked first: PostgreSQL would not look again at what was signed while this waited for the lock.
         writer.execute(sa.select(Run.id).where(Run.id == run_id).with_for_update())
-        of = sa.select(Run.id, Run.evaluations, Run.removed).where(Run.id == run_id, *_may_go(at, age))
+        of = sa.select(Run.id, Run.evaluations, Run.removed, Run.worst_cost).where(Run.id == run_id, *_may_go(at, age))
         row = writer.execute(of).one_or_none()
         if row is None:
             return False
         digest = results_digest(writer, run_id)
+        lowest = _lowest(writer, run_id, row.worst_cost)
         for table in (*RESULTS, RunText, RunLabel, RunRefusal, RunBaseline):
             writer.execute(sa.delete(table).where(table.run_id == run_id))
-        left = {**_EMPTY, "purged": at, "purged_by": user[:64], "purged_digest": digest}
+        left = {**_EMPTY, "purged": at, "purged_by": user[:64], "purged_digest": digest, "worst_cost": lowest}
         if row.removed is None:
             left |= {"removed": at, "removed_by": user[:64], "removed_reason": reason}
         writer.execute(sa.update(Run).where(Run.id == run_id).values(**left))
@@ -143,6 +145,12 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
         detail = {"results_digest": digest, "evaluations": row.evaluations}
         audit.note_command(writer, user, "run.purged", run_name(run_id), detail)
         return True
+
+
+def _lowest(reader: sa.Connection, run_id: int, worst: float | None) -> float | None:
+    """The lowest value of a run: that it found a violation outlives its stages, which have what no search found."""
+    of = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == run_id, asked())
+    return min((cost for cost in (worst, reader.scalar(of)) if cost is not None), default=None)
 
 
 class Unused(NamedTuple):
@@ -208,8 +216,13 @@ def _against() -> sa.ColumnElement[bool]:
 
 def violates() -> sa.ColumnElement[bool]:
     """Whether a run found a value at or below its threshold, whether it came to a verdict or not."""
-    best = sa.select(Stage.best).where(Stage.run_id == Run.id, Stage.best <= Run.threshold).exists()
+    best = sa.select(Stage.best).where(Stage.run_id == Run.id, asked(), Stage.best <= Run.threshold).exists()
     return sa.or_(Run.verdict == VerdictWord.VIOLATED, Run.worst_cost <= Run.threshold, best)
+
+
+def asked() -> sa.ColumnElement[bool]:
+    """Whether a stage evaluates the question of its campaign."""
+    return Stage.kind.in_([stage.kind for stage in declared().values() if stage.against])
 
 
 def _pragma(reader: sa.Connection, name: str) -> int:

@@ -16,7 +16,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.purge import violates
+from backend.db.purge import asked, violates
 from backend.db.sweeps import in_sweep
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
@@ -27,7 +27,6 @@ from campaigns.alike import plain
 from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
-from campaigns.stages.found import declared
 
 MOST_NAMED = 20
 """Runs or ids that a sentence names."""
@@ -47,8 +46,7 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     for edge in (e for found in edges.values() for e in found):
         threshold = -math.inf if edge.threshold is None else edge.threshold
         highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), threshold)
-    kinds = [stage.kind for stage in declared().values() if stage.against]
-    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, Stage.kind.in_(kinds))
+    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, asked())
     worst = lowest.scalar_subquery().label("worst")
     columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.campaign_digest, CampaignRow.name)
     rows: list[Any] = []
@@ -91,7 +89,9 @@ class Ignored:
     removed: int = 0
     sweeps: int = 0
     violated: tuple[int, ...] = ()
-    """The removed ones that found a violation, also those that asked the same without stating it."""
+    """The removed ones that violated it, also those that asked the same without stating it."""
+    found: tuple[int, ...] = ()
+    """Those that found a value at or below their threshold, without a verdict that confirms it."""
 
 
 def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
@@ -103,11 +103,15 @@ def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
     for row in reader.execute(of):
         now = found[row.requirement]
         found[row.requirement] = replace(now, removed=now.removed + row.gone, sweeps=now.sweeps + (not row.gone))
-    asks = sa.select(RunRequirement.requirement, Run.id).distinct()
+    asks = sa.select(RunRequirement.requirement, Run.id, Run.state, Run.verdict).distinct()
     asks = asks.join(CampaignRow, CampaignRow.question == RunRequirement.question)
     asks = asks.join(Run, Run.campaign_digest == CampaignRow.digest).where(gone, violates())
-    for key, run_id in reader.execute(asks.where(RunRequirement.requirement.in_(ids)).order_by(Run.id)):
-        found[key] = replace(now := found[key], violated=(*now.violated, run_id))
+    for key, run_id, state, word in reader.execute(asks.where(RunRequirement.requirement.in_(ids)).order_by(Run.id)):
+        now = found[key]
+        if judged(state, word) == VerdictWord.VIOLATED:
+            found[key] = replace(now, violated=(*now.violated, run_id))
+        else:
+            found[key] = replace(now, found=(*now.found, run_id))
     return found
 
 
@@ -126,13 +130,16 @@ def similar(reader: sa.Connection, ids: Sequence[str], every: sa.CompoundSelect[
     return {key: [one for one in wanted[_fold(key)] if one != key] for key in ids}
 
 
+def _named(runs: Sequence[int]) -> str:
+    rest = len(runs) - MOST_NAMED
+    return ", ".join(map(run_name, runs[:MOST_NAMED])) + (f" and {rest} more" if rest > 0 else "")
+
+
 def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
     """Further notes for a reader of the status: exports have them as well."""
-    if ignored.violated:
-        runs = ", ".join(run_name(run_id) for run_id in ignored.violated[:MOST_NAMED])
-        rest = len(ignored.violated) - MOST_NAMED
-        more = f" and {rest} more" if rest > 0 else ""
-        yield f"Removed runs do not count; of those that asked the same, {runs}{more} violated it."
+    spoke = {"violated it": ignored.violated, "found a value at or below their threshold": ignored.found}
+    if clauses := [f"{_named(runs)} {what}" for what, runs in spoke.items() if runs]:
+        yield f"Removed runs do not count; of those that asked the same, {', and '.join(clauses)}."
     if similar:
         others = ", ".join(map(repr, similar[:MOST_NAMED]))
         yield f"Other ids differ only in case, spaces or the form of characters: {others}."

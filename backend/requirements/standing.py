@@ -93,10 +93,10 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
     runs = frozenset(e.run_id for e in against)
     if violations:
         return Standing("violated", _violated(name, violations, newest), evidence, runs)
-    run, before = run_name(newest.run_id), _before(judged)
+    run, before = run_name(newest.run_id), _before(judged, newest)
     if against:
         text = (
-            f"{name}: {', '.join(run_name(e.run_id) for e in against)} found a value at or below the threshold of "
+            f"{name}: {_listed(against)} found a value at or below the threshold of "
             f"{run}, {_newest(newest)}, on the same question and model; no verdict confirms it.{before}"
         )
         return Standing("inconclusive", text, evidence, runs)
@@ -128,9 +128,24 @@ def _newest(newest: Edge) -> str:
     return "the newest, which has no verdict" if newest.verdict is None else "the newest with a verdict"
 
 
-def _before(judged: Sequence[Edge]) -> str:
-    runs = [run_name(e.run_id) for e in judged[1:] if e.verdict == VerdictWord.VIOLATED]
-    return f" Before, another campaign of that name or another model violated it: {', '.join(runs)}." if runs else ""
+def _before(judged: Sequence[Edge], newest: Edge) -> str:
+    """Earlier violations that do not stand any more, and why: a lowered threshold is what a reader must see."""
+    violated = [e for e in judged[1:] if e.verdict == VerdictWord.VIOLATED]
+    lowered = [e for e in violated if _same(e, newest)]
+    others = [e for e in violated if e not in lowered]
+    clauses = [f" At a higher threshold, which was lowered since, {_listed(lowered)} violated it."] if lowered else []
+    if others:
+        clauses.append(f" Before, another campaign of that name or another model violated it: {_listed(others)}.")
+    return "".join(clauses)
+
+
+def _listed(edges: Sequence[Edge]) -> str:
+    return ", ".join(run_name(e.run_id) for e in edges)
+
+
+def _same(edge: Edge, newest: Edge) -> bool:
+    """Whether it asked the same question of what may be the same model."""
+    return edge.question == newest.question and may_equal(edge.identity, newest.identity)
 
 
 def _stands(edge: Edge, newest: Edge) -> bool:
@@ -140,7 +155,7 @@ def _stands(edge: Edge, newest: Edge) -> bool:
     """
     if edge.run_id == newest.run_id and newest.verdict is not None:
         return edge.verdict == VerdictWord.VIOLATED
-    if edge.question != newest.question or not may_equal(edge.identity, newest.identity):
+    if not _same(edge, newest):
         return False
     if edge.verdict == VerdictWord.VIOLATED and not _above(edge.threshold, newest.threshold):
         return True
@@ -152,7 +167,7 @@ def _above(one: float | None, other: float | None) -> bool:
 
 
 def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:
-    runs = ", ".join(run_name(e.run_id) for e in violations)
+    runs = _listed(violations)
     verb = "violates" if len(violations) == 1 else "violate"
     if newest.verdict == VerdictWord.VIOLATED:
         return f"{name}: {runs} {verb} it."

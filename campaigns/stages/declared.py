@@ -34,7 +34,8 @@ class Declared:
     independent: bool = False
     """Whether it evaluates an independent sample of the distributions: of a simulator, each by one call."""
     against: bool = False
-    """Whether its lowest evaluation counts against what other runs of the same question claim."""
+    """Whether its lowest evaluation counts against what other runs of the same question claim: it evaluates the
+    campaign's own question, which the findings of a baseline need not be of."""
     of_findings: bool = False
     """Whether it evaluates around the findings of all stages before it, which are stored with its result: how often is
     not known before it ends, and a continued run evaluates there again."""

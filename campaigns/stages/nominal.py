@@ -49,4 +49,5 @@ stage = Declared(
     planned=_planned,
     description=_description,
     again=lambda campaign: 1,  # its trace
+    against=True,
 )

@@ -44,4 +44,4 @@ def _description(campaign: Campaign) -> str:
     return f"{number} {'parameter' if number == 1 else 'parameters'}, one at a time"
 
 
-stage = Declared("sensitivity", 1, "Sensitivity", SensitivityResult, _planned, _description)
+stage = Declared("sensitivity", 1, "Sensitivity", SensitivityResult, _planned, _description, against=True)

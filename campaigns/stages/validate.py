@@ -20,4 +20,6 @@ def _description(campaign: Campaign) -> str:
     return "each case evaluated again" if campaign.scenario is None else "half step, reference integrator"
 
 
-stage = Declared("validate", 4, "Validate", ValidateResult, _planned, _description, again=_again, of_findings=True)
+stage = Declared(
+    "validate", 4, "Validate", ValidateResult, _planned, _description, again=_again, against=True, of_findings=True
+)

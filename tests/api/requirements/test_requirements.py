@@ -18,7 +18,8 @@ import pytest
 import sqlalchemy as sa
 import yaml
 
-from backend.db.tables import Audit, CatalogueDocument, Finding, Run, SweepRun
+from backend.db import purge
+from backend.db.tables import Audit, CatalogueDocument, Finding, Run, Stage, SweepRun
 from backend.requirements import uploads
 from backend.signoffs.texts import OTHER_TEXT
 from campaigns.runs import run_number
@@ -144,7 +145,7 @@ def test_a_newer_campaign_makes_a_sign_off_suspect_and_its_verdict_counts(
     sign(client, ran(service, client, "REQ-1"))
     found = row(client, "REQ-1")
     assert found["status"] == "met"
-    assert "violated it: R-0002" in found["sentence"]
+    assert "lowered since, R-0002 " in found["sentence"]
 
 
 def test_a_violation_is_neither_outrun_nor_hidden(service: Service, client: httpx.Client) -> None:
@@ -206,6 +207,26 @@ def test_what_speaks_against_a_requirement_needs_no_verdict_of_its_own_run(
         assert [(one["id"], one["part"]) for one in found["runs"]] == [(run, "violation")]
     with changed(service.engine, own.values(state="cancelled", worst_cost=0.6)):
         assert row(client, "REQ-1")["status"] == "no verdict"
+
+
+@BOTH
+def test_what_only_the_first_evaluations_found_counts_and_outlives_a_purge(
+    service: Service, client: httpx.Client
+) -> None:
+    """A violation of the nominal case or the sensitivity study, of a run that was cancelled before any search."""
+    sign(client, ran(service, client, "REQ-1"))
+    assert row(client, "REQ-1")["status"] == "met"
+    submit(client, seed=2)
+    with service.engine.begin() as writer:
+        values = {"run_id": 2, "position": 0, "kind": "nominal", "planned": 1, "evaluations": 1, "best": 0.4}
+        writer.execute(sa.insert(Stage).values(**values))
+        writer.execute(sa.update(Run).where(Run.id == 2).values(state="cancelled", finished=1.0))
+    assert row(client, "REQ-1")["status"] == "inconclusive"
+    assert client.delete("/api/v1/runs/R-0002", params={"reason": "A trial."}).status_code == 200
+    named = "R-0002 found a value"
+    assert named in row(client, "REQ-1")["sentence"]
+    assert purge.purge(service.engine, 2, 0.0, "operator")
+    assert named in row(client, "REQ-1")["sentence"]
 
 
 def test_variants_of_a_sweep_are_named_where_they_alone_state_a_requirement(client: httpx.Client) -> None:

@@ -399,4 +399,5 @@ def test_what_a_run_against_it_found_is_not_lost_with_the_run(
     assert purge.beyond(service.engine, 0).runs == []
     assert client.delete(f"{API}/runs/{against}", params={"reason": "A trial."}).status_code == 200
     (row,) = client.get(f"{API}/requirements").json()["items"]
-    assert f"{against} violated it" in row["sentence"]
+    verb = "violated it" if found == "verdict" else "found a value"
+    assert f"{against} {verb}" in row["sentence"]

@@ -117,6 +117,13 @@ def test_a_violation_is_resolved_by_another_model_or_question_and_still_named(ch
     assert standing([edge(1, "v", **changes), edge(2, "v")]).violations == {2}
 
 
+def test_a_threshold_that_was_lowered_below_a_violation_is_named_as_the_reason() -> None:
+    found = standing([edge(1, "v", threshold=0.6, worst=0.55), edge(2, "v", question="r"), edge(3, "c", threshold=0.5)])
+    assert found.status == "met"
+    assert "lowered since, R-0001 " in found.sentence
+    assert found.sentence.endswith(" violated it: R-0002.")
+
+
 CONTRADICTING: list[tuple[str, dict[str, Any], str]] = [
     ("-", {"worst": 0.5}, "inconclusive"),  # cancelled after it had found a violation
     ("-", {"worst": 0.51}, "met"),

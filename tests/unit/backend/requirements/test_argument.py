@@ -35,7 +35,8 @@ def run(number: int, verdict: str | None = "cleared", **changes: Any) -> Require
         "unidentified": [],
         "clearance": "0.1.0", "quantity": "d_min", "unit": "m", "threshold": 0.5, "worst_cost": 0.84, "margin": 0.34,
         "upper_bound": None, "violations": None, "failed_samples": None, "samples": None, "confidence": None,
-        "created": 1.0, "finished": 2.0, "removed": False, "part": "evidence", "role": "", "signed": True, "suspect": False, "changes": [],
+        "created": 1.0, "finished": 2.0, "removed": False, "part": "evidence", "role": "",
+        "signed": True, "suspect": False, "changes": [],
         "signoffs": [SIGNED], "evidence_digest": None,
     }  # fmt: skip
     return RequirementRun(**(known | changes))

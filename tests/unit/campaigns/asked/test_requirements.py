@@ -121,7 +121,7 @@ def test_a_threshold_that_was_lowered_below_a_violation_is_named_as_the_reason()
     found = standing([edge(1, "v", threshold=0.6, worst=0.55), edge(2, "v", question="r"), edge(3, "c", threshold=0.5)])
     assert found.status == "met"
     assert "lowered since, R-0001 " in found.sentence
-    assert found.sentence.endswith(" violated it: R-0002.")
+    assert found.sentence.endswith(": R-0002.")
 
 
 CONTRADICTING: list[tuple[str, dict[str, Any], str]] = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import os
 from pathlib import Path
@@ -40,6 +41,54 @@ def test_a_written_reqif_file_is_read_again() -> None:
     found, _ = reqif.read(reqif.write(rows, 0.0, "Clearance"))
     assert [(one.id, one.text) for one in found] == [('A & "1"', "Keep < 5 m,\nalways"), ("é", "x\ufffdy")]
     assert found[0].attributes == {"Clearance.Status": "met", "Clearance.Sentence": "A: R-0001."}
+
+
+TYPE = """<REQ-IF><SPEC-ATTRIBUTES>
+<ATTRIBUTE-DEFINITION-XHTML IDENTIFIER="x" LONG-NAME="ReqIF.Text"/>
+</SPEC-ATTRIBUTES>{more}</REQ-IF>"""
+OBJECT = """<SPEC-OBJECT IDENTIFIER="{key}" DESC="described"><VALUES>{values}</VALUES></SPEC-OBJECT>"""
+XHTML = """<ATTRIBUTE-VALUE-XHTML><DEFINITION><X>{of}</X></DEFINITION><THE-VALUE><div>{value}</div></THE-VALUE>
+</ATTRIBUTE-VALUE-XHTML>"""
+
+EMBEDDED = "data:image/png;base64,AAAA"
+RICH = {
+    "10<sup>3</sup>": "10^3",
+    "10<sup> -6</sup>.": "10^-6.",
+    "10<b><sup><i>−6</i></sup></b> s": "10^−6 s",
+    "10<sup>3</sup>4, 10<sup>3</sup>.5": "10^(3)4, 10^(3).5",
+    "10<sup>0.5</sup> 2<sup>n+1</sup>": "10^(0.5) 2^(n+1)",
+    "H<sub>2</sub>O": "H_(2)O",
+    "x<sub>i</sub><sup>2</sup>": "x_i^2",
+    "x<sub>i<sup>2</sup></sub>": "x_(i^2)",
+    "a<sup> </sup>b": "ab",
+    "<table><tr><th>m</th> <th>s</th></tr><tr><td>0.5</td><td>2</td></tr></table>": "m | s\n0.5 | 2",
+    "<tr><td/><td>2</td></tr><tr><td/><td/></tr>": "| 2",
+    "<tr><td><p>10</p><p>20</p></td><td><p>3<sup>2</sup></p></td></tr>": "10; 20 | 3^2",
+    "<dl><dt>a</dt><dd>b</dd></dl>c<pre>d</pre>e<blockquote>f</blockquote>": "a\nb\nc\nd\ne\nf",
+    "1<h5>2</h5><h6>3</h6><table><caption>4</caption></table>5": "1\n2\n3\n4\n5",
+    "see <object data='fig.png' type='image/png'/>.": "see [picture fig.png].",
+    "<object data='a.rtf'><object data='a.png'>words</object></object>": "[picture a.rtf] [picture a.png] words",
+    "<img src='a.png' alt='A'/><img alt='a  curve'/><img/>": "[picture a.png][picture a curve][picture without a name]",
+    f"<img src='{EMBEDDED}'/>": f"[picture image/png {hashlib.sha256(EMBEDDED.encode()).hexdigest()[:12]}]",
+}
+
+
+def imported(xhtml: str) -> Read:
+    values = XHTML.format(of="x", value=xhtml)
+    ((one,), _) = reqif.read(TYPE.format(more=OBJECT.format(key="a", values=values)).encode())
+    return one
+
+
+@pytest.mark.parametrize("xhtml", RICH)
+def test_rich_text_keeps_what_changes_its_meaning_and_its_export_is_read_as_the_same(xhtml: str) -> None:
+    one = imported(xhtml)
+    assert one.text == RICH[xhtml]
+    (again,), _ = reqif.read(reqif.write([(one.id, one.text, "", "")], 0.0, "Clearance"))
+    assert again.text == one.text
+
+
+def test_deeply_nested_scripts_are_read() -> None:
+    assert imported("a" + "<sup>b" * 80 + "</sup>" * 80).text == "a" + "^(b" * 79 + "^b" + ")" * 79
 
 
 LAUGHS = b'<!DOCTYPE l [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]><REQ-IF>&b;</REQ-IF>'

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import UTC, datetime
 from typing import NamedTuple
@@ -109,14 +110,17 @@ def read(content: bytes, id_name: str = "", text_name: str = "") -> tuple[list[R
     Raises `CannotRead`.
     """
     root = parse(content)
-    defined = [e for e in root.iter() if e.tag.startswith("ATTRIBUTE-DEF") and _key(e)]
-    names = {_key(e): e.get("LONG-NAME") or _key(e) for e in defined}
+    names: dict[str, str] = {}
+    for group in root.iter("SPEC-ATTRIBUTES"):  # types have attributes of the same name, an object has one type
+        defined = {_key(e): e.get("LONG-NAME") or _key(e) for e in group if _key(e)}
+        names.update(zip(defined, numbered(defined.values()), strict=True))
     words = {_key(e): e.get("LONG-NAME", "") for e in root.iter("ENUM-VALUE")}
     by_own = id_name == OWN and OWN.lower() not in {name.lower() for name in names.values()}
     found, skipped = [], 0
     used: dict[str, None] = {}
     for thing in root.iter("SPEC-OBJECT"):
-        values = dict(_values(thing, names, words))
+        given = list(_values(thing, names, words))
+        values = dict(zip(numbered(name for name, _ in given), (value for _, value in given), strict=True))
         used.update(dict.fromkeys(values))
         text = _text(thing, values, text_name)
         if not text[1].strip():
@@ -134,6 +138,21 @@ def read(content: bytes, id_name: str = "", text_name: str = "") -> tuple[list[R
             f"{_listed(names.values() or used)}"
         )
     return found, skipped
+
+
+def numbered(names: Iterable[str]) -> list[str]:
+    """The names in their order; one that occurs again is `Note (2)`, so that every value has a name of its own."""
+    listed = [name[:LONGEST_NAME] for name in names]
+    taken, found, times = set(listed), [], Counter[str]()
+    for name in listed:
+        times[name] += 1
+        unique = name
+        if name and times[name] > 1:
+            while (unique := f"{name[: LONGEST_NAME - 10]} ({times[name]})") in taken:
+                times[name] += 1
+        taken.add(unique)
+        found.append(unique)
+    return found
 
 
 def _key(element: Xml.Element) -> str:

@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Iterable, Iterator
 
-from backend.requirements.reqif import CannotRead, Read
+from backend.requirements.reqif import CannotRead, Read, numbered
 from campaigns.cells import plain
 
 IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
@@ -36,7 +36,7 @@ def read(content: bytes, id_name: str = "", text_name: str = "") -> tuple[list[R
 
 
 def _requirements(lines: Iterator[list[str]], id_name: str, text_name: str) -> tuple[list[Read], int]:
-    header = [name.strip() for name in next(lines, [])]
+    header = numbered(name.strip() for name in next(lines, []))
     key = _column(header, (id_name,) if id_name else IDS, "id")
     text = _column(header, (text_name,) if text_name else TEXTS, "text")
     found, skipped = [], 0

@@ -45,10 +45,13 @@ def test_a_written_reqif_file_is_read_again() -> None:
 
 TYPE = """<REQ-IF><SPEC-ATTRIBUTES>
 <ATTRIBUTE-DEFINITION-XHTML IDENTIFIER="x" LONG-NAME="ReqIF.Text"/>
+<ATTRIBUTE-DEFINITION-STRING IDENTIFIER="n1" LONG-NAME="Note"/>
+<ATTRIBUTE-DEFINITION-STRING IDENTIFIER="n2" LONG-NAME="Note"/>
 </SPEC-ATTRIBUTES>{more}</REQ-IF>"""
 OBJECT = """<SPEC-OBJECT IDENTIFIER="{key}" DESC="described"><VALUES>{values}</VALUES></SPEC-OBJECT>"""
 XHTML = """<ATTRIBUTE-VALUE-XHTML><DEFINITION><X>{of}</X></DEFINITION><THE-VALUE><div>{value}</div></THE-VALUE>
 </ATTRIBUTE-VALUE-XHTML>"""
+STRING = """<ATTRIBUTE-VALUE-STRING THE-VALUE="{value}"><DEFINITION><X>{of}</X></DEFINITION></ATTRIBUTE-VALUE-STRING>"""
 
 EMBEDDED = "data:image/png;base64,AAAA"
 RICH = {
@@ -89,6 +92,33 @@ def test_rich_text_keeps_what_changes_its_meaning_and_its_export_is_read_as_the_
 
 def test_deeply_nested_scripts_are_read() -> None:
     assert imported("a" + "<sup>b" * 80 + "</sup>" * 80).text == "a" + "^(b" * 79 + "^b" + ")" * 79
+
+
+def test_attributes_of_the_same_name_are_numbered_in_the_order_of_their_definitions() -> None:
+    both, second, twice = (
+        "".join(STRING.format(of=of, value=value) for of, value in given)
+        for given in ([("n2", "2"), ("n1", "1")], [("n2", "2")], [("n1", "1"), ("n1", "x")])
+    )
+    content = TYPE.format(more="".join(OBJECT.format(key=i, values=v) for i, v in enumerate((both, second, twice))))
+    found, _ = reqif.read(content.encode())
+    assert [one.attributes for one in found] == [
+        {"Note": "1", "Note (2)": "2"}, {"Note (2)": "2"}, {"Note": "1", "Note (2)": "x"},
+    ]  # fmt: skip
+
+
+def test_types_of_objects_share_the_names_of_their_attributes() -> None:
+    other = '<SPEC-ATTRIBUTES><ATTRIBUTE-DEFINITION-STRING IDENTIFIER="y" LONG-NAME="ReqIF.Text"/></SPEC-ATTRIBUTES>'
+    objects = OBJECT.format(key="a", values=XHTML.format(of="x", value="1")) + OBJECT.format(
+        key="b", values=STRING.format(of="y", value="2")
+    )
+    found, _ = reqif.read(TYPE.format(more=other + objects).encode())
+    assert found == [Read("a", "1", {}), Read("b", "2", {})]
+
+
+def test_numbered_names_are_unique_and_not_longer_than_names_may_be() -> None:
+    assert reqif.numbered(["a", "a", "a (2)", "a", "", "", "b"]) == ["a", "a (3)", "a (2)", "a (4)", "", "", "b"]
+    long = reqif.numbered(["n" * 300, "n" * 200, "n" * 199])
+    assert (len(set(long)), max(map(len, long))) == (3, 200)
 
 
 LAUGHS = b'<!DOCTYPE l [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]><REQ-IF>&b;</REQ-IF>'
@@ -174,6 +204,13 @@ def test_a_file_that_is_no_acceptable_csv_is_refused_with_a_sentence(content: by
 def test_columns_may_be_named() -> None:
     found, _ = table.read(b"id,key,words,text\n1,K,W,T\n", "key", "words")
     assert found == [Read("K", "W", {"id": "1", "text": "T"})]
+
+
+def test_columns_of_the_same_name_are_numbered() -> None:
+    found, _ = table.read(b"id;text;Note;;Note;text\n1;T;first;lost;second;other\n")
+    assert found == [Read("1", "T", {"Note": "first", "Note (2)": "second", "text (2)": "other"})]
+    found, _ = table.read(b"id,text,Note,Note\n1,T,first,second\n", text_name="Note (2)")
+    assert found == [Read("1", "second", {"text": "T", "Note": "first"})]
 
 
 def test_an_export_states_the_runs_that_it_does_not_list_and_keeps_columns_of_any_name() -> None:

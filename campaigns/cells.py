@@ -42,9 +42,18 @@ def safe(cell: object) -> object:
     return MARK + cell
 
 
+def kept(text: str) -> str:
+    """The text for a file that is read again: one that looks as if `safe` had marked it has one mark more."""
+    return MARK + text if _marked(text) else text
+
+
 def plain(cell: str) -> str:
-    """The text of a cell that `safe` has written."""
-    return cell[1:] if cell.startswith(MARK) and cell[1:].startswith(FORMULA) else cell
+    """The text of a cell that `kept` and `safe` have written."""
+    return cell[1:] if _marked(cell) else cell
+
+
+def _marked(cell: str) -> bool:
+    return cell.startswith(MARK) and cell.lstrip(MARK).startswith(FORMULA)
 
 
 def _is_number(cell: str) -> bool:

@@ -8,7 +8,9 @@ from datetime import UTC, datetime
 
 from backend.http.written import lines as written
 from backend.requirements.schemas import RequirementRow, RequirementRun
+from backend.requirements.table import EXPORTED
 from backend.signoffs.schemas import signed_by
+from campaigns.cells import kept
 from campaigns.results.verdict import headline
 
 MOST_COLUMNS = 200
@@ -29,18 +31,18 @@ def requirements(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
     One that has the name of a column of the matrix, such as status, is headed `status (file)`.
     """
     listed = list(rows)
-    fixed = ("id", "text", "status", "why", "file")
     used = Counter(name for row in listed for name in row.attributes)
     more = sorted(name for name, _ in used.most_common(MOST_COLUMNS))
     rest = set(used) - set(more)
-    heads = [*fixed]
+    heads = [*EXPORTED]
     for name in more:
         heads.append(name if name not in heads else _free(f"{name} (file)", heads))
-    yield written([[*heads, *(["other attributes"] if rest else [])]])
+    yield written([map(kept, [*heads, *(["other attributes"] if rest else [])])])
     for row in listed:
         values = (row.id, row.text, row.status, row.sentence, row.file or "")
         others = "; ".join(f"{name}: {value}" for name, value in row.attributes.items() if name in rest)
-        yield written([[*values, *(row.attributes.get(name, "") for name in more), *([others] if rest else [])]])
+        cells = (*values, *(row.attributes.get(name, "") for name in more), *([others] if rest else []))
+        yield written([map(kept, cells)])
 
 
 def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:

@@ -12,6 +12,8 @@ from campaigns.cells import plain
 IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
 TEXTS = ("text", "description", "statement", "object text", "reqif.text")
 """Headers of the columns, in any case."""
+EXPORTED = ("id", "text", "status", "why", "file")
+"""The first columns of our own export, which marks cells; in any other file an apostrophe is part of the text."""
 
 
 def read(content: bytes, id_name: str = "", text_name: str = "") -> tuple[list[Read], int]:
@@ -36,12 +38,14 @@ def read(content: bytes, id_name: str = "", text_name: str = "") -> tuple[list[R
 
 
 def _requirements(lines: Iterator[list[str]], id_name: str, text_name: str) -> tuple[list[Read], int]:
-    header = numbered(name.strip() for name in next(lines, []))
+    header = [name.strip() for name in next(lines, [])]
+    ours = tuple(header[: len(EXPORTED)]) == EXPORTED
+    header = numbered(plain(name) if ours else name for name in header)
     key = _column(header, (id_name,) if id_name else IDS, "id")
     text = _column(header, (text_name,) if text_name else TEXTS, "text")
     found, skipped = [], 0
     for number, cells in enumerate(lines, 2):
-        line = [plain(cell) for cell in cells]
+        line = [plain(cell) for cell in cells] if ours else cells
         if not any(cell.strip() for cell in line):
             continue
         if len(line) != len(header):

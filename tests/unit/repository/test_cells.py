@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from campaigns.cells import FORMULA, Writer, plain, safe
+from campaigns.cells import FORMULA, Writer, kept, plain, safe
 
 ROOT = Path(__file__).parents[3]
 
@@ -24,6 +24,13 @@ def test_text_that_a_spreadsheet_would_calculate_is_marked(first: str) -> None:
 def test_numbers_and_other_text_are_unchanged(cell: object) -> None:
     assert safe(cell) == cell
     assert not isinstance(cell, str) or plain(cell) == cell
+
+
+@pytest.mark.parametrize("text", ["-mode", "'-mode", "''=x", "'-0.8", "-0.8", "'quoted'", "'", ""])
+def test_text_that_looks_marked_is_kept(text: str) -> None:
+    cell = safe(kept(text))
+    assert isinstance(cell, str)
+    assert plain(cell) == text
 
 
 def test_all_files_are_written_with_marked_cells() -> None:

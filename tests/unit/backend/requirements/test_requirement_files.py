@@ -227,6 +227,21 @@ def test_an_export_states_the_runs_that_it_does_not_list_and_keeps_columns_of_an
     assert (last["requirement"], last["run"], last["why"].split()[0]) == ("R1", "", "2345")
 
 
+def test_an_apostrophe_is_a_mark_in_our_own_export_only() -> None:
+    given = {"'-a": "'@b", "-c": "=d", "e": "'quoted'"}
+    row = RequirementRow(
+        id="=R1", text="'-mode' shall hold", status="no evidence", sentence="", registered=True, file=None,
+        attributes=given, changed=None, changed_by=None, etag="", runs=[], total=0, unlisted=0, removed=0, sweeps=0,
+    )  # fmt: skip
+    exported = b"".join(sheet.requirements([row]))
+    for content in (exported, exported.replace(b",", b";")):
+        ((one,), _) = table.read(content)
+        assert (one.id, one.text) == (row.id, row.text)
+        assert given.items() <= one.attributes.items()
+    found, _ = table.read(b"id,text,'-n\n'=R1,'-mode' shall hold,'@x\n")
+    assert found == [Read("'=R1", "'-mode' shall hold", {"'-n": "'@x"})]
+
+
 def test_an_export_has_columns_for_the_most_frequent_attributes_only(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files may name any number of attributes, and every row of a CSV file has every column."""
     monkeypatch.setattr(sheet, "MOST_COLUMNS", 2)

@@ -19,7 +19,7 @@ from typing import Any
 import sqlalchemy as sa
 from pydantic import ValidationError
 
-from backend.db import labels, refusals, sizes, snapshots
+from backend.db import anew, labels, refusals, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
@@ -141,11 +141,16 @@ def request_cancel(connection: sa.Connection, run_id: int) -> RunState | None:
 
 
 def resume(connection: sa.Connection, run_id: int) -> bool:
-    """Queue a failed run again, with all that is stored of it; false if it has not failed."""
+    """Queue a failed run again; false if it has not failed.
+
+    It keeps what is stored of it, unless no evaluation has a value: these are made again.
+    """
     failed = (Run.id == run_id, Run.state == RunState.FAILED)
     again = {"state": RunState.QUEUED, "attempts": 0, "losses": 0, "not_before": 0.0, "finished": None, "error": None}
     if connection.execute(sa.update(Run).where(*failed).values(**again)).rowcount != 1:
         return False
+    if anew.useless(connection, run_id):
+        anew.empty(connection, run_id)
     # Its end is reported again.
     connection.execute(sa.delete(WebhookDelivery).where(WebhookDelivery.run_id == run_id))
     return True

@@ -7,54 +7,25 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db import groups, refusals, sizes
+from backend.db import anew, groups, refusals
+from backend.db.anew import RESULTS as RESULTS
 from backend.db.continuation import store_text, succeed
 from backend.db.engine import now
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import (
-    EvaluationAhead,
-    EvaluationChunk,
-    Finding,
-    Run,
-    RunSources,
-    RunText,
-    SampleBlock,
-    SampleShare,
-    Stage,
-    SweepRun,
-    Trace,
-)
+from backend.db.tables import Run, RunText, SweepRun
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.runs import RunState, run_name
 from campaigns.stages.plan import most
 
 CONTINUED = "It was continued as {run}."
-RESULTS = (EvaluationAhead, EvaluationChunk, SampleBlock, SampleShare, Stage, Finding, Trace, RunSources)
-"""Tables of what is stored of a run while it is carried out."""
 
 
 def restart(writer: sa.Connection, run_id: int) -> bool:
     """Put a waiting run back to where it was when it was submitted; false if it does not wait for its code."""
     if not waits(writer, run_id):
         return False
-    for table in RESULTS:
-        writer.execute(sa.delete(table).where(table.run_id == run_id))
-    refusals.clear(writer, run_id)
-    of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
-    empty: dict[str, object] = {
-        "attempts": 0,
-        "losses": 0,
-        "started": None,
-        "worker": None,
-        "flown": None,
-        "error": None,
-        "evaluations": 0,
-        "failed_evaluations": 0,
-    }
-    empty |= {"nominal_cost": None, "worst_cost": None, "worst_method": None, "best_so_far": [], "carries": False}
-    size = sizes.of_document(writer.execute(of).scalar_one())
-    writer.execute(sa.update(Run).where(Run.id == run_id).values(**empty, size=size, not_before=0.0))
+    anew.empty(writer, run_id)
+    writer.execute(sa.update(Run).where(Run.id == run_id).values(carries=False))
     return True
 
 

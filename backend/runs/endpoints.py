@@ -203,7 +203,7 @@ def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSumm
     responses=problems("not-found", "not-failed", "removed", "quota-reached", "purged", *ONCE),
 )
 def retry_run(run: RunName, request: Request, once: OnceOnly, visitor: CurrentVisitor) -> RunSummary:
-    """Queue a failed run again: it goes on from its stored evaluations, none of which is simulated twice."""
+    """Queue a failed run again: it goes on from its stored evaluations; if none has a value, they are made again."""
     number, quota = service.number(run), request.app.state.quota
     return _once(once, lambda writer: onward.retry(writer, number, visitor, quota))
 

@@ -23,14 +23,21 @@ from campaigns.runs import run_name
 
 
 def retry(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) -> RunSummary:
-    """Queue a failed run again with what is stored of it; 409 unless it has failed, or if it is removed."""
+    """Queue a failed run again with what is stored of it; 409 unless it has failed, or if it is removed.
+
+    Evaluations of which none has a value are discarded, which the trail states.
+    """
     _own(writer, run_id, visitor)
     refuse_removed(writer, run_id)
     stored, error = writer.execute(sa.select(Run.evaluations, Run.error).where(Run.id == run_id)).one()
     refuse_beyond(writer, quota, visitor)
     if not queue.resume(writer, run_id):
         raise RefusedError(409, "not-failed", f"{run_name(run_id)} has not failed; only a failed run is retried")
-    audit.note(writer, visitor, "run.retried", run_name(run_id), {"evaluations": stored, "error": error})
+    kept = writer.execute(sa.select(Run.evaluations).where(Run.id == run_id)).scalar_one()
+    detail: dict[str, object] = {"evaluations": kept, "error": error}
+    if kept < stored:
+        detail["discarded"] = stored - kept
+    audit.note(writer, visitor, "run.retried", run_name(run_id), detail)
     return service.summary(writer, run_id)
 
 

@@ -15,7 +15,7 @@ def retry(
     token_file: Token = "",
     patience: Patience = PATIENCE,
 ) -> None:
-    """Queue failed runs of a service again; they go on from their stored evaluations."""
+    """Queue failed runs of a service again; they go on from their stored evaluations, if any has a value."""
 
     for run in runs:
         numbered(run)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from typing import Any
 
+import numpy as np
 import pytest
 import sqlalchemy as sa
 
@@ -16,6 +17,8 @@ from backend.db.tables import Campaign, CatalogueDocument, Run, Worker
 from backend.runs import waiting
 from campaigns import Catalogue
 from campaigns.asked.load import load_document
+from campaigns.results.base import FAILED, OK
+from campaigns.stored.records import Ahead, Columns
 from tests import results
 from tests.faults.cases import PLAN, campaign, columns
 from tests.simulators import package, two_basins
@@ -185,17 +188,59 @@ def test_a_failed_run_is_queued_again_with_what_is_stored(database: sa.Engine) -
     claim = claimed(queue)
     store = RunStore(database, claim)
     store.plan(PLAN)
-    store.append(0, 0, columns(0, 1))
+    store.append(0, 0, columns(0, 20))
     with database.begin() as connection:
         assert not resume(connection, run_id), "it has not failed"
     queue.fail(claim, "The disk is full.")
     with database.begin() as connection:
         assert resume(connection, run_id)
     again = row(database, run_id)
-    assert (again.state, again.error, again.finished, again.evaluations) == ("queued", None, None, 1)
+    assert (again.state, again.error, again.finished, again.evaluations) == ("queued", None, None, 20)
     with pytest.raises(LostLease):
-        store.append(0, 1, columns(1, 1))
+        store.append(0, 20, columns(20, 1))
     assert claimed(queue).attempt == 1
+
+
+def failing(count: int) -> Columns:
+    """Evaluations without a value."""
+    status = np.full(count, FAILED, dtype=np.uint8)
+    reasons = dict.fromkeys(range(count), "it has no licence")
+    return columns(0, count)._replace(costs=np.full((count, 1), np.nan), status=status, reasons=reasons)
+
+
+def test_a_run_whose_evaluations_have_no_value_makes_them_again(database: sa.Engine) -> None:
+    """Judged again as they are stored, they would fail it again, whatever was repaired."""
+    run_id, queue = put(database), Queue(database)
+    claim = claimed(queue)
+    fresh, store = row(database, run_id), RunStore(database, claim)
+    store.plan(PLAN)
+    store.append(0, 0, failing(15))
+    queue.fail(claim, "None has a value.")
+    with database.begin() as connection:
+        assert resume(connection, run_id)
+    again = row(database, run_id)
+    assert (again.state, again.evaluations, again.failed_evaluations, again.started) == ("queued", 0, 0, None)
+    assert again.size == fresh.size
+    with pytest.raises(LostLease):
+        store.append(0, 15, failing(1))
+    store = RunStore(database, claimed(queue))
+    assert [stage.state for stage in store.plan(PLAN)] == ["waiting"] * len(PLAN)
+    assert store.evaluations(0) is None
+
+
+def test_a_value_that_is_ahead_of_a_missing_one_is_kept(database: sa.Engine) -> None:
+    run_id, queue = put(database), Queue(database)
+    claim = claimed(queue)
+    store = RunStore(database, claim)
+    store.plan(PLAN)
+    rows = columns(0, 20)
+    later = np.array([k for k in range(16, 20) if rows.status[k] == OK])
+    known = Columns(rows.points[later], rows.costs[later], rows.status[later], rows.seconds[later], {})
+    store.append(0, 0, failing(15), Ahead(later, known))
+    queue.fail(claim, "The disk is full.")
+    with database.begin() as connection:
+        assert resume(connection, run_id)
+    assert row(database, run_id).evaluations == 15
 
 
 def test_giving_back_does_not_count(database: sa.Engine) -> None:

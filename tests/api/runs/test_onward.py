@@ -9,18 +9,25 @@ import pytest
 import sqlalchemy as sa
 import yaml
 
+from backend.db.access import LOCAL
 from backend.db.engine import read
 from backend.db.queue import Queue
+from backend.db.queue import submit as put
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun
 from backend.db.waiting import CONTINUED
 from backend.runs.quota import Quota
 from backend.runs.waiting import SOON
+from campaigns.runs import run_name
 from tests.given.code_versions import CODE, VERSIONS, edited
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 from tests.given.submissions import YAML, submit
 from tests.given.waiting_runs import DIFFERS, HERE, OLD, arrive, waiting
+from tests.simulators import noisy
+from tests.simulators.adversaries import adversary, never
+from worker.engine.systems.base import CampaignUnusable
+from worker.running.runs.runner import execute
 
 
 def one(client: httpx.Client, run: str) -> dict[str, Any]:
@@ -173,6 +180,32 @@ def test_a_failed_run_is_retried(service: Service, client: httpx.Client) -> None
     assert (entry["action"], entry["detail"]) == ("run.retried", {"evaluations": 100, "error": "The disk is full."})
     assert queue.claim("old", (), OLD) is not None
     assert client.post("/api/v1/runs/R-9999/retry").status_code == 404
+
+
+def test_a_run_of_a_simulator_that_was_repaired_reaches_its_verdict(service: Service, client: httpx.Client) -> None:
+    """None of its evaluations had a value, so that they are made again."""
+    queue, asked = Queue(service.engine), noisy.campaign()
+    with service.engine.begin() as writer:
+        number = put(writer, asked, name="a run", tags=[], owner=LOCAL, planned=1)
+    claim = queue.claim("w")
+    assert claim is not None
+    with adversary(lost=never), pytest.raises(CampaignUnusable) as failure:
+        execute(asked, RunStore(service.engine, claim), threads=1)
+    queue.fail(claim, f"{failure.value}")
+    run = run_name(number)
+    failed = one(client, run)
+    assert failed["evaluations"] == failed["failed_evaluations"] > 0
+    found = client.post(f"/api/v1/runs/{run}/retry").raise_for_status().json()
+    assert (found["state"], found["error"], found["evaluations"], found["started"]) == ("queued", None, 0, None)
+    entry = client.get(f"/api/v1/runs/{run}/history").json()[0]
+    assert entry["action"] == "run.retried"
+    assert entry["detail"] == {"evaluations": 0, "error": failed["error"], "discarded": failed["evaluations"]}
+    claim = queue.claim("w")
+    assert claim is not None
+    with adversary():
+        execute(asked, RunStore(service.engine, claim), threads=1)
+    found = one(client, run)
+    assert (found["state"], found["verdict"], found["failed_evaluations"]) == ("done", "cleared", 0)
 
 
 def test_a_removed_run_is_not_retried(service: Service, client: httpx.Client) -> None:

@@ -28,6 +28,11 @@ it('describes the outcome of a run', () => {
   expect(entry('run.purged', { results_digest: '0123456789abcdef01' })).toBe('Permanently deleted its results, sha256 0123456789abcdef')
 })
 
+it('states whether a run that was tried again kept its evaluations', () => {
+  const sentences = [{ evaluations: 100 }, { evaluations: 0, discarded: 15 }].map((detail) => entry('run.retried', detail))
+  expect(sentences.map((sentence) => sentence.includes('without'))).toEqual([false, true])
+})
+
 it('hides nothing that it has no words for', () => {
   expect(entry('run.something')).toBe('run.something')
 })

@@ -8,7 +8,8 @@ type Detail = HistoryEntry['detail']
 const TEXTS: Readonly<Record<string, (detail: Detail) => string>> = {
   'run.submitted': () => 'Submitted',
   'run.cancelled': ({ state }) => (state === 'cancelled' || state === 'cancelling' ? 'Cancelled' : 'Requested cancellation after its end'),
-  'run.retried': () => 'Tried it again, with its stored evaluations',
+  'run.retried': ({ discarded }) =>
+    discarded ? 'Tried it again, without its evaluations, none of which had a value' : 'Tried it again, with its stored evaluations',
   'run.restarted': () => 'Began it again, without its evaluations',
   'run.continued': ({ continues }) => `Continued ${text(continues)} as this run`,
   'run.edited': editOf,

@@ -116,13 +116,18 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
         replay=f"clearance replay --service {shlex.quote(service.address)} {found.id}",
         labels=found.labels,
         notes=tuple(filter(None, [reused, "" if compared is None else compared.sentence])),
-        seconds=found.seconds or 0.0,
+        seconds=worked(found),
         compared=compared is None or compared.run is not None,
         quantity=found.quantity,
         unit=found.unit,
         threshold=found.threshold,
         requirements=tuple(one["id"] for one in criterion.get("requirements", [])),
     )
+
+
+def worked(found: RunDetail) -> float:
+    """The working time of its stages [s]; from start to end, a retried run would count how long it lay failed."""
+    return sum(stage.seconds for stage in found.stages)
 
 
 def plain(text: str) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clearance.cli._following import AsJson, case, counts, plain, superseded
+from clearance.cli._following import AsJson, case, counts, plain, superseded, worked
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
@@ -52,7 +52,8 @@ def _head(found: RunDetail) -> list[str]:
     if begun := found.document.get("undigested"):
         lines.append(f"Code: {plain(str(begun))}")
     times = {"Submitted": found.created, "started": found.started, "ended": found.finished}
-    lines.append(", ".join(f"{word} {at.strftime('%Y-%m-%dT%H:%M:%SZ')}" for word, at in times.items() if at))
+    stamps = [f"{word} {at.strftime('%Y-%m-%dT%H:%M:%SZ')}" for word, at in times.items() if at]
+    lines.append(", ".join([*stamps, *([f"worked {seconds:.3f} s"] if (seconds := worked(found)) else [])]))
     lines.append(f"By {plain(found.owner)}" + (f" (token {found.token})" if found.token else ""))
     if found.labels:
         lines.append("Labels: " + ", ".join(f"{key}={value}" for key, value in found.labels.items()))

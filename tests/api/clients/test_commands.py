@@ -89,6 +89,21 @@ def test_a_run_is_shown(violated: str, command: Command, capsys: pytest.CaptureF
     assert refusal(capsys.readouterr().err) == "not-found"
 
 
+def test_the_time_of_a_run_is_that_in_which_its_stages_worked(
+    service: Service, violated: str, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Not that from its start to its end, in which a retried run has lain failed."""
+    with service.signed_in() as client:
+        stages = client.get(f"/api/v1/runs/{violated}/stages").json()
+    worked = f"{sum(stage['seconds'] for stage in stages):.3f}"
+    assert float(worked) > 0
+    with changed(service.engine, sa.update(Run).where(Run.id == 1).values(started=Run.started - 3600)):
+        assert command("follow", violated, "--junit", tmp_path / "junit.xml") == VIOLATED
+        assert command("show", violated) == 0
+    assert Xml.parse(tmp_path / "junit.xml").getroot()[0].get("time") == worked
+    assert f"worked {worked} s" in statement(capsys)
+
+
 def test_runs_are_cancelled(
     service: Service, violated: str, command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,7 +1,9 @@
 """The stored flights as MCAP with messages of Foxglove: pose, trajectory, scene, separation or signals.
 
-All flights begin at time 0, so that they play side by side. Positions are in the frame `scene`: x to the right (east),
-y ahead (north), z up; bodies have x ahead, y left, z up. Sources: MCAP format specification; Foxglove message schemas.
+All flights begin at time 0, so that they play side by side; MCAP has no times below 0. What was subtracted from the
+times of a flight is in the metadata `time offsets` [s], where that is not 0. Positions are in the frame `scene`: x to
+the right (east), y ahead (north), z up; bodies have x ahead, y left, z up. Sources: MCAP format specification; Foxglove
+message schemas.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ import io
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +53,8 @@ def traces_mcap(reader: sa.Connection, run_id: int) -> bytes:
     for info in results.traces(reader, run_id):
         row = results.stored(reader, run_id, info.name)
         output.flight(info.name, row, from_stored(row, most=10**9))
+    if output.offsets:
+        writer.add_metadata("time offsets", output.offsets)
     writer.finish()  # type: ignore[no-untyped-call]
     return buffer.getvalue()
 
@@ -62,6 +66,8 @@ class _Output:
     writer: Writer
     schemas: dict[str, int] = field(default_factory=dict)
     channels: dict[str, int] = field(default_factory=dict)
+    offsets: dict[str, str] = field(default_factory=dict)
+    """The time at which each flight begins [s], by name, except 0."""
 
     def send(self, topic: str, schema: str, time: float, message: dict[str, object]) -> None:
         """Write a message; time [s]."""
@@ -77,9 +83,16 @@ class _Output:
     def flight(self, name: str, row: Any, flight: Flight | None) -> None:
         """Write one flight; without positions only what it measured."""
         head, columns = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
+        data = results.table(row)
+        clock = next((k for k, column in enumerate(columns) if column.group == "time"), None)
+        times = np.empty(0) if clock is None else data[np.isfinite(data[:, clock]), clock]
+        begin = float(times.min()) if len(times) else 0.0
+        if begin:
+            self.offsets[name] = repr(begin)
         if flight is not None:
-            self._moving(name, flight, head)
-        self._measured(name, columns, results.table(row))
+            self._moving(name, replace(flight, time=flight.time - begin), head)
+        if clock is not None:
+            self._measured(name, columns, data, data[:, clock] - begin)
 
     def _moving(self, name: str, flight: Flight, head: TraceHead) -> None:
         start = float(flight.time[0])
@@ -98,15 +111,11 @@ class _Output:
             if moving:
                 self.send(f"/{name}/obstacles", "foxglove.SceneUpdate", time, {"deletions": [], "entities": moving})
 
-    def _measured(self, name: str, columns: list[TraceColumn], data: Any) -> None:
+    def _measured(self, name: str, columns: list[TraceColumn], data: Any, times: Any) -> None:
         """The separation, or the signals of a simulator; values that are not finite are null."""
-        clock = next((k for k, column in enumerate(columns) if column.group == "time"), None)
-        if clock is None:
-            return
         for topic, group in (("separation", "separation"), ("signals", "signal")):
             chosen = [k for k, column in enumerate(columns) if column.group == group]
-            for row in data if chosen else ():
-                time = float(row[clock])
+            for row, time in zip(data, times.tolist(), strict=True) if chosen else ():
                 if not math.isfinite(time):
                     continue
                 values = [

@@ -7,6 +7,7 @@ import io
 import json
 import math
 import zipfile
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -118,6 +119,19 @@ def test_flights_as_mcap_hold_every_row(guest: httpx.Client, run: str) -> None:
     assert (ball["pose"]["position"], ball["size"]["x"]) == ({"x": 4.0, "y": 4.0, "z": 0.0}, 1.0)
     (about,) = make_reader(io.BytesIO(data)).iter_metadata()
     assert (about.name, about.metadata["run"]) == ("clearance", run)
+
+
+def test_a_flight_that_begins_below_0_is_shifted_to_0(still: Service, guest: httpx.Client) -> None:
+    """As of a simulator whose time counts up to the end."""
+    trace, run = flight("nominal"), submit(guest)
+    data = trace.data - np.array([20.0] + [0.0] * (len(trace.columns) - 1))
+    Work(still).nominal(replace(trace, data=data))
+    file = exported(guest, run, "traces.mcap")
+    log = [message.log_time for _, _, message in make_reader(io.BytesIO(file)).iter_messages(["/nominal/separation"])]
+    assert (log[0], log[-1]) == (0, 15 * 10**9)
+    assert len(messages(file)["/nominal/pose"]) == len(data)
+    about = {record.name: record.metadata for record in make_reader(io.BytesIO(file)).iter_metadata()}
+    assert about["time offsets"] == {"nominal": "-20.0"}
 
 
 def test_axes_with_z_down_are_turned_upright(guest: httpx.Client, aloft: tuple[str, Trace]) -> None:

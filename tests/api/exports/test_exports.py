@@ -23,7 +23,8 @@ from backend.http.naming import disposition, named
 from backend.http.written import lines
 from backend.runs.service import campaign
 from backend.scenes.recordings import recording
-from campaigns.stored.records import Columns, StagePlan
+from campaigns.stored.records import Columns, StagePlan, Trace
+from tests import results
 from tests.api.conftest import running
 from tests.given.databases import AT_NIGHT, KINDS, Fresh
 from tests.given.finished_runs import Work, finish, flight, search
@@ -207,6 +208,24 @@ def test_flights_as_mat_file(stored: Stored) -> None:
     assert np.array_equal(read["F1"]["separation"], stored.data[:, 9], equal_nan=True)
     assert read["nominal"]["units"]["v"] == "m/s"
     assert json.loads(read["F1"]["meta"])["closest"]["obstacle"] == 0
+
+
+def test_no_column_is_lost_in_a_mat_file(service: Service, client: httpx.Client) -> None:
+    """Also where its name is that of another field, or becomes the same as that of another column."""
+    names = ["t", "units", "meta", "a.b", "a_b", f"{'x' * 70}1", f"{'x' * 70}2", "2.b", "units_2"]
+    columns = results.columns(*((name, f"u{k}", "signal" if k else "time") for k, name in enumerate(names)))
+    data = np.arange(3.0)[:, None] + 10 * np.arange(len(names))
+    run = submit(client)
+    Work(service).nominal(Trace("nominal", columns, data, results.head()))
+    content = client.get(f"/api/v1/runs/{run}/exports/traces.mat").raise_for_status().content
+    read = loadmat(io.BytesIO(content), simplify_cells=True)["nominal"]
+    fields = json.loads(read["meta"])["names"]
+    assert sorted(fields.values()) == sorted(names)
+    assert (fields["units_2"], fields["a_b"], fields["a_b_2"]) == ("units_2", "a_b", "a.b"), "a valid name stays"
+    for field, name in fields.items():
+        k = names.index(name)
+        assert len(field) <= 63
+        assert (read[field].tolist(), read["units"][field]) == (data[:, k].tolist(), f"u{k}")
 
 
 def test_everything_as_json(stored: Stored) -> None:

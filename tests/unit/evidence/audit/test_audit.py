@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
-from backend.db.engine import connect, write
+from backend.db.engine import connect, default_url, write
 from backend.db.queue import submit
+from backend.db.tables import Base, CatalogueSnapshot, EvaluationChunk, Run
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
 from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
@@ -246,6 +246,20 @@ def test_a_run_without_a_verdict_is_wrong_input(tmp_path: Path, capsys: pytest.C
     assert refused(capsys, "audit", "R-0009", "--data", tmp_path) == RefusalCode.NO_RUN
     assert invoke(["audit", "R-0009", "--data", str(tmp_path / "nowhere")]) == WRONG_INPUT
     shutil.rmtree(tmp_path, ignore_errors=True)
+
+
+def test_a_database_without_tables_is_wrong_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    engine = connect(default_url(tmp_path))
+    with engine.begin() as connection:
+        connection.execute(sa.text("create table other (id integer)"))
+    assert refused(capsys, "audit", "R-0001", "--data", tmp_path) == RefusalCode.NO_RUN
+    with engine.begin() as connection:
+        Base.metadata.create_all(connection)
+        submit(connection, searching(DIRECT), name="a", tags=[], owner="", planned=1)
+        connection.execute(sa.update(Run).values(verdict="cleared"))
+        connection.execute(sa.text("drop table stages"))
+    assert refused(capsys, "audit", "R-0001", "--data", tmp_path) == RefusalCode.UNREADABLE
+    engine.dispose()
 
 
 def test_its_earlier_name_runs_it_for_one_version(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -34,10 +34,8 @@ def retry(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) ->
     if not queue.resume(writer, run_id):
         raise RefusedError(409, "not-failed", f"{run_name(run_id)} has not failed; only a failed run is retried")
     kept = writer.execute(sa.select(Run.evaluations).where(Run.id == run_id)).scalar_one()
-    detail: dict[str, object] = {"evaluations": kept, "error": error}
-    if kept < stored:
-        detail["discarded"] = stored - kept
-    audit.note(writer, visitor, "run.retried", run_name(run_id), detail)
+    discarded = {"discarded": stored - kept} if kept < stored else {}
+    audit.note(writer, visitor, "run.retried", run_name(run_id), {"evaluations": kept, "error": error, **discarded})
     return service.summary(writer, run_id)
 
 

@@ -159,7 +159,7 @@ def cancel(run: Named) -> Call[answers.Run]:
 
 
 def retry(run: Named) -> Call[answers.Run]:
-    """Queue a failed run again, with its stored evaluations."""
+    """Queue a failed run again, with its stored evaluations; if none has a value, they are made again."""
     return Call("POST", "/runs/{run}/retry", answers.Run, _of(run), key=str(uuid.uuid4()))
 
 

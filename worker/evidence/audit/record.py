@@ -134,7 +134,10 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
         return _of_database(connection, run_id)
     except CampaignError:
         raise
-    except (LookupError, ValueError, TypeError, sa.exc.NoResultFound, sa.exc.NoSuchTableError) as error:
+    except sa.exc.NoSuchTableError as error:  # also of a database that no service has used yet
+        message = f"{run_name(run_id)} cannot be audited: this database has no table {error}"
+        raise UnreadableError(message, RefusalCode.UNREADABLE) from None
+    except (LookupError, ValueError, TypeError, sa.exc.NoResultFound) as error:
         message = f"what is stored of {run_name(run_id)} is not of a run: {type(error).__name__}: {error}"
         raise UnreadableError(message, RefusalCode.UNREADABLE) from None
 
@@ -148,8 +151,7 @@ def _of_database(connection: sa.Connection, run_id: int) -> Record:
         found = sa.select(sa.Table(table, tables, autoload_with=connection)).filter_by(**of)
         return [dict(row) for row in connection.execute(found.order_by(*map(sa.column, order.split()))).mappings()]
 
-    # A database without tables, as before the first start of a service, has no run either.
-    run = next(iter(rows("runs", "id", id=run_id)), None) if sa.inspect(connection).has_table("runs") else None
+    run = next(iter(rows("runs", "id", id=run_id)), None)
     if run is None:
         raise UnreadableError(f"{name} cannot be audited: there is no such run in this database", RefusalCode.NO_RUN)
     if run.get("purged") or not run["verdict"]:

@@ -43,3 +43,7 @@ export function violatedOf({ samples, violations, failed, excluded }: Sample): s
   const how = all ? 'failed and count as violations' : failed ? `violate, ${count(failed)} of these because they failed` : 'violate'
   return `${count(violations)} of ${count(samples)} samples ${how}${excluded ? `; ${count(excluded)} draws excluded` : ''}`
 }
+
+/** How many evaluations have a value. */
+export const valued = ({ evaluations, failed_evaluations: failed, excluded_evaluations: excluded }: Counted): number =>
+  evaluations - failed - excluded

@@ -20,7 +20,7 @@ export function WhatToDo({ run, className }: { run: RunDetail; className: string
         )}
         {run.removed === null && <li>
           <b>Retry it</b> once the cause is mended, such as a full disk or a machine that was switched off: it goes on from what is
-          stored. <Retry run={run} />
+          stored, or makes all evaluations again if none has a value. <Retry run={run} />
         </li>}
         {begun && <li>
           <b>Run it again</b> with the button above, as it is or changed. If it fails for the same reason

@@ -1,9 +1,13 @@
 // Whether this browser is signed in; any 401 means that it is not, until its session is asked for and there is one.
 import { storeOf } from '../ui/store'
 
-const out = storeOf(false)
+/** `ended`: by itself, so that the page is kept; `left`: by its user, of whom nothing stays. */
+type Session = 'open' | 'ended' | 'left'
 
-export const signedOut = (): void => out.set(true)
-export const signedIn = (): void => out.set(false)
+const session = storeOf<Session>('open')
 
-export const useSignedOut = out.useValue
+export const signedOut = (): void => session.set(session.get() === 'left' ? 'left' : 'ended')
+export const left = (): void => session.set('left')
+export const signedIn = (): void => session.set('open')
+
+export const useSession = session.useValue

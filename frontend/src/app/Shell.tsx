@@ -15,7 +15,7 @@ import {
   IconUserPlus,
   IconUsers,
 } from '@tabler/icons-react'
-import { useQuery } from '@tanstack/react-query'
+import { useQuery, useQueryClient } from '@tanstack/react-query'
 import { Link, Outlet, useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { type ReactNode, useCallback, useEffect, useState } from 'react'
@@ -23,7 +23,7 @@ import { hasRole } from '../api/access'
 import { endSession } from '../api/calls'
 import { useBaseStream } from '../api/events'
 import { sessionQuery } from '../api/queries'
-import { signedOut, useSignedOut } from '../api/session'
+import { left, signedOut, useSession } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
 import { keepTyped, typedEarly } from '../jump/early'
 import { later, Part } from '../page/later'
@@ -35,6 +35,7 @@ import { Brand } from './Brand'
 import { Contact } from './Contact'
 import { Keys } from './Keys'
 import { toggleMine, useNotifier, useToggle, useWanted } from '../page/notify'
+import { unsaved } from '../page/unsaved'
 import { SignedOut } from './SignedOut'
 import { Workers } from './Workers'
 import buttons from '../ui/buttons.module.css'
@@ -47,12 +48,15 @@ const Jump = later(() => import('../jump/Jump'), 'Jump')
 const PAGES = ['runs', 'launch', 'compare', 'requirements', 'reports', 'help'] as const
 
 export function Shell() {
-  const out = useSignedOut()
+  const session = useSession()
+  const out = session !== 'open'
   return (
     <>
-      <div inert={out} aria-hidden={out}>
-        <Frame />
-      </div>
+      {session !== 'left' && (
+        <div inert={out} aria-hidden={out}>
+          <Frame />
+        </div>
+      )}
       {out && <SignedOut />}
     </>
   )
@@ -134,11 +138,17 @@ function ThemeToggle() {
 function Session() {
   const { data } = useQuery(sessionQuery)
   const navigate = useNavigate()
+  const cache = useQueryClient()
   if (!data) return null
   const initials = data.user.slice(0, 2).toUpperCase()
   const admin = hasRole(data.role, 'admin')
   const reviewer = hasRole(data.role, 'reviewer')
-  const leave = () => void endSession().then(signedOut, signedOut)
+  const gone = () => {
+    if (unsaved()) return signedOut() // what was typed is kept
+    left()
+    cache.clear()
+  }
+  const leave = () => void endSession().then(gone, gone)
   return (
     <Popup
       kind="menu"

@@ -18,7 +18,7 @@ export function useHotkeys(keys: Record<string, () => void>): void {
   })
   useEffect(() => {
     const pressed = (event: KeyboardEvent) => {
-      if (event.altKey || event.defaultPrevented || document.querySelector('dialog[open]')) return
+      if (event.altKey || event.defaultPrevented || document.querySelector('dialog')) return
       const control = event.ctrlKey || event.metaKey
       if (!control && typing(event)) return
       const act = latest.current[control ? `Ctrl+${event.key}` : event.key]

@@ -20,6 +20,7 @@ from sqlalchemy import orm
 from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
+from backend.db.reset import RESULTS
 from backend.db.tables import (
     Campaign,
     EvaluationChunk,
@@ -33,7 +34,6 @@ from backend.db.tables import (
     Stage,
     Trace,
 )
-from backend.db.waiting import RESULTS
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import ACTIVE, ENDED, RunState, run_name
 from campaigns.stages.found import declared
@@ -149,7 +149,7 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
 
 def _lowest(reader: sa.Connection, run_id: int, worst: float | None) -> float | None:
     """The lowest value of a run: that it found a violation outlives its stages, which have what no search found."""
-    of = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == run_id, asked())
+    of = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == run_id, own_question())
     return min((cost for cost in (worst, reader.scalar(of)) if cost is not None), default=None)
 
 
@@ -216,11 +216,11 @@ def _against() -> sa.ColumnElement[bool]:
 
 def violates() -> sa.ColumnElement[bool]:
     """Whether a run found a value at or below its threshold, whether it came to a verdict or not."""
-    best = sa.select(Stage.best).where(Stage.run_id == Run.id, asked(), Stage.best <= Run.threshold).exists()
+    best = sa.select(Stage.best).where(Stage.run_id == Run.id, own_question(), Stage.best <= Run.threshold).exists()
     return sa.or_(Run.verdict == VerdictWord.VIOLATED, Run.worst_cost <= Run.threshold, best)
 
 
-def asked() -> sa.ColumnElement[bool]:
+def own_question() -> sa.ColumnElement[bool]:
     """Whether a stage evaluates the question of its campaign."""
     return Stage.kind.in_([stage.kind for stage in declared().values() if stage.against])
 

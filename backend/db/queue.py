@@ -19,7 +19,7 @@ from typing import Any
 import sqlalchemy as sa
 from pydantic import ValidationError
 
-from backend.db import anew, labels, refusals, sizes, snapshots
+from backend.db import labels, refusals, reset, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
@@ -149,8 +149,8 @@ def resume(connection: sa.Connection, run_id: int) -> bool:
     again = {"state": RunState.QUEUED, "attempts": 0, "losses": 0, "not_before": 0.0, "finished": None, "error": None}
     if connection.execute(sa.update(Run).where(*failed).values(**again)).rowcount != 1:
         return False
-    if anew.useless(connection, run_id):
-        anew.empty(connection, run_id)
+    if reset.useless(connection, run_id):
+        reset.empty(connection, run_id)
     # Its end is reported again.
     connection.execute(sa.delete(WebhookDelivery).where(WebhookDelivery.run_id == run_id))
     return True

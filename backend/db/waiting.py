@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db import anew, groups, refusals
-from backend.db.anew import RESULTS as RESULTS
+from backend.db import groups, refusals, reset
 from backend.db.continuation import store_text, succeed
 from backend.db.engine import now
 from backend.db.tables import Run, RunText, SweepRun
@@ -24,7 +23,7 @@ def restart(writer: sa.Connection, run_id: int) -> bool:
     """Put a waiting run back to where it was when it was submitted; false if it does not wait for its code."""
     if not waits(writer, run_id):
         return False
-    anew.empty(writer, run_id)
+    reset.empty(writer, run_id)
     writer.execute(sa.update(Run).where(Run.id == run_id).values(carries=False))
     return True
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.purge import asked, violates
+from backend.db.purge import own_question, violates
 from backend.db.sweeps import in_sweep
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
@@ -46,7 +46,7 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     for edge in (e for found in edges.values() for e in found):
         threshold = -math.inf if edge.threshold is None else edge.threshold
         highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), threshold)
-    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, asked())
+    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
     worst = lowest.scalar_subquery().label("worst")
     columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.campaign_digest, CampaignRow.name)
     rows: list[Any] = []

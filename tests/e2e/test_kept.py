@@ -18,7 +18,7 @@ pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False
 CODE = re.compile(r"/assets/.*\.js$")
 MISSING = "This part of the page could not be loaded"
-TOLD = {
+WORDS = {
     "updated part": "Clearance was updated. Save what you are writing",
     "updated page": "Clearance was updated. Reload this page.",
     "silent": "It is loaded as soon as the service answers",
@@ -91,7 +91,7 @@ def test_an_updated_service_is_told_from_one_out_of_reach(visit: Visit) -> None:
     with answered(page, 404):
         page.keyboard.press("Control+k")
         told = page.get_by_role("dialog", name="Search")
-        expect(told).to_contain_text(TOLD["updated part"])
+        expect(told).to_contain_text(WORDS["updated part"])
         expect(told.get_by_role("button", name="Reload this page")).to_be_visible()
         page.keyboard.press("Escape")
         expect(told).to_be_hidden()
@@ -160,7 +160,7 @@ def test_a_page_that_cannot_be_loaded_comes_once_the_service_answers(visit: Visi
     page.get_by_role("link", name="Help", exact=True).click()
     expect(page.get_by_role("heading", name="This page could not be loaded", level=1)).to_be_visible()
     expect(page.get_by_role("navigation", name="Main")).to_be_visible()
-    expect(page.get_by_role("main")).to_contain_text(TOLD["silent"])
+    expect(page.get_by_role("main")).to_contain_text(WORDS["silent"])
     page.context.set_offline(False)
     expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
 
@@ -173,7 +173,7 @@ def test_a_page_of_an_updated_service_is_reloaded_once(visit: Visit) -> None:
     page.route(help_page, lambda route: route.fulfill(status=404, body=""))
     with page.expect_event("load"):
         page.get_by_role("link", name="Help", exact=True).click()
-    expect(page.get_by_role("main")).to_contain_text(TOLD["updated page"])
+    expect(page.get_by_role("main")).to_contain_text(WORDS["updated page"])
     page.unroute(help_page)
     page.get_by_role("button", name="Reload this page").click()
     expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
@@ -205,7 +205,7 @@ def test_a_campaign_outlives_the_session(visit: Visit, service: Service) -> None
     page.keyboard.press("n")
     page.keyboard.press("Control+k")
     page.evaluate("window.dispatchEvent(new Event('focus'))")
-    expect(notice).to_contain_text(TOLD["typed"])
+    expect(notice).to_contain_text(WORDS["typed"])
     with page.context.expect_page() as opened:
         notice.get_by_role("link", name="Sign in on a new tab").click()
     expect(opened.value).to_have_url(f"{visit.address}/login?next=%2Flaunch%3Ffrom%3DR-0001")

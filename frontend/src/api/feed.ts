@@ -7,7 +7,7 @@ const [PAUSE, LONGEST] = [2000, 30_000]
 /** A stream that is silent for longer is lost: the service sends a beat every 15 s [ms]. */
 const SILENCE = 40_000
 
-interface Told {
+interface Listener {
   /** Whether events come, each time that may have changed. */
   open: (open: boolean) => void
   /** Another stream has taken the place of one that was lost: events may be missing. */
@@ -27,7 +27,7 @@ export class Feed {
   constructor(
     private readonly address: string,
     private readonly events: Readonly<Record<string, (data: string) => void>>,
-    private readonly told: Told,
+    private readonly listener: Listener,
   ) {
     this.source = this.opened()
   }
@@ -56,7 +56,7 @@ export class Feed {
   private opened(): EventSource {
     this.heard = Date.now()
     this.due = null
-    this.told.open(false)
+    this.listener.open(false)
     const source = new EventSource(this.address)
     // Open by its first event, which the service sends at once: a proxy may hold back all but the headers.
     const events: typeof this.events = { ...this.events, beat: () => undefined }
@@ -66,7 +66,7 @@ export class Feed {
         take((event as MessageEvent<string>).data)
       })
     source.addEventListener('error', () => {
-      this.told.open(false)
+      this.listener.open(false)
       if (source.readyState === EventSource.CLOSED)
         this.due = Date.now() + Math.min(PAUSE * 2 ** this.refusals++, LONGEST)
     })
@@ -77,8 +77,8 @@ export class Feed {
     pulse.beat()
     this.heard = Date.now()
     this.refusals = 0
-    this.told.open(true)
-    if (this.replaces) this.told.missed()
+    this.listener.open(true)
+    if (this.replaces) this.listener.missed()
     this.replaces = false
   }
 }

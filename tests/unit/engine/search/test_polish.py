@@ -50,7 +50,7 @@ def after_polish(function: Function, starts: list[list[float]], room: int = 0) -
 
 def test_a_minimum_among_dips_is_polished_by_a_strategy() -> None:
     reached = {0: 0, 20_000: 0}
-    for start in 0.3 + np.random.default_rng(3).uniform(-0.03, 0.03, (24, 2)):
+    for start in 0.3 + np.random.default_rng(3).uniform(-0.03, 0.03, (72, 2)):
         costs = {}
         for evolving in reached:
             (found,), _ = after_polish(rugged, [start.tolist()], evolving)
@@ -58,7 +58,7 @@ def test_a_minimum_among_dips_is_polished_by_a_strategy() -> None:
             reached[evolving] += found.cost < 1e-9
         assert costs[20_000] < costs[0]
     assert reached[0] == 0
-    assert reached[20_000] > 0, "a fifth of them to the bottom, which ones depends on the processor's last bits"
+    assert reached[20_000] >= 5  # a fifth of them; which ones depends on the last bits of the processor
 
 
 def test_a_smooth_minimum_takes_no_strategy() -> None:

@@ -284,9 +284,10 @@ class Criterion:
     """A criterion of a simulation; `sample` has one kernel per dimension that it supports.
 
     `of`: what a channel is sampled for: each obstacle (one channel each), the goal, or the whole flight.
-    `over`: how a channel is reduced over time: its minimum, refined between steps by a parabola (smooth channels) or at
-    the steps (channels that may jump), or the first instant [s] at which it is not above 0 (the horizon if there is
-    none).
+    `over`: how a channel is reduced over time: its minimum, refined between steps by a parabola (smooth channels, such
+    as squared distances), searched between steps (channels with kinks that depend on time and state alone, such as
+    distances to surfaces) or at the steps (channels that may jump), or the first instant [s] at which it is not above 0
+    (the horizon if there is none).
 
     `worse`: the end of the range that searches look for. A criterion that is worse when low may decide the verdict: its
     first parameter is `threshold`, its value must stay above it, and it has `excluded`.
@@ -303,7 +304,7 @@ class Criterion:
     excluded: sig.Excluded | None = None
     worse: Literal["low", "high"] = "low"
     of: Literal["obstacles", "goal", "flight"] = "obstacles"
-    over: Literal["refined", "steps", "crossing"] = "refined"
+    over: Literal["refined", "searched", "steps", "crossing"] = "refined"
     measured_to: Literal["", "centre", "surface"] = ""
     derived: Derived | None = None
     frame: Frame | None = None

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from worker.engine.kernels.component import (
@@ -161,6 +162,7 @@ class Channels:
     """The channels of all criteria, grouped by reduction: the size of each group, the range of each criterion."""
 
     refined: int
+    searched: int
     steps: int
     crossing: int
     of: dict[str, tuple[int, int]]
@@ -168,18 +170,25 @@ class Channels:
 
     @property
     def total(self) -> int:
-        return self.refined + self.steps + self.crossing
+        return self.refined + self.searched + self.steps + self.crossing
 
 
 def channels(parts: Parts) -> Channels:
     """The channels of each criterion: one, or one per obstacle."""
     of: dict[str, tuple[int, int]] = {}
     ends = [0]
-    for over in ("refined", "steps", "crossing"):
+    for over in ("refined", "searched", "steps", "crossing"):
         end = ends[-1]
         for prefix, criterion in parts.criteria.items():
-            if criterion.over == over:
+            if _over(criterion, parts.obstacles) == over:
                 of[prefix] = end, end + (len(parts.obstacles) if criterion.of == "obstacles" else 1)
                 end = of[prefix][1]
         ends.append(end)
-    return Channels(ends[1], ends[2] - ends[1], ends[3] - ends[2], of)
+    refined, searched, steps, crossing = (end - begin for begin, end in pairwise(ends))
+    return Channels(refined, searched, steps, crossing, of)
+
+
+def _over(criterion: Criterion, obstacles: Sequence[Obstacle]) -> str:
+    """How its channels are reduced: the parabola does not follow an obstacle that turns at a corner."""
+    corners = any(obstacle.rate is not None and len(obstacle.rate.legs) > 2 for obstacle in obstacles)
+    return "searched" if criterion.over == "refined" and criterion.of == "obstacles" and corners else criterion.over

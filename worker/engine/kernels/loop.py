@@ -10,9 +10,13 @@ from typing import Any
 
 import numpy as np
 
-N_X = N_P = N_E = N_G = N_Y = N_R = N_S = N_K = LANES = 0
+N_X = N_P = N_E = N_G = N_Y = N_K = LANES = 0
 X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = K = STATUS = WHEN = SIZE = 0
-SETTLES = False
+FROM = RATE = LAST = HELD = SEEN = NEAR = LEFT = RIGHT = AT = PREVIOUS = 0
+SETTLES = SEARCHES = False
+REFINED = SEARCHED = STEPS = 0
+"""The channels up to the first of these are refined by a parabola, then searched between steps, then read at the steps;
+the others are crossings."""
 
 BEFORE = 1.0 - 1e-8
 """The last stage is evaluated just before the end of the step, so that a jump at the end belongs to the next step."""
@@ -28,6 +32,11 @@ LARGEST = 1e12
 
 FARTHEST = 1e300
 """The same for the channels: they only have to be finite, because squared distances may be large."""
+
+
+LOOKS, BESIDE = 16, 1e-6
+"""Looks at whether a channel rises within a step, each of which halves it; the fraction of the step between two
+samples that show it."""
 
 
 def _slot(*_: Any) -> Any:
@@ -69,7 +78,9 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             b[LOW + k] = np.inf
             b[Y1 + k] = np.inf
             b[Y2 + k] = np.inf
-        for k in range((N_R + N_S) * LANES, N_Y * LANES):
+        for k in range(REFINED * LANES, SEARCHED * LANES):
+            b[Y2 + k] = 0.0
+        for k in range(STEPS * LANES, N_Y * LANES):
             b[LOW + k] = steps * dt
             b[Y1 + k] = 1.0
         for i in range(steps + 1):
@@ -93,7 +104,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 b[STATUS + l] = code if so_far == OK else so_far
                 # The first instant at which a channel is no longer above 0, on the line through two samples. It is
                 # inside this loop because LLVM would unroll a short separate loop over the lanes into scalar code.
-                for k in range(N_R + N_S, N_Y):
+                for k in range(STEPS, N_Y):
                     at = k * LANES + l
                     mid = b[Y1 + at]
                     right = b[Y0 + at]
@@ -105,23 +116,73 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 for l in range(LANES):
                     bar = excluded(load_y(b, Y0, l), load_p(b, P, l))
                     b[STATUS + l] = EXCLUDED if (b[STATUS + l] == OK) & bar else b[STATUS + l]
-            # Minimum between steps: the vertex of the parabola through three samples.
-            for k in range(N_R * LANES):
+            # Minimum between steps: the vertex of the parabola through three samples, if it is within half a step of
+            # the middle one; also of what lies before it at the start, and after it at the end.
+            begins = i == 2
+            ends = i == steps
+            for k in range(REFINED * LANES):
                 left = b[Y2 + k]
                 mid = b[Y1 + k]
                 right = b[Y0 + k]
                 bend = left - 2.0 * mid + right
                 slope = left - right
                 vertex = mid - 0.125 * slope * slope / bend
-                low = vertex if (mid <= left) & (mid <= right) & (bend > 0.0) else right
+                near = ((mid <= left) | begins) & ((mid <= right) | ends) & (abs(slope) <= 2.0 * bend)
+                low = vertex if near & (bend > 0.0) else right
                 low = low if i >= 2 else right
                 b[LOW + k] = low if low < b[LOW + k] else b[LOW + k]
                 b[Y2 + k] = mid
                 b[Y1 + k] = right
             # Minimum at the steps.
-            for k in range(N_R * LANES, (N_R + N_S) * LANES):
+            for k in range(REFINED * LANES, STEPS * LANES):
                 right = b[Y0 + k]
                 b[LOW + k] = right if right < b[LOW + k] else b[LOW + k]
+            if SEARCHES:
+                # Minimum between steps of channels with kinks: bisection by whether the channel rises, on the cubic
+                # through the states and derivatives at both ends of the step. Only where the channel rises at the end
+                # of the step, and changing twice as fast as ever could become lower than it has been.
+                for k in range(REFINED, SEARCHED):
+                    some = 0.0
+                    for l in range(LANES):
+                        at = k * LANES + l
+                        left = b[Y1 + at]
+                        right = b[Y0 + at]
+                        change = abs(right - left) if i > 0 else 0.0
+                        change = change if change > b[Y2 + at] else b[Y2 + at]
+                        least = (left if left < right else right) - 2.0 * change
+                        near = ((least < b[LOW + at]) | (i == 1)) & (i > 0) & (b[STATUS + l] == OK)
+                        b[Y2 + at] = change
+                        b[Y1 + at] = right
+                        b[NEAR + l] = 1.0 if near else 0.0
+                        b[LEFT + l] = 0.0
+                        b[RIGHT + l] = 1.0
+                        b[AT + l] = 1.0 - BESIDE
+                        some += b[NEAR + l]
+                    looks = 0
+                    while (looks < 2 * LOOKS) & (some > 0.0):
+                        beside = looks % 2 == 1
+                        for l in range(LANES):
+                            s = b[AT + l] + BESIDE if beside else b[AT + l]
+                            x = load_x(b, FROM, l)
+                            x = advance(x, s * s * (3.0 - 2.0 * s), advance(load_x(b, X, l), -1.0, x))
+                            x = advance(x, dt * s * (1.0 - s) * (1.0 - s), load_x(b, RATE, l))
+                            x = advance(x, dt * s * s * (s - 1.0), load_x(b, LAST, l))
+                            dx, y = closed_loop(since + s * dt, x, load_g(b, HELD, l), load_p(b, P, l))
+                            store_y(b, SEEN, l, y)
+                        some = 0.0
+                        for l in range(LANES):
+                            at = k * LANES + l
+                            seen = b[SEEN + at]
+                            rises = seen > b[PREVIOUS + l]
+                            here = b[AT + l]
+                            b[PREVIOUS + l] = seen
+                            b[LEFT + l] = here if beside & (not rises) else b[LEFT + l]
+                            b[RIGHT + l] = here if beside & rises else b[RIGHT + l]
+                            b[AT + l] = 0.5 * (b[LEFT + l] + b[RIGHT + l]) if beside else here
+                            b[NEAR + l] = 0.0 if (looks == 1) & (not rises) else b[NEAR + l]
+                            b[LOW + at] = seen if (b[NEAR + l] > 0.0) & (seen < b[LOW + at]) else b[LOW + at]
+                            some += b[NEAR + l]
+                        looks += 1
             if trace.shape[0] > first:
                 for l in range(min(LANES, trace.shape[0] - first)):
                     for k in range(N_X):
@@ -145,6 +206,11 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             for l in range(LANES):
                 x = advance(load_x(b, X, l), dt, load_x(b, C, l))
                 dx, y = closed_loop(t + last, x, load_g(b, G, l), load_p(b, P, l))
+                if SEARCHES:
+                    store_x(b, FROM, l, load_x(b, X, l))
+                    store_x(b, RATE, l, load_x(b, A, l))
+                    store_x(b, LAST, l, dx)
+                    store_g(b, HELD, l, load_g(b, G, l))
                 store_x(b, X, l, combine(load_x(b, X, l), q, load_x(b, A, l), load_x(b, B, l), load_x(b, C, l), dx))
             if SETTLES:
                 for l in range(LANES):

@@ -50,5 +50,5 @@ component = Criterion(
     value=value,
     excluded=excluded,
     measured_to="surface",
-    over="steps",  # the distance to a surface may have a kink; "refined" fits a parabola between steps
+    over="searched",  # a distance to a surface has kinks; "refined" suits smooth channels, "steps" those that jump
 )

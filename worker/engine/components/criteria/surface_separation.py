@@ -4,9 +4,8 @@
 
 s is the signed distance from the vehicle's reference point to the obstacle's surface, r_b the radius of a disc or
 sphere about that point that contains the vehicle's body; 0 considers the reference point only. The minimum over time is
-refined by the parabola through three samples of the distance. Outside a convex obstacle s is smooth, and the error of
-that is of the second order in the step where the nearest part of the surface changes, else of the fourth. Inside, where
-s has ridges, the lowest value is that at the steps or somewhat below it.
+searched between the steps, so that no obstacle is too thin to be seen: along a straight path the distance to a convex
+surface falls to one minimum and rises from there.
 A simulation that starts at or inside the threshold is excluded: it would show nothing.
 Source: signed distances to boxes and cylinders, Ericson, Real-Time Collision Detection (2005), sections 5.1.3 and
 5.1.4; the radius of the body as in Srikanthakumar, equations 1.1 and 1.2 (r_0).
@@ -54,5 +53,6 @@ component = Criterion(
     sample={2: sample, 3: sample},
     value=value,
     excluded=excluded,
+    over="searched",
     measured_to="surface",
 )

@@ -202,13 +202,18 @@ def shared(parts: Parts, lanes: int = LANES, compiled: bool = True) -> Loop:
 def _layout(made: Loop) -> dict[str, object]:
     lanes, n_x, n_p, n_g, n_y = made.lanes, made.n_state, made.size, made.n_held, made.channels.total
     n_k = len(made.parts.criteria)
+    channels, n_e = made.channels, made.size_extended
     rows = {
-        "X": n_x, "A": n_x, "B": n_x, "C": n_x, "P": made.size_extended, "G": n_g,
+        "X": n_x, "A": n_x, "B": n_x, "C": n_x, "P": n_e, "G": n_g,
         "Y0": n_y, "Y1": n_y, "Y2": n_y, "LOW": n_y, "K": n_k, "STATUS": 1, "WHEN": 1,
     }  # fmt: skip
-    n_e = made.size_extended
+    searches = channels.searched > 0
+    if searches:
+        rows |= {"FROM": n_x, "RATE": n_x, "LAST": n_x, "HELD": n_g, "SEEN": n_y}
+        rows |= dict.fromkeys(("NEAR", "LEFT", "RIGHT", "AT", "PREVIOUS"), 1)
     slots: dict[str, object] = {"N_X": n_x, "N_P": n_p, "N_E": n_e, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
-    slots |= {"N_R": made.channels.refined, "N_S": made.channels.steps, "N_K": n_k}
+    slots |= {"REFINED": channels.refined, "SEARCHED": channels.refined + channels.searched}
+    slots |= {"STEPS": n_y - channels.crossing, "N_K": n_k, "SEARCHES": searches}
     slots["SETTLES"] = made.parts.vehicle.settle is not None
     offset = 0
     for name, count in rows.items():

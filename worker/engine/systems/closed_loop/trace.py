@@ -19,6 +19,8 @@ from worker.engine.systems.base import Floats, in_own_sign
 from worker.engine.systems.closed_loop.flights import Flights
 
 POSE = 6
+PLACES, PIECES = 4, 1000
+"""Steps within which the closest approach of a channel with kinks is looked for, and the parts of each."""
 Group = Literal["time", "pose", "state", "command", "separation"]
 
 
@@ -32,7 +34,7 @@ def trace(flights: Flights, name: str, values: Mapping[str, float], rows: int | 
     case = simulate(flights, values)
     states, vector = case.states, case.vector
     seen = Seen(flights, flights.loop.observe(states, vector, flights.step), vector)
-    closest = _closest(flights, seen)
+    closest = _closest(flights, seen, case)
     kept = _kept(len(states), rows, closest)
     data = np.column_stack(
         (
@@ -166,23 +168,21 @@ def _columns(flights: Flights) -> list[TraceColumn]:
     ]
 
 
-def _closest(flights: Flights, seen: Seen) -> Closest | None:
-    """Time, position and obstacle of the closest approach, refined by the same parabola as the cost."""
+def _closest(flights: Flights, seen: Seen, case: SimulatedCase) -> Closest | None:
+    """Time, position and obstacle of the closest approach; its value is the cost, where there is one."""
     channels = seen.deciding
     if flights.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
         return None
-    row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
-    lowest, shift = float(channels[row, obstacle]), 0.0
-    if 0 < row < len(channels) - 1:
-        left, mid, right = (float(c) for c in channels[row - 1 : row + 2, obstacle])
-        bend = left - 2 * mid + right
-        if bend > 0:
-            shift = 0.5 * (left - right) / bend
-            lowest = mid - 0.125 * (left - right) ** 2 / bend
+    if flights.loop.channels.searched and len(channels) > 1:
+        row, obstacle, shift = _searched(flights, seen, case)
+    else:
+        row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
+        shift = _vertex(channels[:, obstacle], row)
+    lowest = float(seen.criterion(seen.channels.min(axis=0, keepdims=True))[0])
     return Closest(
         time=(row + shift) * flights.step,
         row=row,
-        value=float(seen.criterion(np.full((1, seen.channels.shape[1]), lowest))[0]),
+        value=case.own_cost if np.isfinite(case.own_cost) else lowest,
         position=_between(seen.positions, row, shift),
         speed=_speed(seen.positions, row, shift, flights.step),
         obstacle=obstacle,
@@ -190,21 +190,71 @@ def _closest(flights: Flights, seen: Seen) -> Closest | None:
     )
 
 
+def _vertex(channel: Floats, row: int) -> float:
+    """How many steps after the lowest sample of a channel (rows,) the parabola through three of them is lowest."""
+    if len(channel) < 3:
+        return 0.0
+    middle = min(max(row, 1), len(channel) - 2)
+    left, mid, right = (float(c) for c in channel[middle - 1 : middle + 2])
+    bend = left - 2 * mid + right
+    shift = middle - row + 0.5 * (left - right) / bend if bend > 0 else 0.0
+    return shift if -min(row, 0.5) <= shift <= min(len(channel) - 1 - row, 0.5) else 0.0
+
+
+def _searched(flights: Flights, seen: Seen, case: SimulatedCase) -> tuple[int, int, float]:
+    """The step, the obstacle, and the fraction of the step at which a channel with kinks is lowest.
+
+    Of a channel that changes no faster within a step than between its neighbours, only some steps can be that one.
+    """
+    channels = seen.deciding
+    change = np.pad(np.abs(np.diff(channels, axis=0)), ((1, 1), (0, 0)), mode="edge")
+    fastest = np.maximum(np.maximum(change[:-2], change[1:-1]), change[2:])
+    least = 0.5 * (channels[:-1] + channels[1:] - fastest)
+    found = (np.inf, 0, 0, 0.0)
+    for place in np.argsort(least, axis=None, kind="stable")[:PLACES]:
+        row, obstacle = (int(i) for i in np.unravel_index(place, least.shape))
+        columns = flights.loop.observe(
+            _within(flights, case, row), case.vector, flights.step / PIECES, first=row * PIECES
+        )
+        inside = Seen(flights, columns, case.vector).deciding[:, obstacle]
+        at = int(np.argmin(inside))
+        found = min(found, (float(inside[at]), row, obstacle, at / PIECES))
+    return found[1:]
+
+
+def _within(flights: Flights, case: SimulatedCase, row: int) -> Floats:
+    """States within a step as the loop interpolates them, by the cubic through both ends, with the held guidance."""
+    n, step, loop = flights.loop.n_state, flights.step, flights.loop
+    p, held = loop.extend(case.vector), tuple(map(float, case.states[row, n:]))
+    ends = [case.states[row + k, :n] for k in (0, 1)]
+    rates = [
+        np.array(loop.part("closed_loop")((row + k) * step, tuple(map(float, end)), held, p)[0])
+        for k, end in enumerate(ends)
+    ]
+    s = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
+    states = ends[0] + s * s * (3.0 - 2.0 * s) * (ends[1] - ends[0])
+    states = states + step * s * (1.0 - s) * ((1.0 - s) * rates[0] - s * rates[1])
+    return np.column_stack((states, np.broadcast_to(held, (len(s), len(held)))))
+
+
 def _between(positions: Floats, row: int, shift: float) -> list[float]:
-    """The position a fraction `shift` of a step after a row, on the parabola through its neighbours."""
-    here = positions[row]
-    if shift != 0.0:
-        back, ahead = positions[row - 1], positions[row + 1]
-        here = here + 0.5 * shift * (ahead - back) + 0.5 * shift**2 * (back - 2 * here + ahead)
+    """The position a number of steps after a row, on the parabola through three rows about it."""
+    if shift == 0.0 or len(positions) < 3:
+        return [float(c) for c in positions[row]]
+    middle = min(max(row, 1), len(positions) - 2)
+    shift += row - middle
+    back, here, ahead = positions[middle - 1 : middle + 2]
+    here = here + 0.5 * shift * (ahead - back) + 0.5 * shift**2 * (back - 2 * here + ahead)
     return [float(c) for c in here]
 
 
 def _speed(positions: Floats, row: int, shift: float, step: float) -> float | None:
-    """The speed over ground on the parabola through a row and its neighbours [m/s]; None at the ends."""
-    if not 0 < row < len(positions) - 1:
+    """The speed over ground on the parabola through three rows about a row [m/s]; None of fewer."""
+    if len(positions) < 3:
         return None
-    back, here, ahead = positions[row - 1 : row + 2]
-    moved = 0.5 * (ahead - back) + shift * (back - 2 * here + ahead)
+    middle = min(max(row, 1), len(positions) - 2)
+    back, here, ahead = positions[middle - 1 : middle + 2]
+    moved = 0.5 * (ahead - back) + (shift + row - middle) * (back - 2 * here + ahead)
     return _known(float(np.linalg.norm(moved)) / step)
 
 

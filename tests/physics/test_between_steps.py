@@ -16,7 +16,6 @@ from campaigns.asked.load import load_document
 from clearance.testing.problems import Problem
 from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.scenes import uncompiled
-from tests.physics.test_criteria import flown
 from worker.engine.kernels.layout import Parts
 from worker.engine.systems.closed_loop.assemble import Loop
 from worker.engine.systems.closed_loop.trace import trace
@@ -49,11 +48,6 @@ def test_the_closest_point_is_found_within_the_first_and_the_last_step(x: float)
     place = {"position__x": x, "position__y": 1.0, "position__z": 0.0}
     assert lowest("separation", "sphere", threshold=0.1, **place) == pytest.approx(1.0, abs=1e-9)
     assert lowest("surface_separation", "sphere", radius=0.4, **place) == pytest.approx(0.6, abs=1e-4)
-
-
-@EITHER_END
-def test_so_is_the_smallest_miss_of_the_goal(x: float) -> None:
-    assert flown("goal_miss", step=0.05, horizon=1.0, vehicle__vx=20.0, goal__x=x, goal__y=1.0) == pytest.approx(1.0)
 
 
 def test_nothing_is_extrapolated_beyond_either_end() -> None:

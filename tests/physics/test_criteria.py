@@ -58,6 +58,10 @@ class TestGoalMiss:
         for x in (4.0, 4.003, 4.005, 4.0071):
             assert flown("goal_miss", goal__x=x, goal__y=0.6, goal__z=0.8) == pytest.approx(1.0, abs=1e-9)
 
+    @pytest.mark.parametrize("x", [0.002, 0.0045, 9.9955, 9.998])
+    def test_nor_within_the_first_or_the_last_step(self, x: float) -> None:
+        assert flown("goal_miss", goal__x=x, goal__y=0.01) == pytest.approx(0.01, abs=1e-9)
+
     def test_a_flight_that_does_not_get_there_misses_by_what_is_left(self) -> None:
         assert flown("goal_miss", goal__x=13.0, goal__y=4.0) == pytest.approx(5.0, abs=1e-9)
 

@@ -52,8 +52,8 @@ def identified(mark: str) -> str:
 
 @dataclass
 class _Watched:
-    paths: list[str]
-    bounds: Bounds
+    paths: list[str] = field(default_factory=list)
+    bounds: Bounds = field(default_factory=dict)
     stages: list[StageProgress] = field(default_factory=list)
     steps: dict[int, Improvements] = field(default_factory=dict)
 
@@ -98,7 +98,7 @@ class Watch:
             return []
         with read(self._engine) as reader:
             self.at = now(reader)
-            self._watched = {i: self._watched.get(i) or _watched(reader, i) for i in wanted}
+            self._watched = {i: self._watched.get(i) or _Watched() for i in wanted}
             events = self._runs(reader, wanted)
             for run_id, watched in self._watched.items():
                 events += _stages(reader, run_id, watched)
@@ -151,12 +151,12 @@ class Watch:
         return events
 
 
-def _watched(reader: sa.Connection, run_id: int) -> _Watched:
+def _parameters(reader: sa.Connection, run_id: int) -> tuple[list[str], Bounds]:
     try:
         campaign = service.campaign(reader, run_id)
     except RefusedError:  # its progress is reported nevertheless
-        return _Watched([], {})
-    return _Watched(list(campaign.uncertain), bounds(campaign, described(reader, run_id)))
+        return [], {}
+    return list(campaign.uncertain), bounds(campaign, described(reader, run_id))
 
 
 def _stages(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event]:
@@ -168,14 +168,18 @@ def _stages(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event
 
 
 def _improvements(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event]:
-    added = {}
+    known, added = watched.steps, {}
+    watched.steps = {s.position: known.get(s.position, Improvements()).of(s.started) for s in watched.stages}
+    if any(steps is not known.get(position) for position, steps in watched.steps.items()):
+        # The worker that begins a run stores its own component descriptions.
+        watched.paths, watched.bounds = _parameters(reader, run_id)
     for stage in watched.stages:
-        steps = watched.steps.setdefault(stage.position, Improvements())
+        steps = watched.steps[stage.position]
         if stage.stored <= steps.read:
             continue
-        known = len(steps.index)
+        before = len(steps.index)
         steps.catch_up(reader, run_id, stage.position)
-        added[str(stage.position)] = watched.since(steps, known).model_dump()
+        added[str(stage.position)] = watched.since(steps, before).model_dump()
     return [Event(run_id, "evaluations", json.dumps(added))] if added else []
 
 
@@ -186,6 +190,8 @@ def _stage_event(run_id: int, stages: list[StageProgress]) -> Event:
 class NewImprovements(Schema):
     """Improvements of one stage, as columns of equal length, to be appended by index to those already received.
 
+    If the stage's `started` in the last `stages` event differs from before, the run began again: what was received is
+    discarded.
     The first event after connecting has all of them, later ones only the new ones.
     """
 

@@ -59,7 +59,7 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
     drawn = noise.drawn(reader, run_id, run_campaign)
     timeouts = Stage.result["blocks", "beside", "timeouts"].as_integer().label("timeouts")
     columns = (Stage.position, Stage.kind, Stage.method, Stage.evaluations, Stage.counted, Stage.failed, Stage.excluded)
-    query = sa.select(*columns, timeouts)
+    query = sa.select(*columns, Stage.started, timeouts)
     query = query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
     if position is not None:
         query = query.where(Stage.position == position)
@@ -147,6 +147,7 @@ class _Read:
             position=stage.position,
             kind=stage.kind,
             method=stage.method,
+            started=stage.started,
             total=stage.evaluations + stage.counted,
             stored=stage.evaluations,
             failed=stage.failed,

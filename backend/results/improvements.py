@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 class Improvements:
     """Every evaluation of one stage that was lower than all before it, as columns."""
 
+    started: float | None = None
+    """When the stage started; another time than before once the run was reset and begins again [s since 1970]."""
     index: list[int] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
     """Working time of the stage [s]."""
@@ -31,6 +33,10 @@ class Improvements:
     """Working time at the last of them by index [s]."""
     point: Floats | None = None
     """The best point (n,) on the unit cube."""
+
+    def of(self, started: float | None) -> Improvements:
+        """These, or empty ones for a stage that began again: what these were read from is discarded."""
+        return self if started == self.started else Improvements(started)
 
     def catch_up(self, reader: sa.Connection, run_id: int, position: int) -> None:
         chunk = EvaluationChunk

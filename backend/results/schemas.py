@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import computed_field
 
 from backend.catalog.schemas import CriterionOut
-from backend.http.schema import Schema
+from backend.http.schema import Instant, Schema
 from campaigns.results import TraceHead
 from campaigns.results.base import Status
 from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation, granted, violates
@@ -26,6 +26,8 @@ class EvaluationSeries(Schema):
     position: int
     kind: str
     method: str | None
+    started: Instant | None
+    """When the stage started; another time than before once the run was reset and begins again."""
     total: int
     """Stored or, of a sample of which only a part is stored, only counted."""
     stored: int

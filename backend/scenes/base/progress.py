@@ -45,22 +45,28 @@ class Progress:
         shown = sa.select(Trace.name, Trace.meta).where(
             Trace.run_id == self._run_id, Trace.name.in_((NOMINAL, self.shown))
         )
-        for name, meta in reader.execute(shown).all():
+        rows = reader.execute(shown).all()
+        for name in self.flights.keys() - {row.name for row in rows}:  # the run was reset
+            del self.flights[name], self._seen[name]
+        for name, meta in rows:
             if self._seen.get(name) != meta:  # stored for the first time, or again by a later stage
                 self._seen[name] = meta
                 flight = from_stored(results.stored(reader, self._run_id, name))
                 if flight is not None:
                     self.flights[name] = flight
         found = sa.select(Finding.label, Finding.parameters).where(Finding.run_id == self._run_id)
-        rows = sorted(reader.execute(found).all(), key=lambda row: (len(row.label), row.label))
-        self.findings = {row.label: row.parameters for row in rows}
+        labelled = sorted(reader.execute(found).all(), key=lambda row: (len(row.label), row.label))
+        self.findings = {row.label: row.parameters for row in labelled}
         self.seeds = seeds(reader, self._run_id)
-        stored = sa.select(Stage.position, Stage.evaluations).where(Stage.run_id == self._run_id)
-        for position, evaluations in reader.execute(stored).all():
-            if position in self.curves and evaluations > self.curves[position].read:
+        stored = sa.select(Stage.position, Stage.started, Stage.evaluations).where(Stage.run_id == self._run_id)
+        stages = {row.position: row for row in reader.execute(stored).all()}
+        for position, curve in self.curves.items():
+            stage = stages.get(position)
+            self.curves[position] = curve.of(stage and stage.started)
+            if stage is not None and stage.evaluations > self.curves[position].read:
                 self.curves[position].catch_up(reader, self._run_id, position)
         return before != self._state()
 
     def _state(self) -> tuple[Any, ...]:
-        read = [curve.read for curve in self.curves.values()]
+        read = [(curve.started, curve.read) for curve in self.curves.values()]
         return dict(self.flights), self.findings, read, self.over

@@ -41,7 +41,7 @@ class Flights(Part):
         self.time = 0.0
 
     def stored(self) -> bool:
-        """Draw the flights stored so far; true if there are new ones."""
+        """Draw the flights stored so far, and no longer those of before a reset; true if any has changed."""
         progress = self._progress
         wanted = {NOMINAL: self.nominal} | ({} if self.alone else {progress.shown: self.chosen})
         new = {
@@ -49,14 +49,17 @@ class Flights(Part):
             for name, drawn in wanted.items()
             if (flight := progress.flights.get(name)) is not None and flight is not drawn.flight
         }
+        gone = [drawn for name, drawn in wanted.items() if drawn.flight is not None and name not in progress.flights]
+        for drawn in gone:
+            drawn.clear()
         first = all(drawn.flight is None for drawn in self.every)
         if first and new:
             self._world.fit(list(new.values()))
         for drawn, flight in new.items():
             drawn.draw(flight, self.time)
-        if new or first:
+        if new or gone or first:
             self.obstacles.update(self.every, self.time)
-        return bool(new)
+        return bool(new or gone)
 
     def choose(self) -> None:
         self.chosen.clear()

@@ -38,7 +38,7 @@ def _best(curve: Improvements, grid: Floats) -> Floats:
 
 class ConvergenceTab(Part):
     def __init__(self, gui: viser.GuiApi, setting: Setting, palette: Palette, curves: dict[int, Improvements]) -> None:
-        self._curves = [curves[position] for position, _, _ in setting.methods]
+        self._every = curves
         self._methods, self._looks = setting.methods, setting.drawn
         unit = f" [{setting.unit}]" if setting.unit else ""
         self._plot: Any = gui.add_uplot(
@@ -49,6 +49,10 @@ class ConvergenceTab(Part):
             axes=(uplot.Axis(label="Evaluations"), uplot.Axis(size=64)),
             aspect=1.15,
         )
+
+    @property
+    def _curves(self) -> list[Improvements]:
+        return [self._every[position] for position, _, _ in self._methods]
 
     def changed(self) -> None:
         data = columns(self._curves)

@@ -1,8 +1,8 @@
 // Improvements from the event stream are appended to those already loaded.
 import { QueryClient } from '@tanstack/react-query'
 import { expect, it } from 'vitest'
-import type { EvaluationSeries, RunSummary } from '../client'
-import { extended, putRun } from './events'
+import type { EvaluationSeries, RunSummary, StageProgress } from '../client'
+import { extended, putRun, putStages } from './events'
 
 const SERIES = {
   total: 3,
@@ -61,4 +61,18 @@ it('reads lists and counts again when the state of a listed run changes, and onl
   }
   expect(listed({ ...run, name: 'old' })).toBe(false)
   expect(listed({ ...run, state: 'queued' })).toBe(true)
+})
+
+it('reads evaluations, findings and flights again once the run was reset, and only then', () => {
+  const keys = ['evaluations', 'findings', 'traces', 'trace', 'stages']
+  const invalidated = (stages: { position: number; started: number | null }[]) => {
+    const cache = new QueryClient()
+    for (const key of keys) cache.setQueryData([key, 'R-0001'], { stages: [{ position: 2, started: 5 }] })
+    putStages(cache, 'R-0001', stages as StageProgress[])
+    return keys.filter((key) => cache.getQueryState([key, 'R-0001'])?.isInvalidated)
+  }
+  expect(invalidated([{ position: 2, started: 5 }, { position: 3, started: 6 }])).toEqual([])
+  expect(invalidated([])).toEqual(keys)
+  expect(invalidated([{ position: 2, started: null }])).toEqual(keys)
+  expect(invalidated([{ position: 2, started: 7 }])).toEqual(keys)
 })

@@ -131,6 +131,12 @@ export function putRun(cache: QueryClient, run: RunSummary): void {
 export function putStages(cache: QueryClient, run: string, stages: StageProgress[]): void {
   const before = cache.getQueryData<RunDetail>(['run', run])
   if (before) cache.setQueryData<RunDetail>(['run', run], { ...before, stages })
+  const read = cache.getQueryData<Evaluations>(['evaluations', run])?.stages ?? []
+  const started = new Map(stages.map((stage) => [stage.position, stage.started]))
+  // The run was reset: what was read of it is discarded.
+  if (read.some((stage) => started.get(stage.position) !== stage.started))
+    for (const key of ['stages', 'evaluations', 'findings', 'traces', 'trace'])
+      void cache.invalidateQueries({ queryKey: [key, run] })
   const done = (list: readonly StageProgress[] | undefined) => list?.filter((s) => s.state === 'done').length ?? 0
   // A stage that has just ended has a result now.
   if (done(stages) !== done(before?.stages)) {

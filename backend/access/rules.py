@@ -90,7 +90,8 @@ RULES: dict[tuple[Method, str], Rule] = {
     **{("GET", path): READ for path in _READING},
     ("SOCKET", "/view/{run}"): READ,
     ("SOCKET", "/view/{run}/{rest:path}"): FRAMED,
-    # They change nothing but the 3D view that the caller has open, or nothing at all.
+    # They change nothing but the 3D view that the caller has open, or nothing at all. What a view must simulate for a
+    # change needs RUN, see `backend.scenes.control.channel`.
     ("PATCH", f"{_RUN}/views/{{key}}"): READ,
     ("POST", f"{API}/campaigns/check"): READ,
     ("POST", f"{_RUN}/reweighted"): READ,

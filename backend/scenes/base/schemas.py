@@ -49,7 +49,9 @@ class LayersChange(Given):
     relative: bool | None = None
     trail: Trails | None = None
     sampled: bool | None = None
+    """Simulates or evaluates them when first shown."""
     field: bool | None = None
+    """Simulated for every displayed time."""
 
 
 class ViewChange(Given):
@@ -81,6 +83,12 @@ class ViewChange(Given):
     `POST /runs/{run}/flights` also draws it, and returns its numbers."""
     what_if_seed: Annotated[int, Field(ge=0, lt=MAX_REALISATION)] | None = None
     """The noise seed of that flight, such as that of a finding; null for those of the campaign."""
+
+    @property
+    def simulates(self) -> bool:
+        """Whether the view simulates or evaluates something for it."""
+        layers = self.layers or LayersChange()
+        return self.what_if is not None or bool(layers.sampled or layers.field)
 
     @model_validator(mode="after")
     def _one_time(self) -> ViewChange:

@@ -11,8 +11,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request
 
-from backend.access.auth import CurrentVisitor
+from backend.access.auth import CurrentVisitor, forbidden
 from backend.access.frames import Voucher
+from backend.access.rules import RUN
 from backend.db.engine import read
 from backend.http.deps import capacities
 from backend.http.errors import RefusedError, problems
@@ -56,13 +57,20 @@ async def get_view(
 @router.patch(
     "/runs/{run}/views/{key}",
     responses=problems(
-        "not-found", "no-such-view", "purged", "view-failed", "unknown-finding", "unknown-parameter", "busy"
+        *("not-found", "no-such-view", "purged", "view-failed", "unknown-finding", "unknown-parameter", "busy"),
+        *("role-too-low", "scope-too-narrow"),
     ),
 )
 async def change_view(
     run: RunName, key: Key, change: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
 ) -> ViewState:
-    """Change an open 3D view, `/view/RUN/key/KEY/`; returns its new state."""
+    """Change an open 3D view, `/view/RUN/key/KEY/`; returns its new state.
+
+    A what-if and the layers `sampled` and `field` are simulated: they need the role engineer, and of a token the scope
+    run.
+    """
+    if change.simulates and (refused := forbidden(visitor, RUN)) is not None:
+        raise refused
     return await _answer(request, run, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(change))
 
 

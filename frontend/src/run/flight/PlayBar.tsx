@@ -12,6 +12,7 @@ import { type CSSProperties, useEffect, useState } from 'react'
 import type { LayersChange, ViewState } from '../../client'
 import { fixed, plain } from '../../format/numbers'
 import { caseWord, hasScenario } from '../../api/campaign'
+import { useBarred } from '../../api/may'
 import { IconButton } from '../../ui/IconButton'
 import { Menu, Pick, Picks } from '../../ui/Menu'
 import { calledOf, NOMINAL } from '../data/chosen'
@@ -136,15 +137,17 @@ type Layer = Exclude<keyof LayersChange, 'trail'>
 function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
   const flies = hasScenario(data.campaign)
   const word = caseWord(data.campaign)
+  const barred = useBarred('engineer')
   const names: [Layer, string][] = [
     ['nominal', `Nominal ${word}`],
     ...(shown.flight === NOMINAL ? [] : ([['finding', `${calledOf(data)} ${word}`]] as [Layer, string][])),
     ...(shown.what_if ? ([['what_if', `What-if ${word}`]] as [Layer, string][]) : []),
     ['velocity', 'Velocity'],
     ['relative', 'Relative velocity'],
-    ['sampled', `Sampled ${word}s`],
+    // These two are simulated for the view.
+    ...(barred ? [] : ([['sampled', `Sampled ${word}s`]] as [Layer, string][])),
     // A simulator has no avoider that is known, and so no field.
-    ...(flies ? ([['field', 'Field of the avoider']] as [Layer, string][]) : []),
+    ...(flies && !barred ? ([['field', 'Field of the avoider']] as [Layer, string][]) : []),
   ]
   return (
     <Menu name="Shown" value={null} on={false} icon={<IconStack2 className="i mut" aria-hidden />} above>

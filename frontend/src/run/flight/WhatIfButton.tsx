@@ -1,5 +1,6 @@
 // Opens and closes the what-if.
 import { IconAdjustments } from '@tabler/icons-react'
+import { useBarred } from '../../api/may'
 import type { WhatIfState } from './useWhatIf'
 import { Button } from '../../ui/Button'
 
@@ -10,9 +11,11 @@ interface Props {
 }
 
 export function WhatIfButton({ whatIf, flies }: Props) {
+  const barred = useBarred('engineer')
   return (
     <Button
       small
+      barred={barred}
       icon={IconAdjustments}
       aria-pressed={whatIf.whatIf !== null}
       title={flies ? 'Other parameters, simulated at once' : 'Other parameters, evaluated on request'}

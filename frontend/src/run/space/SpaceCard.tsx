@@ -6,6 +6,7 @@ import { useEffect, useMemo, useState } from 'react'
 import type { EvaluationSeries } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
 import { hasScenario } from '../../api/campaign'
+import { useBarred } from '../../api/may'
 import { useHidden } from '../../charts/Legend'
 import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
@@ -44,7 +45,8 @@ interface Props {
   onPick: ((next: WhatIf) => void) | null
 }
 
-export function SpaceCard({ data, className, whatIf, onPick }: Props) {
+export function SpaceCard({ data, className, whatIf, onPick: pick }: Props) {
+  const onPick = useBarred('engineer') === undefined ? pick : null
   const { run, catalogue, evaluations, parameters } = data
   const theme = useTheme()
   const [address, change] = useAddress(run.id)

@@ -14,6 +14,8 @@ from typing import Any, Literal
 
 import sqlalchemy as sa
 
+from campaigns.claims.legible import legible
+
 Kind = Literal["database-away", "database-gone", "damaged", "no-space", "busy"]
 
 SENTENCES: dict[Kind, str] = {
@@ -109,6 +111,16 @@ def _rolled_back(connection: sa.Connection | None) -> None:
         raw = connection.connection.driver_connection
         if raw is not None:
             raw.rollback()
+
+
+LONGEST = 4000
+"""Maximum stored length of the reason why an attempt failed [characters]."""
+
+
+def storable(text: str) -> str:
+    """A reason that others have worded, as every database stores it: not too long, and without null characters and
+    unpaired surrogates."""
+    return legible(text[:LONGEST], "\n\t")
 
 
 def worded(error: BaseException) -> str:

@@ -21,6 +21,7 @@ from pydantic import ValidationError
 
 from backend.db import labels, refusals, reset, sizes, snapshots
 from backend.db.engine import insert, now, read
+from backend.db.outages import storable
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
 from backend.db.tables_installed import WebhookDelivery
@@ -39,9 +40,6 @@ system kills what takes too much memory."""
 
 LONGEST_PAUSE, LONGEST_PAUSE_AFTER_LOSS = 60.0, 5.0
 """Between two attempts [s]."""
-
-LONGEST_ERROR = 4000
-"""Maximum stored length of the reason why an attempt failed [characters]."""
 
 SILENT = "its worker stopped sending heartbeats"
 _CLAIMED = (
@@ -239,7 +237,7 @@ class Queue:
                 sentence = _failed_after(connection, claim.run_id, row.attempts, how)
                 return self._end(connection, claim, RunState.FAILED, sentence)
             pause = min(LONGEST_PAUSE, delay * 2 ** (row.attempts - 1))
-            sentence = f"Attempt {row.attempts} of {row.max_attempts}: {how}."[:LONGEST_ERROR]
+            sentence = storable(f"Attempt {row.attempts} of {row.max_attempts}: {how}.")
             later = {"lease_until": 0.0, "not_before": now(connection) + pause, "error": sentence}
             return fenced(connection, claim, state=RunState.QUEUED, **later)
 
@@ -268,8 +266,7 @@ class Queue:
         """Release the run because the database could not be used, for another attempt after a pause [s]; this one does
         not count."""
         with self.engine.begin() as connection:
-            error = f"Put off: {why}."[:LONGEST_ERROR]
-            self._release(connection, claim, error=error, not_before=now(connection) + delay)
+            self._release(connection, claim, error=storable(f"Put off: {why}."), not_before=now(connection) + delay)
 
     def refuse(self, claim: Claim, installation: str, text: str) -> None:
         """Return a run that other code began to the queue, for a worker of another installation; no attempt counts."""
@@ -294,7 +291,7 @@ class Queue:
         return fenced(connection, claim, **free | more)
 
     def _end(self, connection: sa.Connection, claim: Claim, state: RunState, error: str | None = None) -> None:
-        error = error and error[:LONGEST_ERROR]
+        error = error and storable(error)
         fenced(connection, claim, state=state, finished=now(connection), lease_until=0.0, error=error)
 
     def _any_ready(self, able: sa.ColumnElement[bool]) -> bool:
@@ -390,7 +387,7 @@ LOSSES = ("lost workers without a new evaluation", "the last one")
 
 
 def _lost(losses: int, how: str) -> str:
-    return f"Worker {losses} of {MOST_LOSSES} lost without a new evaluation: {how}."[:LONGEST_ERROR]
+    return storable(f"Worker {losses} of {MOST_LOSSES} lost without a new evaluation: {how}.")
 
 
 def _failed_after(

@@ -10,14 +10,14 @@ from collections.abc import Collection
 import sqlalchemy as sa
 
 from backend.db.engine import insert, now
+from backend.db.outages import storable
 from backend.db.tables import Run, RunRefusal
 
 
 def store(writer: sa.Connection, run_id: int, installation: str, text: str) -> None:
     """Record that workers of the installation cannot continue the run; text: what differs, as clauses."""
-    values = {"run_id": run_id, "installation": installation, "text": text, "created": now(writer)}
-    row = insert(writer, RunRefusal).values(**values)
-    changed = {"text": text, "created": values["created"]}
+    changed = {"text": storable(text), "created": now(writer)}
+    row = insert(writer, RunRefusal).values(run_id=run_id, installation=installation, **changed)
     writer.execute(row.on_conflict_do_update(index_elements=["run_id", "installation"], set_=changed))
 
 

@@ -117,6 +117,11 @@ def refuse() -> None:
     raise CampaignUnusable([Wrong("scenario.vehicle", "unicycle", WINGS)])
 
 
+def unstorable() -> None:
+    """An error of a component whose text no database can store."""
+    raise CampaignUnusable([Wrong("scenario.vehicle", "unicycle", "\ud800 and \0")])
+
+
 def fail() -> None:
     """An error that looks like one of the supervisor's own pipe."""
     raise BrokenPipeError(32, "no pipe")
@@ -150,6 +155,7 @@ ACCIDENTS: dict[str, Any] = {
     "hold": hold,
     "spawn": spawn_and_hang,
     "refuse": refuse,
+    "unstorable": unstorable,
     "fail": fail,
     "leave": leave,
     "devour": devour,

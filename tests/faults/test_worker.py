@@ -26,6 +26,7 @@ from tests.faults.jobs import SEARCH, WINGS
 from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
 from worker.running.processes import memory
+from worker.running.processes.supervisor import UNSTORED, Ending, Supervisor
 
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 
@@ -128,6 +129,36 @@ def test_a_campaign_that_cannot_be_run_fails_at_once(bench: Bench) -> None:
     ended = bench.ended(bench.submit("refuse"))
     assert (ended.state, ended.attempts) == ("failed", 1)
     assert ended.error.endswith(f" scenario.vehicle: {WINGS} (given: unicycle)")
+
+
+def test_a_reason_that_no_database_can_store_ends_the_run_alone(bench: Bench) -> None:
+    ended = bench.ended(bench.submit("unstorable"))
+    assert (ended.state, ended.attempts) == ("failed", 1)
+    assert ended.error.endswith(
+        " scenario.vehicle: \N{REPLACEMENT CHARACTER} and \N{REPLACEMENT CHARACTER} (given: unicycle)"
+    )
+
+
+def test_an_end_that_cannot_be_stored_fails_the_run_with_that_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unstored(*_: object) -> None:
+        raise ValueError("no such column")
+
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    migrate(url)
+    bench, supervisor = Bench(url, tmp_path), Supervisor(url, "w1", runner="none:none")
+    run_id, claim = bench.submit("none"), supervisor.queue.claim("w1")
+    assert claim is not None
+    with monkeypatch.context() as patched:
+        patched.setattr(supervisor.queue, "retry", unstored)
+        supervisor._settle(claim, Ending("failed", "the runner raised ValueError"))
+    assert (bench.run(run_id).state, bench.run(run_id).error) == ("failed", UNSTORED)
+    with monkeypatch.context() as patched:  # nor the sentence: its lease expires
+        patched.setattr(supervisor.queue, "fail", unstored)
+        supervisor._settle(claim, Ending("unusable", "it has no wings"))
+    bench.engine.dispose()
+    supervisor.engine.dispose()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")

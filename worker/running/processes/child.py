@@ -32,7 +32,7 @@ import sqlalchemy as sa
 
 from backend.db import workers
 from backend.db.engine import connect, write
-from backend.db.outages import DatabaseOutage, worded
+from backend.db.outages import DatabaseOutage, storable, worded
 from backend.db.queue import Claim, LostLease, Queue
 from backend.db.store import RunStore
 from campaigns import Campaign, CampaignError, Catalogue, logs
@@ -138,6 +138,12 @@ class Waiting:
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
+    """Execute a claim; its answer may be stored and logged, whatever a component has raised."""
+    answer = _performed(execute, engine, components, claim)
+    return answer | {"text": storable(answer["text"])}
+
+
+def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Execute a claim.
 
     Outcomes: `done`, `lost` (lease), `refused` (other code began it), `unusable` (cannot be retried), `spent` (as

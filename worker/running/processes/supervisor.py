@@ -58,6 +58,8 @@ SETTLE = 60.0
 REST, LONGEST_REST = 5.0, 600.0
 """Time after which a worker assists a run again that had nothing left for it, or failed in its process [s]."""
 
+UNSTORED = "How its attempt ended could not be stored: the log of its worker has the reason"
+
 PUT_OFF = 5.0
 """Time after which a run is tried again that a database out of order has ended [s]."""
 
@@ -274,10 +276,20 @@ class Supervisor:
         }
         if ending.outcome not in settle:
             return
-        begun, patience = time.monotonic(), math.inf if ending.outcome == "database" else SETTLE
+        patience = math.inf if ending.outcome == "database" else SETTLE
+        for store in (settle[ending.outcome], lambda: queue.fail(claim, UNSTORED)):
+            try:
+                self._stored(claim, store, patience)
+                return
+            except Exception:  # it is the end of this run that cannot be stored: the worker continues with others
+                log.exception("run %d: how its attempt ended could not be stored", claim.run_id)
+
+    def _stored(self, claim: Claim, store: Callable[[], None], patience: float) -> None:
+        """Store the end of an attempt, tried again for so long while the database cannot be used [s]."""
+        begun = time.monotonic()
         while True:
             try:
-                settle[ending.outcome]()
+                store()
                 return
             except LostLease:
                 log.info("run %d: was reassigned to another worker", claim.run_id)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-import sqlite3
 from collections.abc import AsyncGenerator
 
 import anyio
@@ -14,6 +13,7 @@ import sqlalchemy as sa
 
 from backend.db.outages import DatabaseOutage
 from backend.db.space import Room
+from backend.events.isolated import Isolated
 from backend.events.roster import Roster
 from backend.events.watch import Event, Watch, identified
 
@@ -78,7 +78,7 @@ class Hub:
     """Sends every change to the listeners; polls only while there are any."""
 
     def __init__(self, engine: sa.Engine, room: Room) -> None:
-        self._engine, self._room = engine, room
+        self._engine, self._room, self._isolated = engine, room, Isolated()
         self._listeners: set[_Listener] = set()
         self._poller: asyncio.Task[None] | None = None
         self._ended = False
@@ -135,7 +135,7 @@ class Hub:
                 except DatabaseOutage as error:
                     watch.close()  # its connection may be to a file that is no longer there
                     _log.warning("no event streams for now: %s", error)
-                except (sa.exc.SQLAlchemyError, sqlite3.Error):
+                except Exception:  # the poller must survive: without it all streams would be silent
                     watch.close()
                     _log.exception("the database could not be read for the event streams; trying again")
                 await asyncio.sleep(PERIOD)
@@ -147,7 +147,7 @@ class Hub:
         runs = {x.run_id for x in listeners if x.run_id is not None}
 
         def look() -> list[Event]:
-            moved = roster.look()
+            moved = self._isolated.made("the list of workers", roster.look)
             return [*moved, *watch.look(runs, bool(moved))]
 
         events = await anyio.to_thread.run_sync(look, limiter=self._thread)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import sqlalchemy as sa
@@ -16,13 +17,14 @@ import sqlalchemy as sa
 from backend.catalog.service import bounds, described
 from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import Run
+from backend.events.isolated import Isolated
 from backend.http.errors import RefusedError
 from backend.http.schema import Schema
 from backend.results.evaluations import Bounds, in_units
 from backend.results.improvements import Improvements
 from backend.runs import listing, service
 from backend.runs.schemas import RunSummary, StageProgress
-from campaigns.runs import ACTIVE
+from campaigns.runs import ACTIVE, run_name
 
 LATE = 10.0
 """Runs that ended this long before a mark are reported again: a commit becomes visible later than its timestamp [s]."""
@@ -73,7 +75,7 @@ class _Watched:
 
 class Watch:
     def __init__(self, engine: sa.Engine) -> None:
-        self._engine = engine
+        self._engine, self._isolated = engine, Isolated()
         self._raw: Any = None
         self._version: int | None = None
         self._seen: dict[int, RunSummary] = {}
@@ -101,8 +103,8 @@ class Watch:
             self._watched = {i: self._watched.get(i) or _Watched() for i in wanted}
             events = self._runs(reader, wanted)
             for run_id, watched in self._watched.items():
-                events += _stages(reader, run_id, watched)
-                events += _improvements(reader, run_id, watched)
+                events += self._isolated.made(run_name(run_id), partial(_stages, reader, run_id, watched))
+                events += self._isolated.made(run_name(run_id), partial(_improvements, reader, run_id, watched))
         return events
 
     def everything(self, run_id: int | None) -> list[Event]:
@@ -120,9 +122,19 @@ class Watch:
         """The newest `MOST_ENDED` runs that ended since then [s since 1970], for a reconnecting listener."""
         over = sa.select(Run.id).where(Run.finished >= min(since, self.at) - LATE, Run.state.not_in(ACTIVE))
         with read(self._engine) as reader:
-            ids = reader.scalars(over.order_by(Run.finished.desc(), Run.id.desc()).limit(MOST_ENDED)).all()
-            found = listing.summaries(reader, Run.id.in_(ids))
+            found = self._summaries(reader, over.order_by(Run.finished.desc(), Run.id.desc()).limit(MOST_ENDED))
         return [Event(service.number(s.id), "run", s.model_dump_json()) for s in found]
+
+    def _summaries(self, reader: sa.Connection, wanted: sa.Select[int]) -> list[RunSummary]:
+        """Those of the wanted runs; one by one if one of them cannot be read."""
+        ids = reader.scalars(wanted).all()
+        try:
+            return listing.summaries(reader, Run.id.in_(ids))
+        except sa.exc.SQLAlchemyError:
+            raise
+        except Exception:
+            alone = ((i, partial(listing.summaries, reader, Run.id == i)) for i in ids)
+            return [summary for i, make in alone for summary in self._isolated.made(run_name(i), make)]
 
     def _committed(self) -> bool:
         if not is_sqlite(self._engine):
@@ -140,7 +152,7 @@ class Watch:
         ids = wanted | self._seen.keys()
         # Read the numbers first, from narrow indices, so that the wide rows of other runs are not read.
         changing = sa.select(Run.id).where(sa.or_(Run.state.in_(ACTIVE), Run.id.in_(ids), Run.id > self._newest))
-        found = {service.number(s.id): s for s in listing.summaries(reader, Run.id.in_(changing))}
+        found = {service.number(s.id): s for s in self._summaries(reader, changing)}
         events = [
             Event(run_id, "run", summary.model_dump_json())
             for run_id, summary in found.items()

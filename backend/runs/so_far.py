@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import sqlalchemy as sa
+from pydantic import ValidationError
 
 from backend.catalog.service import bounds, described
 from backend.db.tables import Campaign as CampaignRow
@@ -19,7 +20,8 @@ from campaigns.runs import StageState
 
 
 def of_run(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
-    """By the position of the stage; none for a run without such a sample, or once it is whole."""
+    """By the position of the stage; none for a run without such a sample, once it is whole, or if its campaign or
+    descriptions were stored by another version."""
     drawing = (Stage.run_id == run_id, Stage.counted > 0, Stage.state == StageState.RUNNING)
     columns = (Stage.position, Stage.planned, Stage.counted, Stage.excluded, Stage.violations)
     rows = reader.execute(sa.select(*columns).where(*drawing)).all()
@@ -27,8 +29,11 @@ def of_run(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
         return {}
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
     document = reader.execute(of).scalar_one()
-    campaign = Campaign.model_validate(document)
-    outside = _outside(reader, run_id, campaign)
+    try:
+        campaign = Campaign.model_validate(document)
+        outside = _outside(reader, run_id, campaign)
+    except ValidationError:
+        return {}
     return {row.position: _shown(row, campaign.confidence, outside) for row in rows if row.counted > row.excluded}
 
 

@@ -69,7 +69,9 @@ class Outbox:
         """Never fails for one run, which would hold up all others."""
         try:
             return body.ended(reader, run_id, self.public_url)
-        except ValueError:
+        except sa.exc.SQLAlchemyError:
+            raise
+        except Exception:
             _log.exception("the results of run %d cannot be read; its message has none", run_id)
             return body.unreadable(run_id, now(reader))
 

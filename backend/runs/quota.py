@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
+from backend.db import users
 from backend.db.access import Visitor
 from backend.db.tables import Run, Stage
 from backend.http.errors import RefusedError
@@ -24,10 +25,11 @@ class Quota:
     """What all runs but purged ones store [bytes]."""
 
 
-def refuse_beyond(reader: sa.Connection, quota: Quota, visitor: Visitor, more: int = 1) -> None:
-    """Raise 409 unless the visitor's account may queue so many more runs."""
+def refuse_beyond(writer: sa.Connection, quota: Quota, visitor: Visitor, more: int = 1) -> None:
+    """Raise 409 unless the visitor's account may queue so many more runs, and let it queue no others meanwhile."""
+    users.hold(writer, visitor.account)
     mine = Run.owner == visitor.account
-    active = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(mine, Run.state.in_(ACTIVE))) or 0
+    active = writer.scalar(sa.select(sa.func.count()).select_from(Run).where(mine, Run.state.in_(ACTIVE))) or 0
     if active + more > quota.active:
         noun = "run that has" if active == 1 else "runs that have"
         raise RefusedError(
@@ -38,9 +40,9 @@ def refuse_beyond(reader: sa.Connection, quota: Quota, visitor: Visitor, more: i
         )
     kept = (mine, Run.purged.is_(None))
     sums = sa.select(sa.func.sum(Run.evaluations), sa.func.sum(Run.size)).where(*kept)
-    made, size = (int(value or 0) for value in reader.execute(sums).one())
+    made, size = (int(value or 0) for value in writer.execute(sums).one())
     counted = sa.select(sa.func.sum(Stage.counted)).join(Run, Run.id == Stage.run_id).where(*kept)
-    stored = made - int(reader.scalar(counted) or 0)
+    stored = made - int(writer.scalar(counted) or 0)
     for what, used, most, setting in (
         ("stored evaluations", stored, quota.evaluations, "CLEARANCE_MAX_EVALUATIONS_EACH"),
         ("bytes of campaigns, evaluations and trajectories", size, quota.size, "CLEARANCE_MAX_BYTES_EACH"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any
 
 import httpx
@@ -14,6 +15,7 @@ from backend.db.tables import AuditHead, Draft, Requirement, Run
 from tests.faults.processes import until
 from tests.given.databases import POSTGRESQL
 from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
 
 DRAFT = {"name": "", "text": "name: x"}
@@ -51,6 +53,33 @@ def test_of_two_who_edit_at_the_same_time_one_is_refused(service: Service, clien
             answers = two.map(edit, given)
             until(lambda: watching.scalar(sa.text(WAITING)) == 2, "both wait")
         assert sorted(answers) == [200, 412]
+
+
+LAUNCHES: dict[str, tuple[int, dict[str, Any]]] = {
+    "runs": (1, {"campaign": campaign()}),
+    "sweeps": (2, {"campaign": campaign(), "path": "avoider.d_0", "values": [0.5, 0.6], "name": "Range"}),
+}
+"""How many runs each launches."""
+
+
+@POSTGRESQL
+@pytest.mark.parametrize("two", [("runs", "runs"), ("runs", "sweeps"), ("sweeps", "sweeps")], ids=" and ".join)
+def test_of_two_launches_at_the_same_time_one_is_beyond_the_quota(
+    service: Service, client: httpx.Client, two: tuple[str, str]
+) -> None:
+    """Each alone is within it. Both wait for the audit trail or for each other, until the trail is released."""
+    most = sum(LAUNCHES[what][0] for what in two) - 1
+    service.app.state.quota = replace(service.app.state.quota, active=most)
+
+    def launch(what: str) -> int:
+        return client.post(f"/api/v1/{what}", json=LAUNCHES[what][1]).status_code
+
+    with ThreadPoolExecutor(2) as pool, _outside(service) as watching:
+        with service.engine.begin() as holding:
+            holding.execute(sa.select(AuditHead.row).with_for_update())
+            answers = pool.map(launch, two)
+            until(lambda: watching.scalar(sa.text(WAITING)) == 2, "both wait")
+        assert sorted(answers) == [201, 409]
 
 
 REQUIREMENTS = "/api/v1/requirements"

@@ -15,12 +15,13 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 import sqlalchemy as sa
 
 from backend.db import revision, workers
 from backend.db.damage import damage
-from backend.db.engine import connect, file_uri, read
+from backend.db.engine import connect, file_uri, now, read
 from backend.db.private import create_private
 
 
@@ -53,10 +54,20 @@ def backup(url: str, file: Path) -> int:
     return file.stat().st_size
 
 
-def restore(url: str, file: Path) -> Path | None:
-    """Put a backup in the place of the database; returns where the former SQLite file is now, if there was one.
+class Restored(NamedTuple):
+    """Who may use the service as of the backup, the names of valid tokens and of users who are not disabled; and where
+    the former SQLite file is now, if there was one."""
 
-    Runs that were active when the backup was made go on from what it has. Raises `BackupError`: the file is damaged, or
+    tokens: list[str]
+    users: list[str]
+    former: Path | None = None
+
+
+def restore(url: str, file: Path) -> Restored:
+    """Put a backup in the place of the database.
+
+    Runs that were active when the backup was made go on from what it has. Sessions, login links and unused invitations
+    of then are deleted: they may have been ended since. Raises `BackupError`: the file is damaged, or
     of a newer version, or a service or worker uses the database. Nothing is changed then.
     """
     if not file.is_file():
@@ -66,11 +77,7 @@ def restore(url: str, file: Path) -> Path | None:
         _tool(
             url, "pg_restore", "--clean", "--if-exists", "--single-transaction", "--no-owner", "--dbname={}", str(file)
         )
-        engine = connect(url)
-        with engine.begin() as writer:
-            writer.exec_driver_sql(_other_claims())
-        engine.dispose()
-        return None
+        return _prepared(connect(url))
     _refuse_unusable(file)
     target = _file_of(url)
     fresh = target.with_name(f".{target.name}.restored")
@@ -79,8 +86,7 @@ def restore(url: str, file: Path) -> Path | None:
             fresh.unlink(missing_ok=True)
             create_private(fresh)
             shutil.copyfile(file, fresh)
-            with closing(sqlite3.connect(fresh)) as connection, connection:
-                connection.execute(_other_claims())
+            found = _prepared(sa.create_engine(f"sqlite:///{fresh}"))
             _on_disk(fresh)
             _give_to_owner(fresh, target)
             former = _set_aside(target)
@@ -90,7 +96,29 @@ def restore(url: str, file: Path) -> Path | None:
         raise BackupError(f"the database {target} could not be replaced: {error.strerror}") from None
     finally:
         fresh.unlink(missing_ok=True)
-    return former
+    return found._replace(former=former)
+
+
+def _prepared(engine: sa.Engine) -> Restored:
+    """Invalidate, in a restored database of any version, what may have ended since the backup was made."""
+    try:
+        with engine.begin() as writer:
+            writer.exec_driver_sql(_other_claims())
+            tables = sa.inspect(writer).get_table_names()
+            for table, which in (("sessions", ""), ("login_links", ""), ("invitations", " where used is null")):
+                if table in tables:
+                    writer.exec_driver_sql(f"delete from {table}{which}")
+            valid = "revoked is null"
+            if "expires" in {column["name"] for column in sa.inspect(writer).get_columns("tokens")}:
+                valid += f" and (expires is null or expires > {now(writer)!r})"
+            names = {
+                table: list(writer.exec_driver_sql(f"select name from {table} where {which} order by name").scalars())
+                for table, which in (("tokens", valid), ("users", "disabled is null"))
+                if table in tables
+            }
+            return Restored(names.get("tokens", []), names.get("users", []))
+    finally:
+        engine.dispose()
 
 
 def _other_claims() -> str:

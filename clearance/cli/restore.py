@@ -28,10 +28,14 @@ def restore(
         return
     try:
         with alone(data) if data.is_dir() else nullcontext():
-            former = put_back(url, file)
+            found = put_back(url, file)
     except BackupError as error:
         raise WrongInputError(f"{error}") from None
-    typer.echo(f"Restored {file}." + (f" The former database is {former}." if former else ""))
+    typer.echo(f"Restored {file}." + (f" The former database is {found.former}." if found.former else ""))
+    typer.echo("All sessions, login links and unused invitations have ended. As of the backup,")
+    typer.echo(f"valid tokens: {', '.join(found.tokens) or 'none'}")
+    typer.echo(f"enabled users, with the passwords of then: {', '.join(found.users) or 'none'}")
+    typer.echo("Revoke and disable again what was revoked or disabled since (Tokens and Users on the pages).")
 
 
 def _agreed(url: str) -> bool:

@@ -11,11 +11,14 @@ from typing import Any
 
 import pytest
 import sqlalchemy as sa
+from alembic import command
 
-from backend.db import revision
+from backend.db import access, revision, users
+from backend.db.access import LOCAL
 from backend.db.backup import BackupError, backup, restore
 from backend.db.damage import damage
 from backend.db.engine import connect, default_url, migrate, read
+from backend.db.migrate import config
 from backend.db.queue import LostLease, Queue, submit
 from backend.db.tables import Run
 from campaigns.stages.plan import most
@@ -47,7 +50,7 @@ def test_a_backup_made_while_a_run_writes_goes_on_where_it_was(database: sa.Engi
     with database.begin() as connection:
         connection.execute(sa.text("delete from workers"))  # as after an orderly end
     database.dispose()
-    former = restore(url, file)
+    former = restore(url, file).former
     assert (former is not None) == (database.dialect.name == "sqlite")
     again = state(database, run_id)
     assert (again.state, again.evaluations >= stopped_at) == ("running", True)
@@ -131,7 +134,7 @@ def test_a_damaged_database_is_replaced(stored: str, tmp_path: Path) -> None:
     file, database = tmp_path / "backup", tmp_path / "data" / "clearance.sqlite3"
     backup(stored, file)
     overwritten(database)
-    assert restore(stored, file) is not None
+    assert restore(stored, file).former is not None
     assert runs(stored) == 1
 
 
@@ -205,6 +208,49 @@ def test_the_doctor_finds_nothing_wrong_with_a_service_that_works(
     for name in ("data folder", "database", "schema", "workers", "clock", "pages"):
         assert found[name]["state"] == "ok", found[name]
     assert revision.newest() in found["schema"]["found"]
+
+
+@AT_NIGHT
+def test_a_restore_lets_nobody_in_unseen(
+    database: sa.Engine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What was ended since the backup is ended, or named."""
+    url, file = database.url.render_as_string(hide_password=False), tmp_path / "backup"
+    with database.begin() as writer:
+        for token, revoked in (("leaked", False), ("gone", True)):
+            access.create_token(writer, token)
+            if revoked:
+                access.revoke_token(writer, token)
+        access.create_token(writer, "over", lifetime=-1.0)
+        for user in ("eve", "left"):
+            users.invite(writer, user, "admin", LOCAL)
+        users.set_disabled(writer, "left", True)
+        session, link = access.open_session(writer, "eve", "password"), access.create_login_code(writer)
+    backup(url, file)
+    with database.begin() as writer:
+        access.revoke_token(writer, "leaked")
+        users.set_disabled(writer, "eve", True)
+    database.dispose()
+    assert invoke(["restore", str(file), "--yes", "--database", url]) == 0
+    told = capsys.readouterr().out
+    assert "valid tokens: leaked\n" in told
+    assert "passwords of then: eve, local\n" in told
+    with database.begin() as writer:
+        assert access.by_session(writer, session) is None
+        assert not access.use_login_code(writer, link)
+        for table in ("sessions", "login_links", "invitations"):
+            assert writer.scalar(sa.text(f"select count(*) from {table}")) == 0
+
+
+def test_a_backup_of_before_users_is_restored(tmp_path: Path) -> None:
+    url, file = default_url(tmp_path / "data"), tmp_path / "backup"
+    engine = connect(url)
+    with engine.begin() as connection:
+        command.upgrade(config(connection), "0017")
+        connection.exec_driver_sql("insert into tokens (name, hash, created) values ('ci', 'x', 0.0)")
+    engine.dispose()
+    backup(url, file)
+    assert restore(url, file)[:2] == (["ci"], [])
 
 
 def test_a_worker_that_was_cut_off_does_not_hold_the_run_of_another_one_after_a_restore(

@@ -51,7 +51,13 @@ async def change_password(change: PasswordChange, request: Request, engine: Engi
         raise RefusedError(429, "too-many-requests", detail, headers={"Retry-After": str(seconds(wait))})
     current = None if change.current is None else change.current.get_secret_value()
     new = change.new.get_secret_value()
-    await capacities(request).passwords.run(lambda: service.change_password(engine, current, new, visitor))
+    hashing = capacities(request).passwords
+    try:
+        await hashing.run(visitor.account, lambda: service.change_password(engine, current, new, visitor))
+    except RefusedError as error:
+        if error.status == 503:
+            lockout.not_compared(visitor.account, "")
+        raise
     lockout.succeeded(visitor.account, "")
 
 

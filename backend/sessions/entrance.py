@@ -5,6 +5,7 @@ No answer shows whether a name has an account: unknown names cost the same work,
 
 from __future__ import annotations
 
+import sqlalchemy as sa
 from fastapi import APIRouter, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse
@@ -13,6 +14,7 @@ from backend.access.door import Door
 from backend.db import access, passwords, users
 from backend.http import forms
 from backend.http.deps import Engine, capacities
+from backend.http.errors import RefusedError
 from backend.sessions import service
 from backend.sessions.cookies import browser_of, put_session
 from backend.sessions.failures import INVITATION, LINK
@@ -65,9 +67,13 @@ async def sign_in(request: Request, engine: Engine) -> Response:
         answer = forms.sign_in(429, True, back, wrong=again, name=name[:64], provider=_provider(request))
         answer.headers["Retry-After"] = str(seconds(wait))
         return answer
-    stored = await _door(request).ask(lambda reader: users.password_of(reader, name))
     password = fields.get("password", "")
-    right = await hashing.run(lambda: passwords.matches(stored, password))
+    try:
+        stored = await _door(request).ask(lambda reader: users.password_of(reader, name))
+        right = await hashing.run("", lambda: passwords.matches(stored, password))
+    except (RefusedError, sa.exc.SQLAlchemyError):
+        lockout.not_compared(name, browser.address)
+        raise
     secret = await run_in_threadpool(service.open_by_password, engine, name, browser) if right else None
     if secret is None:
         await run_in_threadpool(service.note_failure, engine, name, lockout.failures(name), browser.address)
@@ -100,7 +106,7 @@ async def accept_invitation(request: Request, engine: Engine) -> Response:
     if wrong is not None:
         return forms.invitation(422, user, code, wrong[0].upper() + wrong[1:] + ".")
     hashing = capacities(request).passwords
-    secret = await hashing.run(lambda: service.accept(engine, code, password, browser_of(request)))
+    secret = await hashing.run("", lambda: service.accept(engine, code, password, browser_of(request)))
     return forms.no_invitation() if secret is None else _signed_in(request, secret, "")
 
 

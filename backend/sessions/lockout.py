@@ -66,9 +66,17 @@ class Lockout:
 
     def succeeded(self, name: str, address: str) -> None:
         """The password was right: the account's failures are forgotten, and the address has one fewer."""
-        (account, _), (where, limit) = _keys(name, address)
+        (account, _), where = _keys(name, address)
         self._counts.pop(account, None)
-        count = self._counts.get(where)
+        self._one_fewer(*where)
+
+    def not_compared(self, name: str, address: str) -> None:
+        """The attempt was refused before its password was compared, and was none."""
+        for key, limit in _keys(name, address):
+            self._one_fewer(key, limit)
+
+    def _one_fewer(self, key: tuple[str, str], limit: Limit) -> None:
+        count = self._counts.get(key)
         if count is not None:
             count.failures = max(0, count.failures - 1)
             count.until = count.last + limit.pause(count.failures)

@@ -68,6 +68,22 @@ def test_the_login_link_makes_an_administrator(admin: httpx.Client) -> None:
     assert (local["role"], local["state"], local["fixed"], local["has_password"]) == ("admin", "active", True, False)
 
 
+def test_sign_ins_that_the_service_is_too_busy_for_are_no_failures(
+    service: Service, admin: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Other sign-ins fill the queue while the password of this one is read."""
+    hashing = service.app.state.capacities.passwords
+
+    async def full(*_: object) -> bool:
+        raise hashing._busy()
+
+    with joined(service, admin, "engineer") as (user, _), service.visitor() as client:
+        with monkeypatch.context() as patched:
+            patched.setattr(hashing, "run", full)
+            assert [sign_in(client, user).status_code for _ in range(2 * ACCOUNT.free)] == [503] * 2 * ACCOUNT.free
+        assert sign_in(client, user).status_code == 303
+
+
 def test_an_invitation_is_single_use(service: Service, admin: httpx.Client) -> None:
     user = name("ada")
     path = invited(admin, user, "reviewer")

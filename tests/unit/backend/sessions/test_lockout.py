@@ -76,6 +76,16 @@ def test_success_forgets_the_failures_of_the_account_but_not_those_of_the_addres
     assert lockout.enter("eve", "10.0.0.1") > 0, "those before it still count"
 
 
+def test_an_attempt_whose_password_was_not_compared_is_none() -> None:
+    clock = Clock()
+    lockout = Lockout(clock)
+    failing(lockout, clock, "ada", ACCOUNT.free - 1)
+    for _ in range(ADDRESS.free):
+        assert lockout.enter("ada", "10.0.0.1") == 0
+        lockout.not_compared("ada", "10.0.0.1")
+    assert lockout.failures("ada") == ACCOUNT.free - 1
+
+
 def test_failures_are_forgotten_after_an_hour() -> None:
     clock = Clock()
     lockout = Lockout(clock)

@@ -19,7 +19,8 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from queue import SimpleQueue
+from typing import IO, Any
 
 from campaigns.stored.replies import FieldReply, FlightReply
 
@@ -151,6 +152,8 @@ class _Child:
         self._command = command
         self._numbers = itertools.count(1)
         self._asked: dict[int, _Asked] = {}
+        self._lines: SimpleQueue[bytes | None] = SimpleQueue()
+        """The requests to be written; None at the end."""
         self._left: set[int] = set()
         """Requests that timed out while the process started; it answers them nevertheless."""
         self._ready = False
@@ -169,14 +172,17 @@ class _Child:
                 pending.answer.set_exception(self._failure(self._why))
                 return pending
             self._asked[number] = pending
-        try:
-            assert self._process is not None
-            assert self._process.stdin is not None
-            self._process.stdin.write(line)
-            self._process.stdin.flush()
-        except OSError:
-            self.end(_ENDED)
+            self._lines.put(line)
         return pending
+
+    def _write(self, requests: IO[bytes]) -> None:
+        """A thread of its own: a large request waits until the process reads, and nobody else waits with it."""
+        try:
+            while (line := self._lines.get()) is not None:
+                requests.write(line)
+                requests.flush()
+        except (OSError, ValueError):  # it has ended
+            self.end(_ENDED)
 
     def wait(self, pending: _Asked) -> Any:
         """The response; ends the child if the current request exceeds its time limit."""
@@ -212,6 +218,7 @@ class _Child:
             if not self.over:
                 self.over, self._why, self._failure = True, why, failure
             pending, self._asked = list(self._asked.values()), {}
+            self._lines.put(None)
         if self._process is not None:
             if self._grace:
                 self._process.terminate()
@@ -244,7 +251,9 @@ class _Child:
         finally:
             self._started.set()
         with self._process:
+            assert self._process.stdin is not None
             assert self._process.stdout is not None
+            threading.Thread(target=self._write, args=(self._process.stdin,), name="live requests", daemon=True).start()
             for line in self._process.stdout:
                 if not self._received(line):
                     _log.error("the simulation process sent %r", line[:200])

@@ -128,6 +128,23 @@ def test_a_process_that_starts_slowly_is_waited_for_by_later_requests(tmp_path: 
         live.close()
 
 
+def test_a_request_larger_than_a_pipe_waits_alone_until_the_process_reads(tmp_path: Path) -> None:
+    """It waits for the process while it is written, too: its limit counts, and nobody else waits with it."""
+    gate = tmp_path / "gate"
+    os.mkfifo(gate)
+    live = Live((sys.executable, "-c", f"open({str(gate)!r}).close()\n{STAND_IN}"), limit=30.0, first_limit=0.1)
+    large = {"notes": "x" * 500_000}
+    try:
+        for _ in range(2):
+            with pytest.raises(LiveError, match="still starting: ask again"):
+                live.simulate(large, "large", {}, 100)
+        live._first_limit = 30.0
+        gate.open("w").close()
+        assert live.simulate(large, "large", {"x": 3.0}, 100)["x"] == 3.0  # type: ignore[typeddict-item]
+    finally:
+        live.close()
+
+
 def test_a_process_that_cannot_be_started_is_reported() -> None:
     live = Live(("/nowhere/at/all",))
     with pytest.raises(LiveError, match="could not be started"):

@@ -13,8 +13,9 @@ from functools import partial
 import anyio
 import anyio.to_thread
 
-_TRANSLATED = ipaddress.ip_network("64:ff9b::/96")
-"""IPv4 addresses behind NAT64 (RFC 6052)."""
+_UNICAST = ipaddress.ip_network("2000::/3")
+"""All IPv6 addresses that are assigned for use everywhere (IANA, "IPv6 Address Space"): IPv4 addresses that are mapped,
+translated or compatible, and site-local ones, are outside it."""
 
 
 class RefusedAddressError(ValueError):
@@ -44,6 +45,6 @@ async def resolved(host: str, port: int, private: bool) -> str:
 def is_public(address: str) -> bool:
     """Whether an address is reachable from everywhere; false for one that embeds an IPv4 address."""
     ip = ipaddress.ip_address(address.partition("%")[0])
-    if isinstance(ip, ipaddress.IPv6Address) and (ip.ipv4_mapped or ip.sixtofour or ip.teredo or ip in _TRANSLATED):
+    if isinstance(ip, ipaddress.IPv6Address) and (ip not in _UNICAST or ip.sixtofour or ip.teredo):
         return False
     return ip.is_global and not ip.is_multicast

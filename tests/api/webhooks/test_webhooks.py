@@ -351,7 +351,7 @@ def test_a_private_address_is_refused_before_anything_is_sent(receiver: Receiver
     [
         *("10.0.0.1", "127.0.0.1", "169.254.169.254", "192.168.1.1", "100.64.0.1", "0.0.0.0", "224.0.0.251", "::1"),
         *("::", "fe80::1%eth0", "fd00::1", "::ffff:10.0.0.1", "64:ff9b::a00:1", "2002:a00:1::", "2001:0:a00:1::"),
-        "ff02::1",
+        *("ff02::1", "::127.0.0.1", "::ffff:0:127.0.0.1", "fec0::1", "64:ff9b:1::a00:1", "2001:db8::1", "4000::1"),
     ],
 )
 def test_addresses_that_are_not_public(address: str) -> None:

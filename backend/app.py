@@ -121,7 +121,7 @@ def create(settings: Settings) -> FastAPI:
             Middleware(Guard, door=door, most=settings.max_requests_each, rates=rates, frames=frames),
             Middleware(Preferred),
         ],
-        openapi_url=f"{API}/openapi.json",
+        openapi_url=None,
         docs_url=None,
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
@@ -142,6 +142,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.turns, app.state.streams = Turns(), Shares("streams", settings.max_streams_each)
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)
     errors.install(app)
+    openapi.install(app)
     api = APIRouter(responses=errors.PROBLEMS)
     features = (health, workers, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
     for feature in (
@@ -172,5 +173,4 @@ def create(settings: Settings) -> FastAPI:
     app.state.rules = routes.Rules(
         app.router.routes, rules
     )  # refuses to start with a route that the table of rules lacks
-    openapi.install(app)
     return app

@@ -9,14 +9,16 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
+import threading
 from pathlib import Path
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
+from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
-from backend.access.rules import RULES, Rule
+from backend.access.rules import API, RULES, Rule
 from backend.events.watch import NewImprovements
 from backend.http.errors import ProblemDocument, declare
 from backend.middleware.hosts import HEALTH
@@ -71,12 +73,20 @@ SECURITY = {
 
 
 def install(app: FastAPI) -> None:
+    """Serve it at its address. Making it is a second of work: do not ask for it first on the event loop."""
+    making = threading.Lock()
+
     def document() -> JsonObject:
-        if app.openapi_schema is None:
-            app.openapi_schema = _document(app)
+        with making:
+            if app.openapi_schema is None:
+                app.openapi_schema = _document(app)
         return app.openapi_schema
 
+    def answer() -> Response:  # a plain function, which is run in a thread
+        return JSONResponse(app.openapi())
+
     app.openapi = document  # type: ignore[method-assign]
+    app.add_api_route(f"{API}/openapi.json", answer, include_in_schema=False)
 
 
 def _document(app: FastAPI) -> JsonObject:

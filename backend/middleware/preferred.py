@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
+from anyio import to_thread
+from fastapi import FastAPI
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -35,14 +37,18 @@ class Preferred:
         if not wanted or not scope["path"].startswith("/api/"):
             await self.app(scope, receive, send)
             return
+        if not self._operations:
+            await to_thread.run_sync(self._read, scope["app"])  # a second of work for the document
         await self.app(scope, receive, _Answer(self, scope, send, wanted))
 
+    def _read(self, app: FastAPI) -> None:
+        found = []
+        for path, methods in sorted(app.openapi()["paths"].items(), key=lambda item: "{" in item[0]):
+            pattern = re.compile(re.sub(r"\\\{\w+\\\}", "[^/]+", re.escape(path)))
+            found += [(method.upper(), pattern, operation) for method, operation in methods.items()]
+        self._operations = found
+
     def schema(self, scope: Scope) -> dict[str, Any] | None:
-        if not self._operations:
-            paths = scope["app"].openapi()["paths"]
-            for path, methods in sorted(paths.items(), key=lambda item: "{" in item[0]):
-                pattern = re.compile(re.sub(r"\\\{\w+\\\}", "[^/]+", re.escape(path)))
-                self._operations += [(method.upper(), pattern, operation) for method, operation in methods.items()]
         for method, pattern, operation in self._operations:
             if method == scope["method"] and pattern.fullmatch(scope["path"]):
                 return _described(operation)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from datetime import datetime
 from typing import Any
@@ -123,3 +124,19 @@ def test_what_is_no_time_stays(value: Any) -> None:
 def test_fields_of_the_same_name_in_a_campaign_stay() -> None:
     schema = {"properties": {"parameters": {"type": "object", "additionalProperties": {"type": "number"}}}}
     assert with_times({"parameters": {"since": 5.0}}, schema, {}) == {"parameters": {"since": 5.0}}
+
+
+@pytest.mark.parametrize(("path", "headers"), [("/api/v1/runs", BOTH), ("/api/v1/openapi.json", {})])
+def test_the_document_is_not_made_on_the_event_loop(
+    service: Service, client: httpx.Client, path: str, headers: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first: list[int | None] = []
+    real = service.app.openapi
+
+    def noted() -> dict[str, object]:
+        first.append(threading.get_ident())
+        return real()
+
+    monkeypatch.setattr(service.app, "openapi", noted)
+    assert client.get(path, headers=headers).status_code == 200
+    assert first[0] != service._thread.ident

@@ -12,7 +12,7 @@ from backend.cases.schemas import CaseAnswer, CaseInstalled, CaseRequest
 from backend.db.engine import read
 from backend.flights.drawing import WHAT_IF, drew, in_turn
 from backend.flights.turns import Turn
-from backend.http.deps import Engine, capacities
+from backend.http.deps import Engine, account, capacities
 from backend.http.errors import problems
 from backend.http.schema import RunName
 from backend.scenes.viewer.viewer import Viewer
@@ -32,7 +32,7 @@ async def case_installed(run: RunName, request: Request, engine: Engine) -> Case
             wanted = service.simulator(reader, run)
         return service.installed(request.app.state.cases, *wanted)
 
-    return await capacities(request).cases.run(looked, request.is_disconnected)
+    return await capacities(request).cases.run(account(request), looked, request.is_disconnected)
 
 
 @router.post("/runs/{run}/cases", responses=problems(*WHAT_IF, "case-failed"))

@@ -10,7 +10,7 @@ from backend.catalog import service
 from backend.catalog.schemas import Checked, LibraryCampaign
 from backend.db.engine import read
 from backend.http import bodies
-from backend.http.deps import Engine, Reader, capacities
+from backend.http.deps import Engine, Reader, account, capacities
 from backend.http.errors import problems
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.asked.load import load_document
@@ -58,13 +58,13 @@ async def check_campaign(request: Request, engine: Engine) -> Checked:
         with read(engine) as reader:
             return service.checked(reader, campaign)
 
-    return await capacities(request).checks.run(work)
+    return await capacities(request).checks.run(account(request), work)
 
 
 async def campaign_of(request: Request) -> Campaign | CampaignError:
     """The campaign of a request's body, or all its errors."""
     yaml, body = bodies.is_yaml(request), await request.body()
-    return await capacities(request).bodies.run(lambda: _campaign(body, yaml))
+    return await capacities(request).bodies.run(account(request), lambda: _campaign(body, yaml))
 
 
 def _campaign(body: bytes, yaml: bool) -> Campaign | CampaignError:

@@ -14,7 +14,7 @@ from backend.exports import service
 from backend.exports.format import Format, known, named
 from backend.exports.service import ExportFile
 from backend.http.capacity import BoundedStream
-from backend.http.deps import Engine, Reader, capacities
+from backend.http.deps import Engine, Reader, account, capacities
 from backend.http.errors import RefusedError, Responses, problems
 from backend.http.schema import RunName
 from backend.runs.service import number
@@ -90,5 +90,5 @@ async def export_file(
         return BoundedStream(files, parts, visitor.account, headers=headers, media_type=one.media_type)
     made = one.made
     assert made is not None
-    content = await files.run(lambda: made(engine, run_id), request.is_disconnected)
+    content = await files.run(account(request), lambda: made(engine, run_id), request.is_disconnected)
     return Response(content, headers=headers, media_type=one.media_type)

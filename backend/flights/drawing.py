@@ -49,7 +49,7 @@ async def in_turn(
     if client.view is not None:
         viewer = await request.app.state.viewers.find(Handle(visitor, number(run), client.view), 0.0)
     named = (visitor.key, run, client.client or client.view)
-    return await turns.run(named, capacity, partial(work, viewer), request.is_disconnected)
+    return await turns.run(visitor.account, named, capacity, partial(work, viewer), request.is_disconnected)
 
 
 def drew(viewer: Viewer | None, answer: FlightReply, seed: int | None, turn: Turn) -> bool:

@@ -34,13 +34,18 @@ class Turns:
         self._order = itertools.count(1)
         self._begun: set[asyncio.Task[object]] = set()
 
-    async def run(self, client: Hashable, capacity: Capacity, work: Callable[[Turn], Result], gone: Gone) -> Result:
-        """Run the work in the capacity's threads; raises `RefusedError` 409 once it is superseded."""
+    async def run(
+        self, account: str, client: Hashable, capacity: Capacity, work: Callable[[Turn], Result], gone: Gone
+    ) -> Result:
+        """Run the work in the capacity's threads; raises `RefusedError` 409 once it is superseded.
+
+        account: as in `Capacity.turn`.
+        """
         turn = Turn(next(self._order))
         if (older := self._newest.get(client)) is not None:
             older.overtaken.set()
         self._newest[client] = turn
-        job = asyncio.create_task(self._work(turn, capacity, work, gone))
+        job = asyncio.create_task(self._work(account, turn, capacity, work, gone))
         overtaken = asyncio.create_task(turn.overtaken.wait())
         try:
             await asyncio.wait((job, overtaken), return_when=asyncio.FIRST_COMPLETED)
@@ -69,8 +74,8 @@ class Turns:
             job.exception()
 
     @staticmethod
-    async def _work(turn: Turn, capacity: Capacity, work: Callable[[Turn], Result], gone: Gone) -> Result:
-        async with capacity.turn():
+    async def _work(account: str, turn: Turn, capacity: Capacity, work: Callable[[Turn], Result], gone: Gone) -> Result:
+        async with capacity.turn(account):
             if await gone():
                 raise RefusedError(503, "busy", GONE)
             turn.begun = True

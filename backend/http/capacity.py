@@ -48,13 +48,14 @@ class Capacity:
         self._turns = asyncio.Semaphore(at_once)
         self._threads = CapacityLimiter(at_once)
 
-    async def run(self, work: Callable[[], Result], gone: Gone | None = None) -> Result:
+    async def run(self, account: str, work: Callable[[], Result], gone: Gone | None = None) -> Result:
         """Run the work in a thread when its turn comes. Raises `RefusedError` (503).
 
+        account: as in `turn`.
         gone: whether the client has gone away; checked when the job's turn comes, so that no work is done for a closed
         connection.
         """
-        async with self.turn():
+        async with self.turn(account):
             if gone is not None and await gone():
                 raise RefusedError(503, "busy", "the client closed the connection before the answer")
             return await self.thread(work)
@@ -64,11 +65,11 @@ class Capacity:
         return await to_thread.run_sync(work, limiter=self._threads)
 
     @asynccontextmanager
-    async def turn(self, account: str = "") -> AsyncIterator[None]:
+    async def turn(self, account: str) -> AsyncIterator[None]:
         """The turn of one job; raises `RefusedError` (503) if the queue is full or the wait too long.
 
-        account: whose job it is, if it has at most half of the turns and of the queue, as where a client that reads
-        slowly keeps its turn.
+        account: whose job it is, who has at most half of the turns and of the queue, so that no user's program keeps
+        all others out; empty before anybody has signed in.
         """
         self.refuse_full()
         async with self._share(account) as share:

@@ -25,9 +25,14 @@ Engine = Annotated[sa.Engine, Depends(engine)]
 
 async def reader(request: Request, engine: Engine) -> AsyncIterator[sa.Connection]:
     """One snapshot of the database for the whole request."""
-    visitor = getattr(request.state, "visitor", None)
-    async with capacities(request).readers.connection(engine, "" if visitor is None else visitor.account) as connection:
+    async with capacities(request).readers.connection(engine, account(request)) as connection:
         yield connection
+
+
+def account(request: Request) -> str:
+    """Whose request it is; empty before anybody has signed in."""
+    visitor = getattr(request.state, "visitor", None)
+    return "" if visitor is None else str(visitor.account)
 
 
 def capacities(request: Request) -> Capacities:

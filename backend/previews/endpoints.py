@@ -6,7 +6,7 @@ from fastapi import APIRouter, Request
 
 from backend.catalog.endpoints import CHECK_BODY, campaign_of
 from backend.http import bodies
-from backend.http.deps import Engine, capacities
+from backend.http.deps import Engine, account, capacities
 from backend.http.errors import problems
 from backend.previews import service
 from backend.previews.schemas import Preview
@@ -40,8 +40,8 @@ async def preview_campaign(request: Request, engine: Engine) -> Preview:
     if isinstance(campaign, CampaignError):
         raise bodies.invalid(campaign)
     try:
-        criterion = await capacities(request).checks.run(lambda: service.checked(engine, campaign))
+        criterion = await capacities(request).checks.run(account(request), lambda: service.checked(engine, campaign))
     except CampaignError as error:
         raise bodies.invalid(error) from None
-    answer, seconds = await request.app.state.previews.simulate(campaign, request.is_disconnected)
+    answer, seconds = await request.app.state.previews.simulate(account(request), campaign, request.is_disconnected)
     return service.response(campaign, criterion, answer, seconds)

@@ -45,12 +45,12 @@ class Previews:
         """The number of running and waiting previews."""
         return self._queue.inside
 
-    async def simulate(self, campaign: Campaign, gone: Gone) -> tuple[FlightReply, float]:
+    async def simulate(self, account: str, campaign: Campaign, gone: Gone) -> tuple[FlightReply, float]:
         """The answer of the simulation process, and how long it took [s]. Raises `RefusedError`.
 
-        gone: whether the client has disconnected; checked again when its turn comes.
+        account: as in `Capacity.turn`. gone: whether the client has disconnected; checked again when its turn comes.
         """
-        async with self._queue.turn():
+        async with self._queue.turn(account):
             if await gone():
                 raise RefusedError(503, "preview-overtaken", "the client no longer waits for this preview")
             began = time.monotonic()

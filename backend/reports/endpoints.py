@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from backend.db.engine import now, read
-from backend.http.deps import Engine, Reader, capacities
+from backend.http.deps import Engine, Reader, account, capacities
 from backend.http.errors import answers, problems
 from backend.http.naming import disposition
 from backend.http.schema import RunName
@@ -32,7 +32,9 @@ _PDF = answers("The report on A4 pages.", "application/pdf", binary=True)
 async def get_report(run: RunName, request: Request, engine: Engine) -> Response:
     """The report of a run for a safety case: one self-contained file that prints on A4."""
     run_id = number(run)
-    page = await capacities(request).files.run(lambda: _made(request, engine, run_id), request.is_disconnected)
+    page = await capacities(request).files.run(
+        account(request), lambda: _made(request, engine, run_id), request.is_disconnected
+    )
     headers = {
         "Content-Disposition": disposition("inline", f"{page.file}.html"),
         "Content-Security-Policy": f"{page.policy}; frame-ancestors 'none'",
@@ -53,7 +55,7 @@ async def get_report_pdf(run: RunName, request: Request, engine: Engine) -> Resp
         page = _made(request, engine, run_id)
         return page.file, pdf.printed(page.html, request.app.state.settings.browser_sandbox)
 
-    file, content = await capacities(request).pdf.run(printed, request.is_disconnected)
+    file, content = await capacities(request).pdf.run(account(request), printed, request.is_disconnected)
     headers = {"Content-Disposition": disposition("attachment", f"{file}.pdf")}
     return Response(content, headers=headers, media_type="application/pdf")
 

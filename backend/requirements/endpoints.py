@@ -14,7 +14,7 @@ from backend.access.once import OnceOnly
 from backend.db import codes
 from backend.db.engine import now, read
 from backend.db.tables import Run
-from backend.http.deps import Engine, Reader, capacities
+from backend.http.deps import Engine, Reader, account, capacities
 from backend.http.errors import answers, problems
 from backend.http.matches import TAGGED, IfMatch
 from backend.requirements import gsn, matrix, reqif, service, sheet, uploads
@@ -106,7 +106,7 @@ async def import_requirements(
     """Import a CSV or ReqIF file, the body; all of it or nothing."""
     body = await request.body()
     found, skipped = await capacities(request).imports.run(
-        lambda: uploads.read(kind, body, id_attribute, text_attribute), request.is_disconnected
+        account(request), lambda: uploads.read(kind, body, id_attribute, text_attribute), request.is_disconnected
     )
 
     def work(writer: sa.Connection) -> Imported:
@@ -202,7 +202,7 @@ async def _whole(request: Request, engine: sa.Engine, made: Callable[[sa.Connect
         with read(engine) as reader:
             return made(reader)
 
-    return await capacities(request).files.run(work, request.is_disconnected)
+    return await capacities(request).files.run(account(request), work, request.is_disconnected)
 
 
 def _saved(name: str) -> dict[str, str]:

@@ -14,7 +14,7 @@ from backend.access.auth import CurrentVisitor
 from backend.access.once import OnceOnly, Work
 from backend.db.engine import read
 from backend.http import bodies
-from backend.http.deps import ROOM, Engine, Reader, capacities
+from backend.http.deps import ROOM, Engine, Reader, account, capacities
 from backend.http.errors import answers, located, problems
 from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
@@ -68,7 +68,7 @@ async def submit_run(
     """Queue a run of a campaign, given as JSON or as YAML; labels, baseline and reuse in the address or in the JSON."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
-    run_request = await capacities(request).bodies.run(lambda: _submission(body, yaml, parts))
+    run_request = await capacities(request).bodies.run(account(request), lambda: _submission(body, yaml, parts))
     if run_request.reuse:
         known = await reuse.compared(engine, run_request.campaign, run_request.baseline is not None)
         run_request = replace(run_request, reuse=known)

@@ -9,7 +9,7 @@ from fastapi.concurrency import run_in_threadpool
 
 from backend.access.auth import CurrentVisitor
 from backend.http import bodies
-from backend.http.deps import ROOM, Engine, Reader, capacities
+from backend.http.deps import ROOM, Engine, Reader, account, capacities
 from backend.http.errors import RefusedError, answers, located, problems
 from backend.http.keys import Key
 from backend.http.root import at
@@ -38,7 +38,7 @@ async def submit_sweep(
     if bodies.content_type(request) not in bodies.JSON_TYPES:
         raise RefusedError(415, "unsupported-media-type", "send a sweep as application/json: campaign, path, values")
     body = await request.body()
-    submission = await capacities(request).bodies.run(lambda: _submission(body))
+    submission = await capacities(request).bodies.run(account(request), lambda: _submission(body))
     sweep = await run_in_threadpool(service.submit, engine, submission, visitor, key, request.app.state.quota)
     response.headers["Location"] = at(f"{request.url.path}/{sweep.id}")
     return sweep

@@ -21,7 +21,7 @@ from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.exports import service
 from backend.exports.format import Format, Stored, Words
-from backend.http.deps import capacities
+from backend.http.deps import account, capacities
 from backend.http.errors import RefusedError, not_found
 from backend.results import service as results
 from backend.runs import service as runs
@@ -91,14 +91,15 @@ async def _answer(request: Request, run: str, label: str, dark: bool) -> Respons
         return Response(status_code=304, headers=headers)
     page = await _page_of(request, run_id, label)
     files = capacities(request).files
-    made = await files.run(lambda: packed(replace(found, page=page)), request.is_disconnected)
+    made = await files.run(account(request), lambda: packed(replace(found, page=page)), request.is_disconnected)
     return Response(made, headers=headers, media_type=export.media_type)
 
 
 async def _page_of(request: Request, run_id: int, finding: str) -> str:
     """The recording of a finding; empty if nothing of it can be drawn."""
     try:
-        recorded = await request.app.state.recordings.page(run_id, finding, gone=request.is_disconnected)
+        recordings = request.app.state.recordings
+        recorded = await recordings.page(account(request), run_id, finding, gone=request.is_disconnected)
     except RefusedError as error:
         if error.status == 503:
             raise

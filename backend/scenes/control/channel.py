@@ -15,7 +15,7 @@ from backend.access.auth import CurrentVisitor, forbidden
 from backend.access.frames import Voucher
 from backend.access.rules import RUN
 from backend.db.engine import read
-from backend.http.deps import capacities
+from backend.http.deps import account, capacities
 from backend.http.errors import RefusedError, problems
 from backend.http.schema import LARGEST_WHOLE, RunName
 from backend.runs.service import number
@@ -84,13 +84,13 @@ async def _answer(
         with request.app.state.frames.expected(run, handle.key, Voucher(handle.visitor, request.state.still)):
             viewer = await viewers.find(handle, wait)
     if viewer is None:
-        await capacities(request).views.run(lambda: _without_view(request, handle))
+        await capacities(request).views.run(account(request), lambda: _without_view(request, handle))
         full = viewers.full(handle.visitor)
         if full and not viewers.stopping.is_set():
             raise RefusedError(503, "busy", f"{full}: close one that is not needed, then try again")
         raise _gone(handle)
     try:
-        return await capacities(request).views.run(lambda: ask(viewer))
+        return await capacities(request).views.run(account(request), lambda: ask(viewer))
     except FailedError:
         raise RefusedError(410, "view-failed", FAILED) from None
     except GoneError:

@@ -22,6 +22,7 @@ from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.tables import Finding
 from backend.http.capacity import Capacity, Gone
+from backend.http.deps import account
 from backend.http.errors import RefusedError, not_found
 from backend.http.naming import disposition, named
 from backend.http.root import at
@@ -64,18 +65,19 @@ class Recordings:
         self._kept: OrderedDict[str, str] = OrderedDict()
 
     async def page(
-        self, run_id: int, flight: str, dark: bool = False, known: str = "", gone: Gone | None = None
+        self, account: str, run_id: int, flight: str, dark: bool = False, known: str = "", gone: Gone | None = None
     ) -> Recorded | str:
         """The page of a flight, "F1" or "nominal"; only its tag if the client has it.
 
-        404 if there is no such run or stored flight; 503 if too many are being created. gone: as in `Capacity.run`.
+        404 if there is no such run or stored flight; 503 if too many are being created.
+        account, gone: as in `Capacity.run`.
         """
         request = await run_in_threadpool(self._look, run_id, flight, dark)
         if request.tag in known:
             return request.tag
         page = self._recall(request.tag)
         if page is None:
-            page = await self._capacity.run(lambda: self._made(request, dark), gone)
+            page = await self._capacity.run(account, lambda: self._made(request, dark), gone)
         return Recorded(page, request.tag, named(request.caption.run, request.caption.name, f"flight-{flight}.html"))
 
     def _look(self, run_id: int, flight: str, dark: bool) -> _Asked:
@@ -159,7 +161,8 @@ async def recorded_page(run: str, flight: str, rest: str, request: Request) -> R
 async def answer(request: Request, run: str, flight: str, dark: bool, how: str) -> Response:
     """The recording as a page or a file; 304 if the client has it already."""
     known = request.headers.get("if-none-match", "")
-    found = await request.app.state.recordings.page(number(run), flight, dark, known, request.is_disconnected)
+    made: Recordings = request.app.state.recordings
+    found = await made.page(account(request), number(run), flight, dark, known, request.is_disconnected)
     headers = {"Cache-Control": "private, no-cache", "ETag": found if isinstance(found, str) else found.tag}
     if isinstance(found, str):
         return Response(status_code=304, headers=headers)

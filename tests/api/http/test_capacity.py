@@ -17,9 +17,10 @@ import pytest
 from backend.catalog import service as catalog
 from backend.exports.formats import evaluations_csv, findings_csv, run_json, traces_mat
 from backend.http import bodies
-from backend.http.capacity import Capacity
+from backend.http.capacity import Capacities, Capacity
 from backend.http.errors import RefusedError
 from backend.http.readers import AT_ONCE_EACH
+from backend.previews.service import Previews
 from backend.reports import pdf
 from backend.reports import service as reports
 from backend.runs import listing
@@ -30,8 +31,6 @@ from tests.given.problem_documents import problem
 from tests.given.service import Service, until
 from tests.given.submissions import submit
 
-STREAMED = ("evaluations.csv", "run.json")
-"""Files that keep their turn until the last byte is read: a user has half of the turns for them."""
 MANY = 45
 """More than the number of threads shared by all requests."""
 
@@ -135,7 +134,7 @@ def test_long_work_is_bounded_and_the_rest_is_answered(
     capacity: Capacity = getattr(service.app.state.capacities, kind)
     capacity.waiting = 2
     asked = [Asked(service, client, path) for _ in range(MANY)]
-    most = (capacity.at_once + 2) // (2 if path.endswith(STREAMED) else 1)
+    most = (capacity.at_once + 2) // 2  # of one user
     until(lambda: (capacity.inside, answered(asked)) == (most, MANY - most))
     answers_at_once(service, client)
     assert client.get("/api/v1/runs", timeout=20.0).status_code == 200, "the shared threads are free"
@@ -157,7 +156,7 @@ def test_checks_of_campaigns_are_bounded(
     yaml = "Content-Type: application/yaml\r\nContent-Length: 1\r\n"
     asked = [Asked(service, client, path, "POST", yaml, "{") for _ in range(MANY)]
     reading = service.app.state.capacities.bodies
-    most = reading.at_once + reading.waiting
+    most = (reading.at_once + reading.waiting) // 2  # of one user
     until(lambda: (reading.inside, answered(asked)) == (most, MANY - most))
     answers_at_once(service, client)
     assert client.get("/api/v1/runs", timeout=20.0).status_code == 200
@@ -173,7 +172,7 @@ def test_what_is_read_is_checked_by_a_few_at_a_time(
     checks.waiting = 2
     yaml = "Content-Type: application/yaml\r\nContent-Length: 1\r\n"
     asked = [Asked(service, client, "/api/v1/campaigns/check", "POST", yaml, "{") for _ in range(20)]
-    most = checks.at_once + 2
+    most = (checks.at_once + 2) // 2  # of one user
     until(lambda: (checks.inside, answered(asked)) == (most, 20 - most))
     answers_at_once(service, client)
     go.set()
@@ -209,8 +208,8 @@ def test_a_wait_that_is_too_long_returns_retry_after(
     hold(monkeypatch, go, reports, "report_html", None)
     files: Capacity = service.app.state.capacities.files
     files.patience = 0.05
-    first = [Asked(service, client, "/api/v1/runs/R-0001/report.html") for _ in range(files.at_once)]
-    until(lambda: files.inside == files.at_once)
+    first = [Asked(service, client, "/api/v1/runs/R-0001/report.html") for _ in range(files.at_once // 2)]
+    until(lambda: files.inside == files.at_once // 2)
     refused = client.get("/api/v1/runs/R-0001/report.html")
     assert "being written" in str(problem(refused, 503)["detail"])
     assert refused.headers["retry-after"] == "5"
@@ -233,22 +232,53 @@ def test_nothing_is_made_for_a_client_that_has_gone(
 
     monkeypatch.setattr(reports, "report_html", held)
     files: Capacity = service.app.state.capacities.files
-    first = [Asked(service, client, "/api/v1/runs/R-0001/report.html") for _ in range(files.at_once)]
-    until(lambda: len(begun) == files.at_once)
+    each = files.at_once // 2  # of one user
+    first = [Asked(service, client, "/api/v1/runs/R-0001/report.html") for _ in range(each)]
+    until(lambda: len(begun) == each)
     gone = Asked(service, client, "/api/v1/runs/R-0001/report.html")
-    until(lambda: files.inside == files.at_once + 1)
+    until(lambda: files.inside == each + 1)
     gone._socket.close()
-    until(lambda: len(service.server.server_state.connections) <= files.at_once + 1)  # that of `client`, too
+    until(lambda: len(service.server.server_state.connections) <= each + 1)  # that of `client`, too
     go.set()
     assert {one.answer()[0] for one in first} == {200}
     until(lambda: files.inside == 0)
-    assert len(begun) == files.at_once
+    assert len(begun) == each
 
 
 @pytest.mark.parametrize("file", ["run.json", "evaluations.csv"])
 def test_a_stream_for_a_run_that_is_not_there_is_a_problem(service: Service, client: httpx.Client, file: str) -> None:
     problem(client.get(f"/api/v1/runs/R-0099/exports/{file}"), 404)
     until(lambda: service.app.state.capacities.files.inside == 0)
+
+
+KINDS = [name for name, one in vars(Capacities()).items() if isinstance(one, Capacity)]
+
+
+@pytest.mark.parametrize("kind", [*KINDS, "previews"])
+def test_a_user_who_asks_for_all_there_is_keeps_no_other_out(kind: str) -> None:
+    async def asked() -> None:
+        capacity: Capacity = Previews()._queue if kind == "previews" else getattr(Capacities(), kind)
+        begun: list[str] = []
+
+        async def job(account: str) -> None:
+            async with capacity.turn(account):
+                begun.append(account)
+                await asyncio.Event().wait()
+
+        jobs = [asyncio.create_task(job("greedy")) for _ in range(capacity.at_once + capacity.waiting)]
+        for _ in range(5):
+            await asyncio.sleep(0)
+        other = asyncio.create_task(job("other"))
+        for _ in range(5):
+            await asyncio.sleep(0)
+        assert any(one.done() for one in jobs), "the greedy one is refused"
+        assert not other.done(), "the other one is not"
+        assert ("other" in begun) == (capacity.at_once > 1)
+        for one in (*jobs, other):
+            one.cancel()
+        await asyncio.gather(*jobs, other, return_exceptions=True)
+
+    asyncio.run(asked())
 
 
 def test_a_user_who_reads_slowly_blocks_nobody_else() -> None:

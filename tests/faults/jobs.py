@@ -119,7 +119,7 @@ def refuse() -> None:
 
 def unstorable() -> None:
     """An error of a component whose text no database can store."""
-    raise CampaignUnusable([Wrong("scenario.vehicle", "unicycle", "\ud800 and \0")])
+    raise CampaignUnusable([Wrong("scenario.vehicle", "unicycle", "\ud800\0")])
 
 
 def fail() -> None:

@@ -405,11 +405,11 @@ def test_a_queued_run_reports_what_it_waits_for(database: sa.Engine) -> None:
 @pytest.mark.parametrize("how", ["retry", "lost", "put_off", "refuse", "fail"])
 def test_a_reason_of_any_characters_is_stored_so_that_it_can_be_shown(database: sa.Engine, how: str) -> None:
     run_id, queue = put(database), Queue(database)
-    claim, why = claimed(queue), "raised \ud800 and \0" + "." * 9000
+    claim, why = claimed(queue), "\ud800\0" + "." * 9000
     more: dict[str, tuple[Any, ...]] = {"put_off": (why, 1.0), "refuse": ("another installation", why)}
     getattr(queue, how)(claim, *more.get(how, (why,)))
     with database.begin() as connection:
         refused = refusals.of(connection, [run_id]).get(run_id, {})
     stored = row(database, run_id).error or refused["another installation"]
-    assert "raised \N{REPLACEMENT CHARACTER} and \N{REPLACEMENT CHARACTER}." in stored
+    assert "\N{REPLACEMENT CHARACTER}" * 2 + "." in stored
     assert len(stored.encode()) < 5000

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 
 import httpx
 import pytest
@@ -21,15 +21,17 @@ SIMULATED = {"sampled", "field"}
 CHANGES = ({"what_if": {"vehicle.m": 5.1}}, *({"layers": {layer: True}} for layer in sorted(SIMULATED)))
 
 
-@contextmanager
-def reading(service: Service, admin: httpx.Client, how: str) -> Iterator[httpx.Client]:
+def reading(service: Service, admin: httpx.Client, how: str) -> AbstractContextManager[httpx.Client]:
     if how == "viewer":
-        with joined(service, admin, "viewer") as (_, client):
-            yield client
-        return
+        return as_viewer(service, admin)
     with service.engine.begin() as writer:
         token = access.create_token(writer, "reads", scope="read")
-    with service.visitor(Authorization=f"Bearer {token}") as client:
+    return service.visitor(Authorization=f"Bearer {token}")
+
+
+@contextmanager
+def as_viewer(service: Service, admin: httpx.Client) -> Iterator[httpx.Client]:
+    with joined(service, admin, "viewer") as (_, client):
         yield client
 
 

@@ -34,6 +34,8 @@ for line in sys.stdin:
     print(json.dumps({"id": asked["id"], "status": "ok", "pid": os.getpid(), **asked["parameters"]}), flush=True)
 """
 
+STARTING = "still starting: ask again"
+
 
 @pytest.fixture
 def live() -> Iterator[Live]:
@@ -115,7 +117,7 @@ def test_a_process_that_starts_slowly_is_waited_for_by_later_requests(tmp_path: 
     live = Live((sys.executable, "-c", f"open({str(gate)!r}).close()\n{STAND_IN}"), limit=30.0, first_limit=0.1)
     try:
         for x in range(2):
-            with pytest.raises(LiveError, match="still starting: ask again"):
+            with pytest.raises(LiveError, match=STARTING):
                 fly(live, x=x)
         child = live._child
         assert child is not None
@@ -136,7 +138,7 @@ def test_a_request_larger_than_a_pipe_waits_alone_until_the_process_reads(tmp_pa
     large = {"notes": "x" * 500_000}
     try:
         for _ in range(2):
-            with pytest.raises(LiveError, match="still starting: ask again"):
+            with pytest.raises(LiveError, match=STARTING):
                 live.simulate(large, "large", {}, 100)
         live._first_limit = 30.0
         gate.open("w").close()

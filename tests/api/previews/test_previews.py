@@ -144,10 +144,10 @@ def test_only_the_newest_request_is_simulated_and_the_queue_is_bounded(monkeypat
         names = ("first", "overtaken", "newest")
         asked = [Campaign.model_validate(campaign(name=name)) for name in names]
         gone = (here, away, here)
-        tasks = [asyncio.create_task(flights.simulate(one, left)) for one, left in zip(asked, gone, strict=True)]
+        tasks = [asyncio.create_task(flights.simulate("", one, left)) for one, left in zip(asked, gone, strict=True)]
         await asyncio.to_thread(until, lambda: live.simulated)
         with pytest.raises(RefusedError) as full:
-            await flights.simulate(asked[0], here)
+            await flights.simulate("", asked[0], here)
         assert full.value.kind == "preview-busy"
         live.go.set()
         return await asyncio.gather(*tasks, return_exceptions=True)

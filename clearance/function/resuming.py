@@ -1,6 +1,7 @@
 """Resumes an earlier search: its stored evaluations are replayed, and only the rest is evaluated.
 
-With larger budgets a method continues where it ended. What validation evaluated depends on all of it and is made again.
+With larger budgets a method continues where it ended. What validation evaluated depends on all of it and is made again,
+and so is an independent sample that is no longer the one that was asked for.
 """
 
 from __future__ import annotations
@@ -10,12 +11,13 @@ from typing import NamedTuple
 
 from campaigns import Campaign
 from campaigns.identity.identity import differences, identity_of, simulator_of
+from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from clearance.function.result import Evaluations, Interrupted
 from clearance.local.results import read_folder, refuse_other_document, versions_of
 from worker.engine.problem.problem import Problem
-from worker.running.runs.continuation import Budget, CannotContinue, carried, preloaded, raised
+from worker.running.runs.continuation import Budget, CannotContinue, carried, preloaded, raised, same_sample
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
@@ -67,8 +69,11 @@ def extended(document: dict[str, object], then: Campaign, now: Campaign) -> dict
     return document | {"stages": stages | {"search": searches}}
 
 
-def store(campaign: Campaign, problem: Problem, before: Earlier) -> MemoryStore:
-    """The store that the search resumes from; raises ValueError if the evaluations are of something else."""
+def store(campaign: Campaign, problem: Problem, before: Earlier, seed: SampleSeed | None) -> MemoryStore:
+    """The store that the search resumes from; raises ValueError if the evaluations are of something else.
+
+    seed: of a new sample, if one is stated.
+    """
     for name in ("simulator", "uncertain", "correlations", "criterion", "seed"):
         if getattr(campaign, name) != getattr(before.campaign, name):
             raise ValueError(f"resume: the earlier search had another {name}; give the same arguments")
@@ -83,4 +88,8 @@ def store(campaign: Campaign, problem: Problem, before: Earlier) -> MemoryStore:
     apart = differences(identity_of(before.versions, simulator), identity_of(here, simulator))
     if apart:
         raise ValueError(f"resume: its evaluations cannot be used: {'; '.join(apart)}")
+    if not same_sample(before.campaign, campaign):
+        return preloaded(campaign, columns, seed)
+    if seed is not None and (kept.sample_seed is None or kept.sample_seed.value != seed.value):
+        raise ValueError("resume: the independent sample of the earlier search has another seed; leave sample_seed out")
     return preloaded(campaign, columns, kept.sample_seed)

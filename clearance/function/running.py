@@ -42,7 +42,7 @@ def run(
     if before is None:
         store = MemoryStore(sample_seed=seed or SampleSeed.drawn())
     else:
-        store = resuming.store(campaign, problem, before)
+        store = resuming.store(campaign, problem, before, seed)
     origin = Origin(campaign, problem, store, known, tuple(request.ranges))
     try:
         with _interruptible() as stopped, _shown(campaign, progress) as show:

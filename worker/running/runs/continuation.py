@@ -99,7 +99,10 @@ def raised(search: Search, budget: Budget) -> dict[str, object] | None:
 
 
 def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Columns]:
-    """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`."""
+    """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`.
+
+    Not those of an estimate, which begins at the violations of all stages before it.
+    """
     if not store.stages:
         raise CannotContinue("it ended before its first stage; run the campaign again")
     stages = [(p.kind, p.method) for p in plan(new)]
@@ -110,8 +113,18 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
             "its stages were planned by another version of Clearance; run the campaign again", RefusalCode.OTHER_PLAN
         )
     kinds = {kind for kind, stage in declared().items() if not (stage.of_findings or stage.partly(old))}
+    kinds -= {"estimate"} if same_sample(old, new) else {"estimate", "certify"}
     found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if kind in kinds}
     return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
+
+
+def same_sample(old: Campaign, new: Campaign) -> bool:
+    """Whether the independent sample of both is the same; else a new one is drawn, with another seed.
+
+    A sample that is extended once its result is known does not have the bound of a fixed size.
+    """
+    then, now = ((c.stages.certify, c.stages.estimate, c.confidence, c.target_probability) for c in (old, new))
+    return then == now
 
 
 def refuse_other_code(new: Campaign, then: Versions, modules: dict[str, str] | None = None) -> None:

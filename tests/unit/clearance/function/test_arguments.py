@@ -140,6 +140,33 @@ def test_a_search_does_not_end_because_it_cannot_be_shown(monkeypatch: pytest.Mo
     assert shown.costs.tobytes() == searched(sample_seed=1).costs.tobytes()
 
 
+def _drawn(found: clearance.Result) -> bytes:
+    (at,) = [k for k, stage in enumerate(found.origin.store.stages) if stage.plan.kind == "certify"]
+    columns = found.origin.store.evaluations(at)
+    assert columns is not None
+    return bytes(columns.points.tobytes())
+
+
+def test_a_sample_is_not_extended_once_its_result_is_known(tmp_path: Path) -> None:
+    first = searched()
+    for earlier in (first, first.save(tmp_path)):
+        larger = searched(certify=40, resume=earlier)
+        assert larger.sample_seed != first.sample_seed
+        assert not _drawn(larger).startswith(_drawn(first))
+        assert (larger.costs[larger.method == "direct"] == first.costs[first.method == "direct"]).all()
+    assert _drawn(searched(resume=first)) == _drawn(first)
+    certificate = next(s.result for s in larger.origin.store.stages if s.plan.kind == "certify")
+    assert certificate.drawn_at_launch
+
+
+def test_a_seed_that_is_stated_is_that_of_the_sample_or_refused() -> None:
+    first = searched()
+    assert searched(certify=40, resume=first, sample_seed=5).sample_seed == 5
+    assert searched(resume=first, sample_seed=first.sample_seed).sample_seed == first.sample_seed
+    with pytest.raises(ValueError, match="leave sample_seed out"):
+        searched(resume=first, sample_seed=5)
+
+
 def test_a_search_of_another_criterion_or_of_other_stages_is_not_resumed() -> None:
     first = searched()
     with pytest.raises(ValueError, match="another seed"):

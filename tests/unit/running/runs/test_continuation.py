@@ -18,6 +18,7 @@ from backend.db.queue import LostLease, Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Run
 from campaigns import Campaign
+from campaigns.asked.load import load_document
 from campaigns.refusals import RefusalCode
 from campaigns.stages.plan import most, plan
 from campaigns.stored.records import StagePlan
@@ -31,7 +32,7 @@ from tests.migrated import migrated
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.systems.base import Floats
 from worker.running.catalogue.installed import catalogue
-from worker.running.runs.continuation import Budget, CannotContinue, carried, continued
+from worker.running.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, same_sample
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -92,6 +93,52 @@ def test_searches_that_can_be_extended_get_more_and_retain_their_options() -> No
     assert [s.evaluations for s in after] == [450, 200, 400, 420]
     assert after[0].options["iterations"] > 12
     assert after[1] == before[1]
+
+
+def _sampled(**changes: object) -> Campaign:
+    """A campaign with a sample that may end early, and an estimate; changes by the path of a field."""
+    asked: dict[str, object] = {"certify": {"samples": 400, "keep": "lowest", "until": "target"}}
+    stages = searching(*SEARCHES, **SHORT).document()["stages"] | asked | {"estimate": {"evaluations": 1000}}
+    document = searching(*SEARCHES, **SHORT).document() | {"target_probability": 0.01, "stages": stages}
+    for path, value in changes.items():
+        *parents, last = path.split("__")
+        at: Any = document
+        for name in parents:
+            at = at[name]
+        at[last] = value
+    return load_document(document, "the test")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"stages__certify__samples": 500},
+        {"stages__certify__quantile": 0.1},
+        {"stages__certify__keep": "all", "stages__certify__until": "samples"},
+        {"stages__certify__until": "samples"},
+        {"stages__estimate__evaluations": 2000},
+        {"target_probability": 0.02},
+        {"confidence": 0.94},
+    ],
+)
+def test_no_continuation_keeps_the_seed_of_another_sample(changes: dict[str, object]) -> None:
+    assert same_sample(_sampled(), continued(_sampled(), Budget(300, more=True)))
+    assert not same_sample(_sampled(), _sampled(**changes))
+
+
+def test_an_estimate_begins_again_at_the_violations_of_the_larger_searches() -> None:
+    document = searching({"method": "monte_carlo", "evaluations": 60}, **SHORT).document()
+    document["stages"] |= {"certify": None, "estimate": {"evaluations": 1000}}
+    document["criterion"] |= {"threshold": 0.95}
+    campaign, before = load_document(document, "the test"), MemoryStore()
+    execute(campaign, before)
+    larger = continued(campaign, Budget(60, more=True))
+    after = preloaded(larger, carried(campaign, larger, before), before.sample_seed)
+    execute(larger, after)
+    assert [s.plan.kind for s in after.stages if s.state == "done"][-1] == "validate"
+    at = [s.plan.kind for s in before.stages].index("estimate")
+    assert before.evaluations(at) is not None
+    assert at not in carried(campaign, larger, before)
 
 
 def test_a_folder_is_extended_without_repeating_an_evaluation(

@@ -22,6 +22,7 @@ from campaigns.asked.stages import Search, Stages
 from campaigns.asked.values import (
     AS_NUMBER,
     AS_WHOLE,
+    MAX_COUNTED,
     MAX_EVALUATIONS,
     Identifier,
     Name,
@@ -229,11 +230,13 @@ class Campaign(Strict):
             return self
         if target is None:
             raise ValueError("stages.certify.until: target needs a target_probability")
-        least = math.ceil(math.log1p(-self.confidence) / math.log1p(-target) - 1e-9)
+        least = math.log1p(-self.confidence) / math.log1p(-target) - 1e-9
         if certify.samples < least:
+            most = f"at most {MAX_COUNTED:,} may be drawn, so give a higher target_probability"
             raise ValueError(
                 f"stages.certify.samples: {certify.samples:,} samples cannot show a probability of {target:g} with "
-                f"{100 * self.confidence:g} % confidence; give at least {least:,}"
+                f"{100 * self.confidence:g} % confidence; "
+                f"{f'give at least {math.ceil(least):,}' if least <= MAX_COUNTED else most}"
             )
         return self
 

@@ -85,7 +85,8 @@ class Certify(Strict):
     """
 
     samples: Annotated[int, Field(ge=1, le=MAX_COUNTED), AS_WHOLE] = 3000
-    quantile: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] = 0.05
+    quantile: Annotated[float, Field(ge=1 / MAX_COUNTED, lt=1), AS_NUMBER] = 0.05
+    """No sample that may be drawn bounds a smaller one."""
     grid: Grid | None = None
     keep: Annotated[Kept, Field(exclude_if=_all, json_schema_extra=no_default)] = "all"
     """The evaluations that are stored: all, at most 10,000,000; or of a sample of any size the lowest 1,000, the first

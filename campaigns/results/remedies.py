@@ -260,7 +260,7 @@ _OF: dict[RemedyKind, Callable[[Check, Ran], Iterator[Remedy]]] = {
 def needed(violations: int, samples: int, goal: float, confidence: float) -> int | None:
     """The samples at which the bound is at most `goal` if the fraction of violations stays the same, rounded up to two
     digits; None if no sample that a campaign may ask for is large enough."""
-    if goal <= 0.0 or (samples and violations / samples >= goal):
+    if goal * MAX_COUNTED < 0.5 or (samples and violations / samples >= goal):
         return None
     size = _rounded(max(math.ceil(math.log1p(-confidence) / math.log1p(-goal)), samples, 1))
     while size <= MAX_COUNTED:

@@ -15,7 +15,7 @@ MOVED, ABOVE_NOISE = 0.01, 10.0
 EXCLUDED, CEILING = 0.1, 0.05
 SAME_COST = 0.01
 SPOT_CHECKS, VIOLATIONS = 200, 200
-SAMPLE = 59
+SAMPLE, SMALLEST = 59, 1e-12
 SAME_PLACE = 0.05
 ORDER = (
     "nominal", "search", "no violation", "minimum", "agreement", "validation", "repetition", "evaluations", "retries",

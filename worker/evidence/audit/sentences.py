@@ -16,6 +16,7 @@ from campaigns.claims.say import count, say
 from campaigns.claims.spans import Quantity, Span, Spans, values, words
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as templates
+from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import Missing
 
@@ -100,10 +101,10 @@ def of_stage(run: Run, k: int, sample: Tree | None, stop: Any) -> Tree:
 
 
 def needed(fraction: float, confidence: float) -> int | None:
-    """The smallest sample whose lowest value bounds the quantile at `fraction`; None if none does."""
-    if fraction <= 0.0:
+    """The smallest sample whose lowest value bounds the quantile at `fraction`; None if none does that may be drawn."""
+    if fraction < limits.SMALLEST:
         return None
-    return max(1, math.ceil(math.log1p(-confidence) / math.log1p(-fraction) - 1e-9))
+    return max(1, math.ceil(math.log1p(-confidence) / math.log1p(-fraction) * (1.0 - 4e-15)))  # but for rounding
 
 
 def unlike(document: Any, path: str = "") -> Iterator[tuple[str, str, str]]:

@@ -155,8 +155,9 @@ def test_a_sample_is_not_extended_once_its_result_is_known(tmp_path: Path) -> No
         assert not _drawn(larger).startswith(_drawn(first))
         assert (larger.costs[larger.method == "direct"] == first.costs[first.method == "direct"]).all()
     assert _drawn(searched(resume=first)) == _drawn(first)
-    certificate = next(s.result for s in larger.origin.store.stages if s.plan.kind == "certify")
-    assert certificate.drawn_at_launch
+    seed = larger.origin.store.sample_seed
+    assert seed is not None
+    assert not seed.stated
 
 
 def test_a_seed_that_is_stated_is_that_of_the_sample_or_refused() -> None:

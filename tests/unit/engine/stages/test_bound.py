@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from scipy import stats
 
+from campaigns import CampaignError
+from campaigns.asked.load import load_document
+from campaigns.asked.values import MAX_COUNTED
+from campaigns.claims.spans import words
+from campaigns.results import remedies
+from tests.given.case_campaigns import searching
 from worker.engine.stages.parts.claims import band, bound, confidence_of, needed, order
+from worker.engine.stages.parts.sample import Sample
+from worker.engine.stages.parts.shape import Ordered
+from worker.evidence.audit import recompute, sentences
 
 
 @pytest.mark.parametrize("samples", [1, 2, 10, 100, 1000, 10**6])
@@ -75,6 +86,47 @@ def test_the_order_is_the_highest_that_holds(size: int, share: float) -> None:
 def test_what_no_sample_bounds() -> None:
     assert order(0, 0.05, 0.95) == order(1000, 0.0, 0.95) == order(1000, -0.1, 0.95) == 0
     assert confidence_of(0, 10, 0.5) == confidence_of(11, 10, 0.5) == 0.0
+
+
+FRACTIONS = [5e-324, 1e-300, 1e-20, 1e-17, 1e-12, 1e-9, 1e-6, 0.001, 0.05, 0.5, 0.999, 1 - 2**-53]
+
+
+@pytest.mark.parametrize("fraction", FRACTIONS)
+@pytest.mark.parametrize("confidence", [0.51, 0.75, 0.95, 0.999999, 1 - 1e-9])
+def test_every_fraction_has_a_size_or_none_in_engine_and_audit(fraction: float, confidence: float) -> None:
+    size = needed(fraction, confidence)
+    assert size == sentences.needed(fraction, confidence)
+    assert (size is None) == (fraction < 1e-12)
+    for samples in (0, 1, 59, 1000):
+        r = order(samples, fraction, confidence)
+        assert (r > 0) == (size is not None and samples >= size)
+        assert r == (recompute._of_quantile(samples, fraction, confidence)["order"] or 0)
+    wanted = remedies.needed(0, 0, fraction, confidence)
+    assert wanted is None or bound(0, wanted, confidence) <= fraction
+    assert (wanted is None) == (size is None or remedies._rounded(size) > MAX_COUNTED)
+
+
+@pytest.mark.parametrize("outside", [0.05 - 2**-56, 0.05, 0.06, 1.0])
+def test_tails_that_leave_next_to_nothing_of_a_quantile_leave_no_bound_on_it(outside: float) -> None:
+    sample = Sample(Ordered(np.arange(100.0)), 0, 0, 0, outside, 0.95)
+    found = sample.quantile(0.05, "d_min", "m")
+    assert (found.order, found.needed, found.bound) == (None, None, None)
+    assert words(found.statement).startswith("no bound on the 5 % quantile: ")
+
+
+@pytest.mark.parametrize("fraction", FRACTIONS)
+def test_a_campaign_with_any_fraction_is_read_or_refused_with_a_sentence(fraction: float) -> None:
+    document = searching({"method": "monte_carlo", "evaluations": 60}).document()
+    sample = {"samples": 10**9, "keep": "lowest", "until": "target"}
+    for certify, target in (({"quantile": fraction}, None), (sample, fraction)):
+        document |= {"stages": document["stages"] | {"certify": certify}, "target_probability": target}
+        try:
+            load_document(document, "the test")
+        except CampaignError as error:
+            assert fraction < 3e-9
+            assert re.search("equal to 0.000000001 |higher target_probability", str(error)), error
+        else:
+            assert fraction >= 1e-9
 
 
 def test_the_band_of_the_distribution_function() -> None:

@@ -9,6 +9,11 @@ from __future__ import annotations
 
 import math
 
+LEAST = 1e-12
+"""A fraction so small is none: three trillion samples bound a quantile there, and a campaign has at most a billion."""
+ROUNDING = 4e-15
+"""Of a quotient of logarithms: 2 samples, not 3, for the median with 75 % confidence."""
+
 
 def bound(violations: int, samples: int, confidence: float) -> float:
     """One-sided upper Clopper-Pearson bound on a probability, given `violations` among `samples`."""
@@ -62,10 +67,16 @@ def confidence_of(r: int, samples: int, fraction: float) -> float:
     return float(stats.binom.sf(r - 1, samples, fraction)) if 0 < r <= samples and fraction > 0.0 else 0.0
 
 
-def needed(fraction: float, confidence: float) -> int:
-    """The smallest sample whose lowest value bounds the quantile at `fraction`: 59 for 5 % with 95 % confidence."""
-    size = max(1, math.floor(math.log1p(-confidence) / math.log1p(-fraction)) - 1)
-    while confidence_of(1, size, fraction) < confidence:
+def needed(fraction: float, confidence: float) -> int | None:
+    """The smallest sample whose lowest value bounds the quantile at `fraction`: 59 for 5 % with 95 % confidence.
+
+    None where no sample is large enough that a campaign may ask for.
+    """
+    if fraction < LEAST:
+        return None
+    none, each = math.log1p(-confidence) * (1.0 - ROUNDING), math.log1p(-fraction)
+    size = max(1, math.floor(none / each) - 1)
+    while size * each > none:
         size += 1
     return size
 

@@ -132,7 +132,7 @@ class Sample:
         """Wilks' lower bound on the quantile at `share`: which of the lowest values, with which confidence."""
         within = share - self.outside
         r = claims.order(self.size, within, self.confidence)
-        least = claims.needed(within, self.confidence) if within > 0.0 else None
+        least = claims.needed(within, self.confidence)
         value = self.shape.value(r - self.failed) if r > self.failed else None
         statement = self.counts.quantile(share, quantity, unit, r, least, value)
         confidence = claims.confidence_of(r, self.size, within) if r else None

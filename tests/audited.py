@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Set
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from clearance.local.results import evidence
 from clearance.local.summary import summary
 from worker.engine.stages.parts import offered
 from worker.evidence.audit.judge import Item, audit, closing
-from worker.evidence.audit.record import Record, flaky, of_database, of_folder
+from worker.evidence.audit.record import Record, exclusions, flaky, of_database, of_folder
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.audited import known
 from worker.running.runs.store import MemoryStore
@@ -66,4 +67,6 @@ def recorded(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = No
     stage = np.repeat(list(held), [len(c.status) for c in held.values()])
     again = sum(flaky(c.status, c.reasons) for c in held.values())
     columns = (np.concatenate([getattr(c, name) for c in held.values()]) for name in ("points", "costs", "status"))
-    return Record(campaign, claims, {"digests.result": (claims["digest"], campaign.digest)}, stage, *columns, again)
+    left_out = sum((exclusions(c.status, c.reasons) for c in held.values()), Counter[str]())
+    twice = {"digests.result": (claims["digest"], campaign.digest)}
+    return Record(campaign, claims, twice, stage, *columns, again, left_out)

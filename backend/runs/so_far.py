@@ -49,6 +49,6 @@ def _shown(row: Any, confidence: float, outside: float | None) -> SoFar:
     samples = row.counted - row.excluded
     whole, beyond = max(row.planned, samples), outside or 0.0
     now, end = (min(1.0, bound(row.violations, size, confidence) + beyond) for size in (samples, whole))
-    drawn = Drawn(row.violations, samples, confidence, outside)
+    drawn = Drawn(row.violations, samples, confidence, outside, row.excluded)
     statement = so_far(drawn, now, whole - samples, end)
     return SoFar(samples=samples, violations=row.violations, upper_bound=now, at_end=end, statement=statement)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from campaigns.claims.say import at_least, at_most, count, listed, number, percent, say, symbol
+from campaigns.claims.say import at_least, at_most, count, listed, lowest, percent, say, symbol
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
 
 
 class Draws(NamedTuple):
-    """What an estimate rests on. few: whether too few violate to weight them."""
+    """What an estimate rests on. outside: relative to what is not excluded; few: whether too few violate to weight
+    them."""
 
     samples: int
     failed: int
@@ -39,7 +40,10 @@ def _failed(of: Draws) -> Spans:
 
 def _width(of: Draws) -> Spans:
     """Why the interval is as wide as it is."""
-    beyond = say("; the interval includes ", share(of.outside, name="outside"), " of draws outside the bounds")
+    beyond = say(
+        *("; the interval includes ", at_most(of.outside, name="outside"), " of draws outside the bounds"),
+        " relative to those not excluded" if of.excluded else "",
+    )
     few = say("; few of them violate, so the interval holds wherever the violations are")
     return say(beyond if of.outside else (), few if of.few else ())
 
@@ -68,7 +72,7 @@ def too_few(effective: float, samples: int, needed: int) -> Spans:
     """Too few of the stored draws are likely under the moved distributions."""
     return say(
         *("no estimate: the ", count(samples, "samples"), " stored draws are worth only "),
-        *(number(effective, name="effective", digits=3), " under these distributions, and at least "),
+        *(lowest(effective, name="effective", digits=3), " under these distributions, and at least "),
         *(count(needed, "needed"), " are needed; move the distributions less, or draw a larger sample"),
     )
 
@@ -88,7 +92,7 @@ def outside(fraction: float, most: float) -> Spans:
     return say(
         *(
             "no estimate: ",
-            share(fraction, name="outside"),
+            at_most(fraction, name="outside"),
             " of the draws would be outside the bounds, where nothing ",
         ),
         *("was evaluated, and at most ", percent(most, 6, "most"), " may be; move the distributions less"),
@@ -100,7 +104,7 @@ def redrawn(fraction: float) -> Spans:
     return say(
         *(
             "no estimate: up to ",
-            share(fraction, name="redrawn"),
+            at_most(fraction, name="redrawn"),
             " of the correlated draws were outside the bounds ",
         ),
         "and drawn again within them, so their density is not known; widen the bounds",

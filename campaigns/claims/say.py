@@ -59,9 +59,14 @@ def at_least(bound: float, digits: int = 3, name: str = "") -> Span:
     return _quantity(bound, "", Format.AT_LEAST, digits, name)
 
 
-def lowest(bound: float, unit: str = "", name: str = "") -> Span:
-    """A lower bound that is no probability."""
-    return _quantity(bound, unit, Format.LOWEST, 6, name)
+def lowest(bound: float, unit: str = "", name: str = "", digits: int = 6) -> Span:
+    """A lower bound that is no probability, or a number that must not read as the one that it is below."""
+    return _quantity(bound, unit, Format.LOWEST, digits, name)
+
+
+def goal(fraction: float, name: str = "target") -> Span:
+    """A probability that a bound is compared with: with all its digits, so that no higher bound reads the same."""
+    return _quantity(fraction, "", Format.PROBABILITY, 17, name)
 
 
 def symbol(name: str, label: str = "") -> Span:

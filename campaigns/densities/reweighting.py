@@ -143,8 +143,10 @@ def _estimated(found: Reweighted, of: _Weighted, terms: Terms) -> Reweighted:
     if few:
         ends = wherever(found.violations, found.samples + found.excluded, of.ratios, terms.confidence)
         low, high = min(low, ends[0]), max(high, min(ends[1] / of.kept, 1.0))
-    low, high = low * (1.0 - found.outside), high * (1.0 - found.outside) + found.outside
-    draws = claims.Draws(found.samples, found.failed, found.excluded, found.effective, found.outside, few)
+    # Of the draws outside the bounds none may be excluded, whereas of those within some are.
+    outside = min(1.0, found.outside / of.kept)
+    low, high = low * (1.0 - outside), high * (1.0 - outside) + outside
+    draws = claims.Draws(found.samples, found.failed, found.excluded, found.effective, outside, few)
     statement = claims.estimate(p, (low, high), terms.confidence, draws)
     quantiles = _quantiles(of.shares, of.costs, terms.shares)
     estimates = {"probability": p, "low": low, "high": high, "quantiles": quantiles, "statement": statement}

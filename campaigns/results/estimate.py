@@ -72,7 +72,7 @@ class Estimation(Described):
     """Failed evaluations count as violations."""
     low: float | None = None
     high: float | None = None
-    """Includes the probability beyond the bounds."""
+    """Includes the probability beyond the bounds, relative to what is not excluded."""
     variation: float | None = None
     """The coefficient of variation of the estimate."""
     confidence: float

@@ -32,7 +32,7 @@ class Reweighted(Described):
     """The smallest effective sample size for an estimate."""
     outside: float
     """The probability of a draw outside the bounds, where nothing was evaluated, or an upper bound on it; included in
-    the interval, not in the probability."""
+    the interval, relative to what is not excluded, and not in the probability."""
     confidence: float
     """Of the interval."""
     probability: float | None = None

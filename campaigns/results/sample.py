@@ -39,7 +39,8 @@ class QuantileBound(Described):
 
 
 class Distribution(Result):
-    """The empirical distribution function, and half the width of the band around it."""
+    """The empirical distribution function, and half the width of the band around it, which holds for draws within the
+    bounds that are not excluded."""
 
     values: list[float]
     shares: list[float]
@@ -60,7 +61,8 @@ class Sample(Described):
     """The probability beyond the bounds, or an upper bound on it; included in the bound."""
     confidence: float
     upper_bound: float | None
-    """On P(violation); null for points that are not an independent sample."""
+    """On P(violation), of draws that are not excluded; with a probability beyond the bounds of all draws, of which
+    excluded ones count as no violations. Null for points that are not an independent sample."""
     excluded_fraction: float = 0.0
     """Of all draws."""
     noise: Noise = "stated"

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
-from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Floats, Reasons, Seeds
 from worker.engine.systems.simulators.declared.simulator import Opening, Simulator
@@ -102,7 +102,7 @@ class Adversary(Simulated):
             status[k] = type(self).lost(call)
             if status[k] == OK:
                 costs[k, 0] = 10 - 3 * a - (b - 0.5) ** 2 + type(self).add(call)
-            else:
+            elif status[k] != EXCLUDED:
                 reasons[k] = "no answer within 5 s" if status[k] == TIMEOUT else "its process ended with exit code 3"
         return Batch(costs, status), reasons
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from campaigns.claims.numbers import Format, rounded
 from campaigns.claims.say import count, joined, listed, number, percent, say
-from campaigns.claims.spans import Spans
+from campaigns.claims.spans import Span, Spans
 
 SOLVER = say("the solver Clarabel is not installed; install the package clarabel where the worker runs")
 UNSTABLE = say("the loop does not return to its trim by its linear part, so that it has no such region")
@@ -47,12 +47,15 @@ def proved(of: Facts) -> Spans:
         listed([symbol for symbol, _, _ in of.states]),
     )
     limits = [
-        say(symbol, " within ", number(float(rounded(limit, Format.AT_MOST, 4)), unit, digits=4))  # never below it
-        for symbol, limit, unit in of.states
-        if limit is not None
+        say(symbol, " within ", _upward(limit, unit, 4)) for symbol, limit, unit in of.states if limit is not None
     ]
     within = say(" and keeps ", listed(limits), " of it") if limits else ()
     return say(what, ", the model returns to the trim", within, "; ", _measured(of))
+
+
+def _upward(bound: float, unit: str, digits: int, name: str = "") -> Span:
+    """An upper bound that is no probability: never below it."""
+    return number(float(rounded(bound, Format.AT_MOST, digits)), unit, name, digits)
 
 
 def _measured(of: Facts) -> Spans:
@@ -67,7 +70,7 @@ def _measured(of: Facts) -> Spans:
     else:
         of_it = " of the volume from which the loop returns in simulation ("
         volume = say("the region has ", percent(of.fraction, 2, "fraction"), of_it, rays, ")")
-    apart = say("the rates of model and loop differ in it by at most ", number(of.difference, "", "difference", 2))
+    apart = say("the rates of model and loop differ in it by at most ", _upward(of.difference, "", 2, "difference"))
     return say("measured, not proved: ", volume, ", and ", apart, " of the largest")
 
 

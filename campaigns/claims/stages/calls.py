@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from campaigns.claims.say import count, number, say
+from campaigns.claims.say import at_least, at_most, count, number, say
 from campaigns.claims.spans import Spans
 
 FAILED = "the evaluation failed"
@@ -33,7 +33,7 @@ def independent(violating: int, failed: int, calls: int, low: float, high: float
     """How many of the independent calls of a case violate, and the interval of the probability."""
     lost = say(", ", count(failed, "failed"), " failed") if failed else ()
     of = say(count(violating, "repeats_violating"), " of ", count(calls, "repeats"), lost)
-    return say("violates in ", of, " [", number(low, "", "low", 2), ", ", number(high, "", "high", 2), "]")
+    return say("violates in ", of, " [", at_least(low, 2, "low"), " to ", at_most(high, 2, "high"), "]")
 
 
 def without_value(evaluations: int, points: int, reasons: Sequence[str]) -> str:

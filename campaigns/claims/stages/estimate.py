@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from campaigns.claims.say import Part, at_least, at_most, count, joined, number, percent, say
+from campaigns.claims.say import Part, at_least, at_most, count, joined, lowest, number, percent, say
 from campaigns.claims.say import probability as probable
 from campaigns.claims.spans import Spans
 
@@ -20,7 +20,8 @@ MISSING = "a mode seems to be missing: "
 
 class Draws(NamedTuple):
     """Of an estimate: how many, their effective number, and how many failed; of the independent sample, how many draws
-    were excluded, and its size with these; the probability beyond the bounds; whether the seed was stated."""
+    were excluded, and its size with these; the probability beyond the bounds, relative to what is not excluded; whether
+    the seed was stated."""
 
     drawn: int
     effective: float
@@ -33,7 +34,10 @@ class Draws(NamedTuple):
 
 def estimated(probability: float, ends: tuple[float, float], confidence: float, draws: Draws) -> Spans:
     """P(violation) and its interval, with what it is conditional on."""
-    beyond = say(", of whose upper end ", at_most(draws.outside), " is the probability beyond the bounds")
+    beyond = say(
+        *(", of whose upper end ", at_most(draws.outside), " is the probability beyond the bounds"),
+        " relative to what is not excluded" if draws.excluded else "",
+    )
     failed = say(
         "; of them ",
         count(draws.failed, "failed"),
@@ -126,7 +130,7 @@ def single(part: float) -> Spans:
 
 def few(effective: float, needed: float) -> Spans:
     """The violations are too few, effectively."""
-    rests = say("it rests on ", number(effective, "", "effective", 3), " effective evaluations")
+    rests = say("it rests on ", lowest(effective, "", "effective", 3), " effective evaluations")
     return say(rests, ", ", number(needed), " are needed; give more evaluations")
 
 

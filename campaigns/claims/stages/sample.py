@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from campaigns.claims.say import at_most, count, listed, lowest, number, percent, probability, say, symbol
+from campaigns.claims.say import at_most, count, goal, listed, lowest, number, percent, probability, say, symbol
 from campaigns.claims.spans import Spans, words
 
 
@@ -56,9 +56,9 @@ class Counts:
         drawn = f" samples drawn from the stated distributions{self.terms.drawn}"
         seen = say(count(self.violations, "violations"), " of ", count(self.samples, "samples"), drawn)
         return say(
-            *(seen, violate(self.failed), ": P(violation) is at most "),
+            *(seen, violate(self.failed), f": P(violation){_over(self.excluded, self.outside)} is at most "),
             *(at_most(upper, name="upper_bound"), " with ", percent(self.confidence, 6, "confidence")),
-            *(" confidence", self._beyond(), self._conditions()),
+            *(" confidence", self._beyond(), self._conditions(over_all=self.outside > 0.0)),
         )
 
     def unclaimed(self, points: str, why: str) -> Spans:
@@ -81,22 +81,25 @@ class Counts:
             return say(size, few, most, " quantile, which needs ", count(needed, "needed"))
         if value is None:
             return say(none, most, f" quantile: the {_ordinal(order)} lowest of the sample is a failed evaluation")
-        counted = "" if not self.excluded else ", counted over all draws," if self.outside else " that are not excluded"
+        counted = _over(self.excluded, self.outside) or (" that are not excluded" if self.excluded else "")
         return say(
             *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
             *(lowest(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence"), " confidence"),
         )
 
-    def _conditions(self) -> Spans:
-        """The conditions under which a statement holds: noise and exclusions."""
+    def _conditions(self, over_all: bool = False) -> Spans:
+        """The conditions under which a statement holds: noise and exclusions; over_all: whether it counts all draws."""
         if not self.excluded:
             return say(self.terms.holds)
         draws = self.samples + self.excluded
-        only, why = "for starts above the threshold", " start at or below it and were excluded"
+        only, why = "it holds only for starts above the threshold", " start at or below it and were excluded"
         if self.simulator:
-            only, why = "where the simulator excludes nothing", " were excluded"
+            only, why = "it holds only where the simulator excludes nothing", " were excluded"
+        if over_all:
+            which = "that the simulator excludes" if self.simulator else "that start at or below the threshold"
+            only, why = f"draws {which} count as no violations", " were excluded"
         return say(
-            f"{self.terms.holds}; it holds only {only}: ",
+            f"{self.terms.holds}; {only}: ",
             *(count(self.excluded, "draws_excluded"), " of ", count(draws, "draws"), " draws ("),
             *(probability(self.excluded / draws), f"){why}"),
         )
@@ -104,9 +107,7 @@ class Counts:
     def _beyond(self) -> Spans:
         if not self.outside:
             return ()
-        every = ", relative to all draws, including excluded ones" if self.excluded else ""
-        beyond = f" is the probability beyond the bounds{every}"
-        return say(", of which ", probability(self.outside, name="outside"), beyond)
+        return say(", of which ", probability(self.outside, name="outside"), " is the probability beyond the bounds")
 
 
 def counted(draws: int, blocks: int, stored: int) -> Spans:
@@ -119,12 +120,14 @@ def counted(draws: int, blocks: int, stored: int) -> Spans:
 
 
 class Drawn(NamedTuple):
-    """What is known of a sample while it is drawn; outside: the probability beyond the bounds, None if not known."""
+    """What is known of a sample while it is drawn; outside: the probability beyond the bounds, None if not known;
+    excluded: how many further draws were excluded."""
 
     violations: int
     samples: int
     confidence: float
     outside: float | None
+    excluded: int = 0
 
 
 def violate(failed: int) -> Spans:
@@ -149,7 +152,7 @@ def curtailed(statement: Spans, allowed: int, target: float, samples: int, count
     return say(
         statement,
         *("; it ended early, because at most ", count(allowed, "allowed"), " of ", count(samples, "requested")),
-        *(" samples may violate for a bound of ", probability(target, 4, "target"), ", and this bound counts the "),
+        *(" samples may violate for a bound of ", goal(target), ", and this bound counts the "),
         *(count(counted, "bound_samples"), " samples before the last block"),
     )
 
@@ -162,7 +165,7 @@ def certified(drawing: Spans, quantile: Spans, samples: int, requested: int) -> 
 
 def so_far(counts: Drawn, upper: float, left: int, at_end: float) -> Spans:
     """A sample that is being drawn: its bound if it ended now, and its bound if none of those left violates."""
-    where = " within the bounds" if counts.outside is None else ""
+    where = " within the bounds" if counts.outside is None else _over(counts.excluded, counts.outside)
     beyond = say(
         ", of which ", probability(counts.outside or 0.0, name="outside"), " is the probability beyond the bounds"
     )
@@ -186,6 +189,12 @@ def grid(points: int, total: int, lowest: tuple[str, float, str] | None, violati
         *(", ", count(violations), violate(failed)),
         "; nothing is claimed between these points",
     )
+
+
+def _over(excluded: int, outside: float) -> str:
+    """What a bound counts: how many of the draws beyond the bounds would be excluded is not known, so that it is not
+    relative to those that are not."""
+    return ", counted over all draws," if excluded and outside else ""
 
 
 def _ordinal(r: int) -> str:

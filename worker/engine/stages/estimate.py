@@ -128,10 +128,11 @@ def _estimated(
     found, (first, count) = made.interval, made.sampled
     size = int(np.count_nonzero(columns.status[first : first + count] != EXCLUDED))
     alarms = [_alarm(alarm, size, found.probability, budget) for alarm in made.alarms]
+    beyond = _beyond(empty.outside, size, count)
     drawn = {
         "probability": found.probability,
-        "low": None if alarms else found.low * (1.0 - empty.outside),
-        "high": None if alarms else min(1.0, found.high + empty.outside),
+        "low": None if alarms else found.low * (1.0 - beyond),
+        "high": None if alarms else min(1.0, found.high + beyond),
         "variation": found.variation if np.isfinite(found.variation) else None,
         "effective": made.effective,
         "draws": made.drawn,
@@ -146,6 +147,11 @@ def _estimated(
     return result.model_copy(update={"statement": _statement(result, count - size)})
 
 
+def _beyond(outside: float, kept: int, drawn: int) -> float:
+    """The probability beyond the bounds relative to what is not excluded: there, nothing may be excluded."""
+    return min(1.0, outside * drawn / kept) if kept else 1.0
+
+
 def _statement(result: EstimateResult, excluded: int) -> Spans:
     """The sentence on an estimate; excluded: draws of the independent sample."""
     if result.low is None or result.high is None:
@@ -154,9 +160,8 @@ def _statement(result: EstimateResult, excluded: int) -> Spans:
     assert result.effective is not None
     assert result.independent is not None
     sampled, stated = result.independent.count, not result.drawn_at_launch
-    draws = sentences.Draws(
-        result.draws, result.effective, result.failed_draws, excluded, sampled, result.outside, stated
-    )
+    beyond = _beyond(result.outside, sampled - excluded, sampled)
+    draws = sentences.Draws(result.draws, result.effective, result.failed_draws, excluded, sampled, beyond, stated)
     about = sentences.estimated(result.probability, (result.low, result.high), result.confidence, draws)
     hidden = [mode.share for mode in result.modes if not mode.origins]
     return sentences.whole(about, sentences.modes([mode.share for mode in result.modes], len(hidden), sum(hidden)))

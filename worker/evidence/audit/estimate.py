@@ -15,7 +15,7 @@ import numpy as np
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import estimate as templates
 from campaigns.results.base import EXCLUDED, OK
-from worker.evidence.audit import draw
+from worker.evidence.audit import draw, limits
 from worker.evidence.audit.binomial import cumulative
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import Missing
@@ -109,7 +109,7 @@ def estimated(run: Run, k: int) -> Tree:
     sample = int(np.count_nonzero(violates[own])), kept
     again = _again(run, k)
     searched = _searched(stated, again)
-    numbers, alarms = _numbers(terms, made, run.outside()), _alarms(searched, terms, made, sample)
+    numbers, alarms = _numbers(terms, made, _tails(run, kept, count)), _alarms(searched, terms, made, sample)
     if alarms:
         numbers |= {"low": None, "high": None}
     numbers = {name: _near(value, stated[name]) for name, value in numbers.items()}
@@ -196,6 +196,12 @@ def _interval(high: Any, low: Any, sample: tuple[int, int], confidence: float) -
     return made | {"high": min(1.0, ends[1]), "variation": wide}
 
 
+def _tails(run: Run, kept: int, drawn: int) -> float:
+    """The probability beyond the bounds per probability of what is not excluded; earlier versions left that out."""
+    share = kept / drawn if run.wording >= limits.TAILS else 1.0
+    return min(1.0, run.outside() / share) if share else 1.0
+
+
 def _numbers(terms: Any, made: Tree, outside: float) -> Tree:
     effective = float(terms.sum() ** 2 / max(float(np.sum(terms**2)), 1e-300))
     variation = made["variation"] if math.isfinite(made["variation"]) else None
@@ -259,7 +265,8 @@ def _statement(run: Run, stated: Tree, found: Tree, excluded: int) -> Spans:
     if found["alarms"]:
         return templates.alarmed([alarm["statement"] for alarm in found["alarms"]])
     size, seed_stated = stated["independent"]["count"], not stated["drawn_at_launch"]
-    numbers = found["draws"], found["effective"], found["failed_draws"], excluded, size, found["outside"]
+    beyond = _tails(run, size - excluded, size)
+    numbers = found["draws"], found["effective"], found["failed_draws"], excluded, size, beyond
     about = templates.estimated(
         found["probability"],
         (found["low"], found["high"]),

@@ -121,6 +121,22 @@ def test_failed_draws_violate_and_excluded_ones_are_left_out() -> None:
     assert found.quantiles[0].value is None
 
 
+def test_what_is_beyond_the_bounds_counts_relative_to_what_is_not_excluded() -> None:
+    """Half of the draws are excluded; of those beyond the bounds all may violate, and none may be excluded."""
+    kind = Normal(mean=5.0, deviation=0.4)
+    points = drawn(kind, count=20_000)
+    x = 4.0 + 2.0 * points[:, 0]
+    status = np.where(x > 5.0, EXCLUDED, OK)
+    terms = Terms(4.05, 0.95, ())
+    found = reweighted(over(kind), over(kind), sample(points, np.where(status == OK, x, np.nan), status), terms)
+    assert found.high is not None
+    assert found.probability is not None
+    kept = (1.0 - found.outside) / 2.0
+    for probability in (found.probability, 0.0):
+        assert found.high > (kept * probability + found.outside) / (kept + found.outside)
+    assert values(found.statement)["outside"] == pytest.approx(2.0 * found.outside, rel=0.05)
+
+
 def test_an_estimate_that_cannot_be_made_is_refused() -> None:
     kind = Normal(mean=5.0, deviation=0.2)
     far = from_first(kind, over(Normal(mean=5.4, deviation=0.2)), 4.6, 1000, 1)

@@ -109,6 +109,20 @@ def test_a_draw_beyond_the_bounds_of_a_correlated_normal_is_no_violation_of_the_
     assert cut.low <= stats.norm.sf(4.0 / np.sqrt(3.0)) <= cut.high
 
 
+@pytest.mark.parametrize("outside", [0.0, 1e-6, 0.02, 0.3, 1.0])
+@pytest.mark.parametrize(("kept", "drawn"), [(60, 60), (55, 60), (6, 60), (1, 60), (0, 60)])
+@pytest.mark.parametrize("probability", [0.0, 1e-5, 0.1, 1.0])
+def test_the_ends_hold_whatever_violates_or_is_excluded_beyond_the_bounds(
+    outside: float, kept: int, drawn: int, probability: float
+) -> None:
+    beyond = estimate._beyond(outside, kept, drawn)
+    inside = (1.0 - outside) * kept / drawn
+    for violating, counted in ((0.0, 0.0), (0.0, outside), (outside, outside)):
+        if inside + counted > 0.0:
+            true = (inside * probability + violating) / (inside + counted)
+            assert probability * (1.0 - beyond) - 1e-12 <= true <= min(1.0, probability + beyond) + 1e-12
+
+
 def test_the_mode_leads_back_to_the_violations_of_the_search() -> None:
     result = made(after_a_search())
     (mode,) = result.modes

@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.checked.check import check
 from campaigns.claims.spans import words
 from campaigns.claims.stages import estimate as templates
+from campaigns.claims.stages import sample as sentences
+from campaigns.results.base import EXCLUDED, OK
 from tests.audited import audited, recorded
 from tests.given.corrupted_records import NORMAL, PAIR, Folder, copied, estimating, made, stored, written
 from tests.given.forgeries import ESTIMATE
@@ -150,6 +154,36 @@ def test_of_a_simulator_that_repeats_an_estimate_is_made_and_audited() -> None:
     assert stated.low is not None
     assert stated.high is not None
     assert stated.low <= known <= stated.high
+
+
+def test_tails_and_exclusions_are_counted_over_one_population() -> None:
+    """Two fifths of the square are excluded, of which none may lie in the tails."""
+    document = adversaries(7.05).document()
+    normal = {"kind": "normal", "mean": 0.5, "deviation": 0.2}
+    document["uncertain"]["simulator.a"] |= {"distribution": normal}
+    document["stages"] |= {"certify": {"samples": 120}}
+    asked, store = load_document(document), MemoryStore(sample_seed=DRAWN)
+    with adversary("none", lost=lambda call: EXCLUDED if call.b > 0.6 else OK):
+        execute(asked, store, threads=1)
+        audited(store, asked)
+    (stated,) = (s.result.estimation for s in store.stages if s.result is not None and s.result.estimation is not None)
+    assert stated.high is not None
+    # As if all draws beyond the bounds violate, and as if none is excluded.
+    outside = 2.0 * stats.norm.sf(2.5)
+    kept = (1.0 - outside) * 0.6
+    assert stated.high > outside / (kept + outside) > stated.outside
+    (sample,) = (s.result.certificate.sample for s in store.stages if s.plan.kind == "certify" and s.result is not None)
+    assert sample.excluded > 0
+    over = sentences._over(1, 0.1)
+    assert [over in words(one.statement) for one in (sample, sample.quantile)] == [True, True]
+
+
+def test_of_earlier_versions_the_tails_are_relative_to_all_draws() -> None:
+    def run(wording: int) -> Any:
+        return SimpleNamespace(wording=wording, outside=lambda: 0.01)
+
+    assert [estimate._tails(run(wording), 30, 60) for wording in (7, 8)] == [0.01, 0.02]
+    assert estimate._tails(run(8), 0, 60) == 1.0
 
 
 def test_of_a_simulator_with_noise_nothing_is_estimated() -> None:

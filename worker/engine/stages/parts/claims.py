@@ -82,5 +82,5 @@ def needed(fraction: float, confidence: float) -> int | None:
 
 
 def band(samples: int, confidence: float) -> float:
-    """Half the width of the band that holds the whole distribution function around the sample's."""
+    """Half the width of the band around the sample's distribution function that holds the whole one of its draws."""
     return min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * samples))) if samples else 1.0

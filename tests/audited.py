@@ -66,7 +66,9 @@ def recorded(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = No
     claims |= {"components": snapshot(campaign, catalogue())}
     stage = np.repeat(list(held), [len(c.status) for c in held.values()])
     again = sum(flaky(c.status, c.reasons) for c in held.values())
-    columns = (np.concatenate([getattr(c, name) for c in held.values()]) for name in ("points", "costs", "status"))
+    points, costs, status = (
+        np.concatenate([getattr(c, name) for c in held.values()]) for name in ("points", "costs", "status")
+    )
     left_out = sum((exclusions(c.status, c.reasons) for c in held.values()), Counter[str]())
     twice = {"digests.result": (claims["digest"], campaign.digest)}
-    return Record(campaign, claims, twice, stage, *columns, again, left_out)
+    return Record(campaign, claims, twice, stage, points, costs, status, again, left_out)

@@ -4,7 +4,7 @@ import uPlot from 'uplot'
 import 'uplot/dist/uPlot.min.css'
 import { useTheme } from '../theme/useTheme'
 import { optionsFor } from './options'
-import type { PlotSpec } from './spec'
+import { type PlotSpec, valueText } from './spec'
 import figures from '../ui/figures.module.css'
 import styles from './charts.module.css'
 
@@ -175,7 +175,7 @@ function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: Rea
         return hidden.has(line.key) || typeof value !== 'number' ? null : (
           <span key={line.key} title={line.label}>
             <span data-swatch className={styles.sw} style={{ borderTop: `2px solid var(${line.colour})` }} />
-            {spec.yText(value)}
+            {valueText(spec, line, at)}
           </span>
         )
       })}
@@ -206,7 +206,7 @@ function Tip({ cursor, spec, hidden }: { cursor: Cursor; spec: PlotSpec; hidden:
               <span data-swatch className={styles.sw} style={{ width: 10, borderTop: `2px solid var(${line.colour})` }} />
               {line.label}
             </dt>
-            <dd>{spec.yText(line.y[cursor.at] as number)}</dd>
+            <dd>{valueText(spec, line, cursor.at)}</dd>
           </div>
         ))}
       </dl>

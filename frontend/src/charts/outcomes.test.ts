@@ -2,6 +2,7 @@
 import { expect, it } from 'vitest'
 import type { Outcome } from '../client'
 import { type At, boundName, boundsOf, codesOf, commonOf, fractionOf, kindsOf, marginsOf, observedName, sampleOf, spoken } from './outcomes'
+import { valueText } from './spec'
 
 const outcome = (more: Partial<Outcome> = {}): Outcome => ({
   id: 'R-0001', name: '', state: 'done', verdict: 'cleared', error: null, campaign_name: '', campaign_digest: '', seed: 1,
@@ -42,7 +43,19 @@ it('draws bounds and observed fractions in percent', () => {
   ])
   expect(spec?.yRange?.[0]).toBe(0)
   expect(boundName(points)).toBe('Upper bound, 95\u202f% confidence')
+  expect(boundName([{ x: 1, run: '', outcome: outcome({ confidence: 0.9496 }) }])).toBe('Upper bound, 94.96\u202f% confidence')
   expect(boundName([...points, { x: 7, run: '', outcome: outcome({ confidence: 0.99 }) }])).toBe('Upper bound')
+})
+
+it('reads a bound out as the table has it, never below itself', () => {
+  const at = [1 - 0.05 ** (1 / 3000), 1 - 0.05 ** (1 / 300), 1 - 0.05 ** (1 / 59), 0.07].map((upper_bound, x): At => ({
+    x, run: '', outcome: outcome({ upper_bound }),
+  }))
+  const spec = boundsOf(at, axis, 200, 's')
+  const [bound, observed] = spec?.lines ?? []
+  const read = at.map((_, k) => spec && bound && valueText(spec, bound, k))
+  expect(read).toEqual(['0.0999\u202f%', '0.994\u202f%', '4.96\u202f%', '7\u202f%'])
+  expect(spec && observed && valueText(spec, observed, 0)).toBe('0\u202f%')
 })
 
 it('has no chart without a number', () => {

@@ -1,6 +1,6 @@
 // Outcomes of runs over a value or over time, as charts and texts. A run that is not done has no numbers.
 import type { Outcome } from '../client'
-import { decimalsFor, fixed, percent, plain, probability, signed } from '../format/numbers'
+import { atMost, confidenceText, decimalsFor, fixed, plain, probability, signed } from '../format/numbers'
 import { outcomeOf, type Outcome as Word, wordOf } from '../ui/VerdictBadge'
 import type { Line, PlotSpec, Point } from './spec'
 
@@ -84,7 +84,7 @@ export function boundsOf(points: readonly At[], axis: Axis, height: number, sync
   const observed = points.map(({ outcome }) => part(fractionOf(outcome)))
   const highest = Math.max(...bounds.map((bound) => bound ?? 0), ...observed.map((fraction) => fraction ?? 0))
   const lines: Line[] = [
-    { key: 'bound', label: boundName(points), colour: '--c-bound', y: bounds, dots: true },
+    { key: 'bound', label: boundName(points), colour: '--c-bound', y: bounds, texts: points.map(({ outcome }) => atMost(outcome?.upper_bound)), dots: true },
     { key: 'observed', label: observedName(points), colour: '--c-nom', y: observed, dots: true },
   ]
   return {
@@ -99,7 +99,7 @@ export function boundsOf(points: readonly At[], axis: Axis, height: number, sync
 /** The name of the bounds with their confidence, if all share it. */
 export function boundName(points: readonly At[]): string {
   const confidences = [...new Set(points.flatMap(({ outcome }) => outcome?.confidence ?? []))]
-  return confidences.length === 1 ? `Upper bound, ${percent(confidences[0])} confidence` : 'Upper bound'
+  return confidences.length === 1 ? `Upper bound, ${confidenceText(confidences[0])} confidence` : 'Upper bound'
 }
 
 /** The fraction of the independent sample that violates. */

@@ -17,6 +17,8 @@ export interface Line {
   dash?: readonly number[]
   /** Drawn at the last point. */
   end?: Shape
+  /** The value at each point in words, if not as `yText` writes it. */
+  texts?: readonly string[]
 }
 
 /** A labelled point, drawn on top. */
@@ -29,6 +31,10 @@ export interface Point {
   /** A ring instead of a dot. */
   hollow?: boolean
 }
+
+/** The value of a line at a point, for the readout and the tooltip. */
+export const valueText = (spec: Pick<PlotSpec, 'yText'>, line: Line, at: number): string =>
+  line.texts?.[at] ?? spec.yText(line.y[at] as number)
 
 export interface PlotSpec {
   /** Description for screen readers. */

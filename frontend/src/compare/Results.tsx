@@ -1,7 +1,7 @@
 // The results of the runs side by side, with the difference for two runs.
 import type { ReactNode } from 'react'
 import { independentSample } from '../api/stages'
-import { atMost, count, decimalsFor, exact, fixed, margin, NONE, percent, plain, probability, signed } from '../format/numbers'
+import { atMost, confidenceText, count, decimalsFor, exact, fixed, margin, NONE, plain, probability, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
@@ -98,7 +98,7 @@ function linesOf(runs: Compared[]): Line[] {
     },
     {
       key: 'bound',
-      name: `P(violation), ${confidences.length === 1 ? `${percent(confidences[0])} ` : ''}bound`,
+      name: `P(violation), ${confidences.length === 1 ? `${confidenceText(confidences[0])} ` : ''}bound`,
       unit: '',
       decimals: 0,
       values: runs.map(boundOf),

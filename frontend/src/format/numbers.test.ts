@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest'
 import cases from '../../tests/numbers.json'
 import type { Quantity } from '../client'
-import { count, decimalsApart, decimalsFor, duration, exact, field, fixed, margin, parse, percent, plain, signed, thinned } from './numbers'
+import { confidenceText, count, decimalsApart, decimalsFor, duration, exact, field, fixed, goal, margin, parse, percent, plain, signed, spread, thinned } from './numbers'
 import { quantityText } from './quantity'
 import { unitText } from './units'
 
@@ -49,4 +49,25 @@ it('writes a fraction with the digits of a sentence', () => {
 it('writes a threshold in full', () => {
   const written = [0.5, 0.1, 1.00000005, 123456.6, 0.9999996, -4.5, 1e-7].map((value) => exact(value))
   expect(written).toEqual(['0.5', '0.1', '1.00000005', '123\u202f456.6', '0.9999996', '\u22124.5', '1e\u22127'])
+})
+
+it('writes a confidence no higher than the sentences of the service do', () => {
+  expect([0.95, 0.9545, 0.9973, 0.99865, 0.9496, 0.9999999].map(confidenceText)).toEqual(
+    ['95', '95.45', '99.73', '99.865', '94.96', '99.99999'].map((text) => `${text}\u202f%`),
+  )
+})
+
+it('writes a target with all its digits, so that no higher bound reads the same', () => {
+  expect([0.05, 0.0123449999, 1e-6, 0.01239999].map(goal)).toEqual(['5\u202f%', '1.23449999\u202f%', '1.0e\u22126', '1.239999\u202f%'])
+})
+
+it('writes an interval that holds the one that it is of', () => {
+  const read = (text: string) => text.split(' ± ').map((part) => parse(part) ?? NaN)
+  for (let k = 0; k < 2000; k++) {
+    const [value, half] = [Math.sin(k) * 10 ** (k % 5 - 3), Math.abs(Math.cos(k)) * 10 ** (k % 4 - 3)]
+    const [middle = NaN, apart = NaN] = read(spread(value, half))
+    expect(middle - apart).toBeLessThanOrEqual(value - half + 1e-15)
+    expect(middle + apart).toBeGreaterThanOrEqual(value + half - 1e-15)
+  }
+  expect([spread(0.5, null), spread(null, 0.1), spread(0.314, 0.045)]).toEqual(['0.5 ± \u2014', '\u2014', '0.314 ± 0.045'])
 })

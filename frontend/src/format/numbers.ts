@@ -124,7 +124,7 @@ export function parse(text: string): number | null {
   return Number.isFinite(value) ? value : null
 }
 
-/** A fraction as percent, with the digits of a sentence: a bound that is rounded more may read below itself. */
+/** A fraction as percent. */
 export function percent(share: Maybe, digits = 3): string {
   if (!known(share)) return NONE
   let text = significant(100 * share, digits)
@@ -157,6 +157,15 @@ export function probability(value: Maybe, digits = 3, rounded: Rounded = 'probab
 /** An upper bound on a probability, never written below itself. */
 export const atMost = (bound: Maybe, digits = 3): string => probability(bound, digits, 'at_most')
 
+/** A lower bound on a probability, never written above itself. */
+export const atLeast = (bound: Maybe, digits = 3): string => probability(bound, digits, 'at_least')
+
+/** A probability that a bound is compared with, with all its digits: no higher bound reads the same. */
+export const goal = (target: Maybe): string => probability(target, 17)
+
+/** The confidence of a bound or an interval, with the digits of a sentence: fewer may read higher than it is. */
+export const confidenceText = (fraction: Maybe): string => percent(fraction, 6)
+
 /** Digits with the decimal point after that of this power of ten. */
 function positioned(digits: string, power: number): string {
   if (power < 0) return `0.${'0'.repeat(-power - 1)}${digits}`
@@ -171,6 +180,15 @@ export function lowest(value: number, digits: number): string {
   const more = value < 0 && all.length > digits ? 1n : 0n
   const kept = `${BigInt(all.slice(0, digits)) + more}e${Number(exponent) - Math.min(all.length, digits) + 1}`
   return significant(value < 0 ? -Number(kept) : Number(kept), digits)
+}
+
+/** A value with half the width of its interval, which holds the whole interval as it is read. */
+export function spread(value: Maybe, half: Maybe): string {
+  if (!known(value)) return NONE
+  const shown = plain(value, 3)
+  if (!known(half)) return `${shown} ± ${NONE}`
+  const apart = Math.abs(value - (parse(shown) ?? value))
+  return `${shown} ± ${plain(-(parse(lowest(-half - apart, 2)) ?? NaN), 2)}`
 }
 
 /** Significant digits without trailing zeros; powers of ten below 1e-4 and above the range of the digits. */

@@ -3,7 +3,7 @@ import { TagsInput } from '@mantine/core'
 import { Fragment } from 'react'
 import type { Campaign, Raw } from '../api/campaign'
 import type { Catalogue, Checked, ComponentEntry, ResultEntry } from '../client'
-import { atMost, count, thinned, NONE, percent, probability } from '../format/numbers'
+import { atMost, confidenceText, count, goal, thinned, NONE } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
@@ -108,14 +108,14 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
         {target !== null && (
           <>
             <dt>Target</dt>
-            <dd>{probability(target, 4)}</dd>
+            <dd>{goal(target)}</dd>
           </>
         )}
       </dl>
       <p className="small mut" style={{ marginTop: 8 }}>
         {estimate && thinned(`${estimate.statement} ${estimate.time_statement} `)}
         {bound !== null &&
-          `The bound holds with ${percent(confidence)} confidence if none of the ${count(samples)} random samples violates.`}
+          `The bound holds with ${confidenceText(confidence)} confidence if none of the ${count(samples)} random samples violates.`}
         {bound !== null && unbounded && ' The probability beyond the bounds of normal distributions is added to it.'}
       </p>
     </Card>

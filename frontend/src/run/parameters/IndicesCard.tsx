@@ -1,6 +1,6 @@
 // Global sensitivity: Morris' elementary effects and Sobol indices, one row per parameter.
 import type { SlicesResult } from '../../api/stages'
-import { count, NONE, percent, plain } from '../../format/numbers'
+import { confidenceText, count, NONE, plain, spread } from '../../format/numbers'
 import { words } from '../../format/spans'
 import { Card } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
@@ -45,7 +45,7 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
           {morris?.indices && `μ, μ* and σ are per whole range, in ${run.unit}. `}
           {morris && !morris.indices && <Spans spans={[words('Morris: '), ...morris.statement, words('. ')]} />}
           {sobol?.indices &&
-            `Indices are fractions of the variance, ± half the width of their ${percent(sobol.confidence)} interval.`}
+            `Indices are fractions of the variance, ± half the width of their ${confidenceText(sobol.confidence)} interval.`}
           {sobol && !sobol.indices && <Spans spans={[words('Sobol: '), ...sobol.statement, words('.')]} />}
         </>
       }
@@ -63,6 +63,3 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
     </Card>
   )
 }
-
-const spread = (value: number | null, half: number | null): string =>
-  value === null ? NONE : `${plain(value, 3)} ± ${half === null ? NONE : plain(half, 2)}`

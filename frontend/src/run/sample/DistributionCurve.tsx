@@ -3,7 +3,7 @@ import { useMemo } from 'react'
 import type { Distribution, Sample } from '../../client'
 import { Plot } from '../../charts/Plot'
 import type { PlotSpec } from '../../charts/spec'
-import { decimalsFor, fixed, probability } from '../../format/numbers'
+import { atLeast, atMost, decimalsFor, fixed, probability } from '../../format/numbers'
 import { Sign, symbolText } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 
@@ -19,14 +19,17 @@ export function DistributionCurve({ data, sample, height }: DistributionCurvePro
     const { values, shares, band } = sample.distribution
     const decimals = decimalsFor([sample.mean, sample.lowest], 5)
     const { quantile } = sample
-    const within = (share: number) => 100 * Math.min(1, Math.max(0, share))
+    const part = (share: number) => Math.min(1, Math.max(0, share))
+    const within = (share: number) => 100 * part(share)
+    // The band holds for what was drawn: nothing beyond the bounds was.
+    const where = sample.outside > 0 ? ', within the bounds' : ''
     return {
       label: `Fraction of the sample at or below each ${symbolText(run.quantity || 'value')}`,
       x: values,
       lines: [
         { key: 'sample', label: 'Sample', colour: '--c-nom', y: shares.map(within), width: 1.8 },
-        { key: 'low', label: 'Lower band', colour: '--c-obs', y: shares.map((s) => within(s - band)), width: 1 },
-        { key: 'high', label: 'Upper band', colour: '--c-obs', y: shares.map((s) => within(s + band)), width: 1 },
+        { key: 'low', label: `Lower band${where}`, colour: '--c-obs', y: shares.map((s) => within(s - band)), texts: shares.map((s) => atLeast(part(s - band))), width: 1 },
+        { key: 'high', label: `Upper band${where}`, colour: '--c-obs', y: shares.map((s) => within(s + band)), texts: shares.map((s) => atMost(part(s + band))), width: 1 },
       ],
       points:
         quantile && quantile.bound !== null

@@ -3,7 +3,7 @@ import { IconAlertTriangle } from '@tabler/icons-react'
 import type { EstimationResult } from '../../api/stages'
 import { TicksBelow } from '../../charts/axes'
 import type { NamedModes, ViolationMode } from '../../client'
-import { atMost, count, percent, plain, probability as written } from '../../format/numbers'
+import { atLeast, atMost, count, percent, plain, probability as written } from '../../format/numbers'
 import { sentence } from '../../format/spans'
 import { Card } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
@@ -70,7 +70,7 @@ function Interval({ probability, low, high }: { probability: number; low: number
   const powers = Array.from({ length: Math.floor((last - first) / step) + 1 }, (_, i) => first + i * step)
   return (
     <div ref={holder}>
-      <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`P(violation) about ${written(probability, 2)}, interval ${written(low, 2, 'at_least')} to ${atMost(high, 2)}`}>
+      <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`P(violation) about ${written(probability, 2)}, interval ${atLeast(low, 2)} to ${atMost(high, 2)}`}>
         <path className={figures.a} d={`M${SIDE} ${HEIGHT - 24}H${width - SIDE}`} />
         <TicksBelow ticks={powers} at={(power) => x(10 ** power)} text={(power) => written(10 ** power, 1)} foot={HEIGHT - 24} top={8} />
         <rect x={x(low)} y={18} width={Math.max(2, x(high) - x(low))} height={14} fill="var(--c-worst)" fillOpacity={0.35} />

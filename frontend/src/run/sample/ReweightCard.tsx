@@ -5,7 +5,7 @@ import { IconAlertTriangle } from '@tabler/icons-react'
 import { type CSSProperties, type ReactNode, useMemo, useState } from 'react'
 import { reweightedQuery } from '../../api/queries'
 import type { Reweighted } from '../../client'
-import { atMost, count, decimalsFor, fixed, NONE, percent, plain, probability } from '../../format/numbers'
+import { atLeast, atMost, confidenceText, count, decimalsFor, fixed, NONE, percent, plain, probability } from '../../format/numbers'
 import { sentence } from '../../format/spans'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
@@ -100,7 +100,7 @@ export function Estimates({ run, stated, moved }: EstimatesProps) {
   const decimals = decimalsFor(both.flatMap((of) => of?.quantiles.map(({ value }) => value) ?? []), 5)
   const rows: EstimateRow[] = [
     { name: 'P(violation)', cells: both.map((of) => probability(of?.probability)), tone: 'b' },
-    { name: `Interval, ${percent(stated?.confidence, 6)}`, cells: both.map(intervalOf) },
+    { name: `Interval, ${confidenceText(stated?.confidence)}`, cells: both.map(intervalOf) },
     ...shares.map((share) => ({
       name: <>{percent(share)} quantile of <Sign text={run.quantity || 'value'} />, {run.unit}</>,
       cells: both.map((of) => fixed(at(of, share), decimals)),
@@ -127,7 +127,7 @@ interface EstimateRow {
 
 const toneOf = ({ tone }: EstimateRow) => tone
 
-const intervalOf = (of: Reweighted | undefined): string => (of?.low == null ? NONE : `${probability(of.low, 3, 'at_least')} to ${atMost(of.high)}`)
+const intervalOf = (of: Reweighted | undefined): string => (of?.low == null ? NONE : `${atLeast(of.low)} to ${atMost(of.high)}`)
 
 function Slider({ knob, value, onChange }: { knob: Knob; value: number; onChange: (value: number) => void }) {
   const { parameter, title, stated, low, high } = knob

@@ -1,6 +1,6 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
 import { unknownOf, violatedOf, withoutValue } from '../../format/counts'
-import { atMost, count, decimalsFor, duration, exact, fixed, margin, NONE, percent, probability, signed } from '../../format/numbers'
+import { atMost, confidenceText, count, decimalsFor, duration, exact, fixed, goal, margin, NONE, signed } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
@@ -70,13 +70,13 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           note={run.nominal_cost === null ? 'the nominal case has no value' : lower === null ? '' : `worst is ${fixed(lower, decimalsFor([lower], 3))} ${run.unit} lower`}
         />
         <Stat
-          name={statistics ? `P(violation), ${percent(statistics.confidence)} upper bound` : 'P(violation)'}
+          name={statistics ? `P(violation), ${confidenceText(statistics.confidence)} upper bound` : 'P(violation)'}
           value={bound ?? NONE}
           exact={statistics ? (percents ? 100 : 1) * statistics.upper_bound : null}
           unit={percents}
           note={
             statistics
-              ? `${violatedOf(statistics)}${target === null ? '' : `; target ${probability(target, 4)}`}`
+              ? `${violatedOf(statistics)}${target === null ? '' : `; target ${goal(target)}`}`
               : 'no independent sample'
           }
         />

@@ -19,3 +19,17 @@ it('names the evaluation of the stage whose value is the lowest', () => {
   expect(found(0.5, [null, null], [0.5, 41])).toBe('DIRECT, evaluation 42')
   expect(found(0.4, [0.9, 3], [0.5, 41])).toBe('DIRECT, refined in validation')
 })
+
+const bound = (upper_bound: number, target_probability: number) => {
+  const statistics = { source: 'certify', samples: 300, violations: 0, failed: 0, excluded: 0, confidence: 0.9496, upper_bound, noise: 'none' }
+  const of = run({ summary: { statistics } as never })
+  const campaign = { ...asCampaign(of.campaign), target_probability }
+  return renderToStaticMarkup(<FiveFigures data={{ run: of, campaign: campaign as never, findings: [] }} />)
+}
+
+it('never shows a bound above the target as one that meets it, nor a higher confidence', () => {
+  const html = bound(0.0124, 0.01239999)
+  expect(html).toContain('>1.24<')
+  expect(html).toContain('target 1.239999\u202f%')
+  expect(html).toContain('94.96\u202f% upper bound')
+})

@@ -250,7 +250,8 @@ class _Child:
             return
         finally:
             self._started.set()
-        with self._process:
+        # Closing it sends what a request has left unsent, to a process that may have ended.
+        with contextlib.suppress(BrokenPipeError), self._process:
             assert self._process.stdin is not None
             assert self._process.stdout is not None
             threading.Thread(target=self._write, args=(self._process.stdin,), name="live requests", daemon=True).start()

@@ -67,7 +67,7 @@ def test_few_bodies_are_read_at_a_time_and_the_queue_has_an_end() -> None:
     async def all_at_once() -> list[bool | BaseException]:
         readers = Capacities().bodies
         readers.waiting = 3
-        asked = [asyncio.create_task(readers.run(read)) for _ in range(10)]
+        asked = [asyncio.create_task(readers.run("", read)) for _ in range(10)]
         while sum(task.done() for task in asked) < 10 - few - 3 or busy < few:
             await asyncio.sleep(0.001)
         let_go.set()

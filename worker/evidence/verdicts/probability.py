@@ -6,7 +6,7 @@ The probability of draws outside the bounds counts with and without a sample: no
 from __future__ import annotations
 
 from campaigns import rules
-from campaigns.claims.say import at_most, count, listed, percent, say
+from campaigns.claims.say import at_most, count, goal, listed, percent, say
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages.sample import violate
@@ -43,8 +43,10 @@ def outside(problem: Problem) -> Spans:
     much = problem.distributions.outside
     if not much:
         return ()
+    bounded = problem.campaign.correlations or much > rules.CEILING.value
+    stated = (at_most if bounded else share)(much, name="outside")
     most = "at most " if problem.campaign.correlations else ""
-    return say(most, share(much, name="outside"), " of the draws lie outside the bounds, where nothing was evaluated")
+    return say(most, stated, " of the draws lie outside the bounds, where nothing was evaluated")
 
 
 def _outside(problem: Problem) -> list[Check]:
@@ -106,22 +108,22 @@ def _advice(sample: Sample) -> Spans:
 def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     target, sample = problem.campaign.target_probability, evidence.sample
     required = rules.required(target)
-    goal = share(required, 4, "target")
+    wanted = goal(required)
     if sample is None or sample.upper_bound is None:
-        needs = ("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
+        needs = ("the target P(violation) of ", wanted, " needs an independent sample; add a certify stage")
         return [] if target is None else [check(CheckCode.TARGET, False, *needs)]
     bound = say("the bound of ", at_most(sample.upper_bound, name="upper_bound"))
     if target is None:
         ok = sample.upper_bound <= required
-        is_ = (bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
+        is_ = (bound, f" on P(violation) is {'within' if ok else 'above'} the required ", wanted)
         return [check(CheckCode.PROBABILITY, ok, *is_, *(() if ok else ("; ", _advice(sample))))]
     if sample.noise == "stated":
         of = "the stated noise realisations" if problem.realisations.random else "evaluations of several calls"
         return [check(CheckCode.TARGET, False, bound, f" holds only for {of}; add a certify stage")]
     ok = sample.upper_bound <= required
-    meets = (bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
+    meets = (bound, f" {'meets' if ok else 'does not meet'} the target of ", wanted)
     loose = (
-        ("; the target of the campaign, ", share(target, 4), ", is looser and does not apply")
+        ("; the target of the campaign, ", goal(target, ""), ", is looser and does not apply")
         if target > required
         else ()
     )

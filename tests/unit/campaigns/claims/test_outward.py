@@ -16,7 +16,7 @@ from campaigns.claims.stages import attraction, calls, estimate, sample
 ROOT = Path(__file__).parents[4]
 SOURCES = [
     file
-    for folder in ("campaigns", "backend", "clearance")
+    for folder in ("campaigns", "backend", "clearance", "worker/evidence/verdicts")
     for file in sorted((ROOT / folder).rglob("*.py"))
     if "migrations" not in file.parts
 ]

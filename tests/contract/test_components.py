@@ -87,7 +87,7 @@ def test_a_vehicle_declares_its_states_and_limits(vehicle: Vehicle) -> None:
     flown = problem(vehicle, compiled=False)
     x = flown.system.loop.part("initial")(flown.system.loop.extend(flown.system.nominal))
     assert len(x) >= len(vehicle.states)
-    assert flown.system.loop.part("envelope")(x, flown.system.loop.extend(flown.system.nominal)) == 0.0
+    assert flown.system.loop.part("envelope")(0.0, x, flown.system.loop.extend(flown.system.nominal)) == 0.0
 
 
 @EACH

@@ -96,7 +96,7 @@ class _Plain:
         around = np.abs(self.seen(t, x)[self.deciding]).sum()
         if not (np.abs(x).sum() < LARGEST and around < FARTHEST):
             raise _Ended(NOT_FINITE, t)
-        limit = self.envelope(tuple(x), self.p)
+        limit = self.envelope(t, tuple(x), self.p)
         if limit > 0.0:
             raise _Ended(OUTSIDE - 1.0 + limit, t)
 

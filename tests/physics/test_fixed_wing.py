@@ -200,7 +200,7 @@ class TestIntegrator:
         [
             ({"vehicle.m": math.nan}, "the simulation diverged"),
             ({"vehicle.C_mde": 5.0}, "the pitch exceeds|angle of attack|turn rate"),
-            ({"start.speed": 2.0}, "the forward speed is below 3 m/s"),
+            ({"start.speed": 2.0}, "the forward speed through the air is below 3 m/s"),
             ({"vehicle.C_lda": -2.0}, "the bank exceeds 2 rad|turn rate|sideslip"),
         ],
     )

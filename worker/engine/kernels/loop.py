@@ -96,7 +96,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 dx, y = closed_loop(t, x, load_g(b, G, l), p)
                 store_x(b, A, l, dx)
                 store_y(b, Y0, l, y)
-                code = envelope(x, p)
+                code = envelope(t, x, p)
                 code = OUTSIDE - 1.0 + code if code > 0.0 else OK
                 code = code if (magnitude_x(x) < LARGEST) & (magnitude_y(y) < FARTHEST) else NOT_FINITE
                 so_far = b[STATUS + l]

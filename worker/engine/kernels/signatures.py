@@ -38,13 +38,14 @@ Located = Callable[[State, Own], Place]
 Moving = Callable[[State, Own], Velocity]
 Posed = Callable[[State, Own], Pose]
 Outside = Callable[[State, Own], float]
-"""0.0 inside the envelope, else the number of the exceeded limit, counted from 1.0."""
+"""0.0 inside the envelope, else the number of the exceeded limit, counted from 1.0. A vehicle with `felt` receives the
+state with air data here: its limits are those of the flow."""
 Measured = Callable[[State, Errors, Own], State]
 """The state as navigation reports it; it is called without errors too."""
 Settle = Callable[[State, Own], State]
 """The state after each step, for a vehicle with mechanical stops."""
 Felt = Callable[[State, Surroundings, Own], State]
-"""The measured state with air data, for the controller of a vehicle that flies relative to the air."""
+"""The true state with air data, of a vehicle that flies relative to the air; `measured` then adds the errors."""
 
 # Controllers receive the vehicle's measured state.
 

@@ -44,10 +44,10 @@ FASTEST_TURN = 50.0
 LIMITS = (
     Limit(f"the pitch exceeds {STEEPEST:g} rad"),
     Limit(f"the bank exceeds {LARGEST_BANK:g} rad"),
-    Limit(f"the forward speed is below {SLOWEST:g} m/s"),
-    Limit("the sideslip exceeds 45 degrees"),
-    Limit("the angle of attack exceeds 45 degrees"),
-    Limit(f"the forward speed exceeds {FASTEST:g} m/s"),
+    Limit(f"the forward speed through the air is below {SLOWEST:g} m/s"),
+    Limit("the sideslip through the air exceeds 45 degrees"),
+    Limit("the angle of attack through the air exceeds 45 degrees"),
+    Limit(f"the forward speed through the air exceeds {FASTEST:g} m/s"),
     Limit(f"a turn rate exceeds {FASTEST_TURN:g} rad/s"),
 )
 
@@ -118,7 +118,7 @@ def pose(x: State, p: Any) -> tuple[float, float, float, float, float, float]:
 
 @kernel
 def outside(x: State, p: Any) -> float:
-    """The number of the exceeded limit in `LIMITS`; the last one if there are several."""
+    """The number of the exceeded limit in `LIMITS`, the last one if there are several; x: the state with air data."""
     code = 1.0 if abs(x[4]) > STEEPEST else 0.0
     code = 2.0 if abs(x[3]) > LARGEST_BANK else code
     code = 3.0 if x[6] < SLOWEST else code
@@ -131,12 +131,12 @@ def outside(x: State, p: Any) -> float:
 
 @kernel
 def measured(x: State, e: Errors, p: Any) -> State:
-    """The state with errors of position and heading, and of speed along the body's forward axis."""
+    """A state with errors of position and heading, and of speed along the body's forward axis."""
     return x[0] + e.x, x[1] + e.y, x[2] + e.z, x[3], x[4], x[5] + e.heading, x[6] + e.speed, *x[7:12]
 
 
 @kernel
 def felt(x: State, env: Surroundings, p: Any) -> State:
-    """The state with airspeed components in place of ground speed components, as air data sensors measure them."""
+    """The true state with airspeed components in place of ground speed components, as air data sensors measure them."""
     air = through_air(x, attitude(x[3], x[4], x[5]), env)
     return *x[0:6], air[0], air[1], air[2], *x[9:12]

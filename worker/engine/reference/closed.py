@@ -40,7 +40,7 @@ def answer(what: int, t: float, x: Any, dx: Any, y: Any, p: Any) -> float:
         store_g(ps, N_P + N_D, 0, initial_guidance(extended))
         store_x(xs, 0, 0, initial(extended))
     elif what == LIMIT:
-        return envelope(load_x(xs, 0, 0), extended)  # type: ignore[no-any-return]
+        return envelope(t, load_x(xs, 0, 0), extended)  # type: ignore[no-any-return]
     elif what == BARRED:
         return 1.0 if excluded(AHEAD + load_y(ys, 0, 0), extended) else 0.0
     else:

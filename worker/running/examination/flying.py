@@ -82,7 +82,7 @@ def _fly(component: Component, parts: Parts, source: Source, calls: Calls) -> No
 
 def _check_start(parts: Parts, loop: Loop, trace: Any, watch: Watch, p: Any) -> None:
     start = tuple(map(float, trace[0, 0, : loop.n_state]))
-    code = float(loop.part("envelope")(start, p))
+    code = float(loop.part("envelope")(0.0, start, p))
     if code > 0.0:
         limits = parts.vehicle.limits
         known = 1.0 <= code <= len(limits)

@@ -28,7 +28,8 @@ from worker.running.catalogue.installed import components
 
 EARLIER = json.loads((Path(__file__).parents[3] / "golden" / "closed_loops.json").read_text(encoding="utf-8"))
 """State and guidance after 25 steps, and what a trace shows there, of one random point of every campaign of the library
-and of some with several faults on every path; simulated in plain Python by the templates that this text replaced."""
+and of some with several faults on every path; simulated in plain Python by the templates that this text replaced. The
+two with wind and errors of heading are of this text: the old one read the airspeed with the wrong attitude."""
 
 
 def test_no_campaign_of_the_library_is_left_out() -> None:

@@ -82,9 +82,9 @@ def initial(s: Scenario) -> None:
     if n.environment:
         f.add(f"xe = {_woken(s, f, s.environment)}")
     if vehicle.felt:
-        f.add(f"q = {f.call('vehicle', vehicle.position, 'xv')}", f"v = {f.call('vehicle', vehicle.velocity, 'xv')}")
+        _located(s, f)
         env = f"surroundings(0.0, q, v, {'xe' if n.environment else '()'}, p)[0]" if s.environment else s.view("STILL")
-        f.add(f"xm = {f.call('vehicle', vehicle.felt, 'xm', env)}")
+        f.add(f"xm = air_data(0.0, xv, {env}, p)")
     if s.parts.controller.translate:
         f.add(f"want = {translated(s, f, 'xm')}")
     kind = s.parts.avoider.demand
@@ -101,16 +101,22 @@ def _woken(s: Scenario, f: Function, prefixes: list[str]) -> str:
     return " + ".join(f.call(prefix, s.component[prefix].wake) for prefix in prefixes if s.component[prefix].states)
 
 
+def _located(s: Scenario, f: Function) -> None:
+    """Add the lines from the true state of the vehicle to its position and velocity."""
+    vehicle = s.parts.vehicle
+    f.add(f"q = {f.call('vehicle', vehicle.position, 'xv')}", f"v = {f.call('vehicle', vehicle.velocity, 'xv')}")
+
+
 def _instant(s: Scenario, f: Function) -> str:
     """Add the lines from the state to the inputs of the vehicle at one instant; returns the environment's variable."""
     vehicle, controller = s.parts.vehicle, s.parts.controller
     f.add("xm, q, v, seen = measurements(t, x, p)", "want = demand(t, q, v, seen, g, p)", f"xv = {s.state['vehicle']}")
-    f.add(f"q = {f.call('vehicle', vehicle.position, 'xv')}", f"v = {f.call('vehicle', vehicle.velocity, 'xv')}")
+    _located(s, f)
     env = "env" if s.environment else s.view("STILL")
     if s.environment:
         f.add(f"env, dxe = surroundings(t, q, v, {s.state['environment']}, p)")
     if vehicle.felt:
-        f.add(f"xm = {f.call('vehicle', vehicle.felt, 'xm', env)}")
+        f.add(f"xm = air_data(t, xv, {env}, p)")
     if controller.translate and (s.parts.late or not s.parts.sampled):
         f.add(f"want = {translated(s, f, 'xm')}")
     command = controller.command[s.parts.avoider.demand]
@@ -149,8 +155,13 @@ def judgement(s: Scenario) -> None:
     f = s.function("settled(x, p)")
     rest = f" + x[{n.vehicle}:{n.total}]" if n.total > n.vehicle else ""
     f.add(f"return {f.call('vehicle', vehicle.settle, s.state['vehicle'])}{rest}" if vehicle.settle else "return x")
-    f = s.function("envelope(x, p)")
-    f.add(f"return {f.call('vehicle', vehicle.outside, s.state['vehicle'])}")
+    f, x = s.function("envelope(t, x, p)"), s.state["vehicle"]
+    if vehicle.felt and s.environment:
+        f.add(f"xv = {x}")
+        _located(s, f)
+        f.add(f"env, _ = surroundings(t, q, v, {s.state['environment']}, p)")
+        x = f.call("vehicle", vehicle.felt, "xv", "env")
+    f.add(f"return {f.call('vehicle', vehicle.outside, x)}")
     f = s.function("excluded(first, p)")
     f.add(f"return {f.call('criterion', s.parts.criterion.excluded, _channels(s, 'criterion', 'first'))}")
     f = s.function("cost(found, p)")

@@ -29,6 +29,16 @@ def measurements(s: Scenario) -> None:
     f.add(f"return xm, q, v, {seen(s, f, 'q')}")
 
 
+def air_data(s: Scenario) -> None:
+    vehicle = s.parts.vehicle
+    if vehicle.felt is None:
+        return
+    f = s.function("air_data(t, x, env, p)")
+    errors = summed(s, f, "navigation", "errors", "t")
+    f.add(f"felt = {f.call('vehicle', vehicle.felt, 'x', 'env')}")
+    f.add(f"return {f.call('vehicle', vehicle.measured, 'felt', errors)}")
+
+
 def seen(s: Scenario, f: Function, q: str) -> str:
     """The expression for the obstacles as perceived from the measured position q."""
     if not s.senses:

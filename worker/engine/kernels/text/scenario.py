@@ -15,7 +15,7 @@ WIDTH = 120
 
 VARIABLES = """
 vehicle controller avoider start goal criterion trim kernel t x g p q v u o e a own position first found seen memory
-want weighed errors sight there pose speed when then late earlier env more arrives around
+want weighed errors sight there pose speed when then late earlier env felt more arrives around
 """
 """The generated code's own variables, besides numbered and two-letter ones; no module gets one of these names."""
 

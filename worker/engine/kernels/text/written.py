@@ -20,7 +20,7 @@ from worker.engine.kernels.text.loop import (
     readings,
     surroundings,
 )
-from worker.engine.kernels.text.perception import bodies, measurements
+from worker.engine.kernels.text.perception import air_data, bodies, measurements
 from worker.engine.kernels.text.scenario import WIDTH, Scenario
 
 FUNCTIONS = {
@@ -28,6 +28,7 @@ FUNCTIONS = {
     "bodies": "The true obstacles as seen from q; o holds their states.",
     "perceived": "The obstacles as the avoider perceives them; own is the measured pose of the vehicle.",
     "measurements": "The measured state, position and velocity of the vehicle, and the obstacles as perceived.",
+    "air_data": "The measured state of a vehicle that flies relative to the air: the true airspeed with errors.",
     "avoider_demand": "The avoider's demand and its new memory.",
     "avoider_demand_at": "The avoider's demand if the measured position were `position`, everything else unchanged.",
     "held_demand": "The demand as it is held between samples.",
@@ -41,7 +42,7 @@ FUNCTIONS = {
     "initial": "The initial state: vehicle, controller, actuators, environment, obstacles, in this order.",
     "closed_loop": "The derivative of the whole state, and the criteria's channels, at one instant.",
     "settled": "The state after a step, limited by the vehicle's mechanical stops.",
-    "envelope": "0 inside the vehicle's envelope, else the number of the exceeded limit, counted from 1.",
+    "envelope": "0 inside the vehicle's envelope at an instant, else the number of the exceeded limit, from 1.",
     "excluded": "Whether the channels at the start violate the scenario's precondition and exclude the simulation.",
     "cost": "The value of the deciding criterion, from the reduced channels.",
     "costs_of": "The costs from the reduced channels, the deciding criterion first; lower is worse.",
@@ -51,7 +52,7 @@ FUNCTIONS = {
 
 
 WRITERS = (
-    *(extend, bodies, measurements, avoider_demand, avoider_demand_at, demand, guide, initial_guidance),
+    *(extend, bodies, measurements, air_data, avoider_demand, avoider_demand_at, demand, guide, initial_guidance),
     *(surroundings, actuated, readings, initial, loop, observation, judgement),
 )
 

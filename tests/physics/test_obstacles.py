@@ -73,11 +73,22 @@ class TestEvery:
             return  # its position is a state of the loop
         at = _body(obstacle, {})
         here = (0.0,) * obstacle.dimension
-        for t in (0.2, 1.1, 3.7):
+        for t in (-5.0, -0.2, 0.2, 1.1, 3.7):
             rate = (
                 centre(at(t + 1e-6, here), obstacle.dimension) - centre(at(t - 1e-6, here), obstacle.dimension)
             ) / 2e-6
             assert speed(at(t, here), obstacle.dimension) == pytest.approx(rate, abs=1e-5)
+
+    def test_before_the_start_it_moves_as_at_the_start(self, obstacle: Obstacle) -> None:
+        """What tracks with latency observe: straight motions are extended, turns go on turning."""
+        if obstacle.states:
+            return  # latency extrapolates it back along its present velocity
+        at, here, d = _body(obstacle, {}), (0.0,) * obstacle.dimension, obstacle.dimension
+        now = speed(at(0.0, here), d)
+        assert np.linalg.norm(now) > 0.1 or not obstacle.moving
+        assert np.linalg.norm(speed(at(-2.0, here), d)) == pytest.approx(np.linalg.norm(now), rel=1e-9)
+        if obstacle.rate is not None and not obstacle.rate.per:
+            assert centre(at(-2.0, here), d) == pytest.approx(centre(at(0.0, here), d) - 2.0 * now, rel=1e-9)
         assert obstacle.moving or not speed(at(1.0, here), obstacle.dimension).any()
 
     def test_what_is_not_a_number_survives(self, obstacle: Obstacle) -> None:

@@ -1,7 +1,8 @@
 """Circle along waypoints: from its position via up to four waypoints at constant speed; it stops at the last one.
 
-It turns instantly at a waypoint. It never gives way. `legs` is the number of waypoints used; the
-others are ignored. Avoiders keep clear of its radius; `separation` measures distances to its centre.
+It turns instantly at a waypoint. Before t = 0 it is on the extension of its first leg. It never gives way. `legs` is
+the number of waypoints used; the others are ignored. Avoiders keep clear of its radius; `separation` measures distances
+to its centre.
 """
 
 from __future__ import annotations
@@ -76,8 +77,9 @@ def derive(p: Any, trim: object) -> tuple[float, ...]:
 
 @kernel
 def body(t: float, o: tuple[()], q: Vector, p: Constants) -> Body | Body3:
-    s_1 = elapsed(t, 0.0, p.ends_1)
-    on_1 = under_way(t, 0.0, p.ends_1)
+    # Before the start too, where latency observes it.
+    s_1 = t if t < p.ends_1 else p.ends_1
+    on_1 = 1.0 if t < p.ends_1 else 0.0
     s_2 = elapsed(t, p.ends_1, p.ends_2)
     on_2 = under_way(t, p.ends_1, p.ends_2)
     s_3 = elapsed(t, p.ends_2, p.ends_3)

@@ -72,6 +72,26 @@ class RateEntry(Entry):
         return f"{top} over {' and '.join(self.per or self.legs)}" if self.per or self.legs else top
 
 
+class OrderEntry(Entry):
+    """The product of the parameters `low` is below `times` that of `high`, or `equal` to it, in every simulation."""
+
+    low: list[str]
+    high: list[str]
+    text: str
+    """Why, and what to do."""
+    times: float = 1.0
+    equal: bool = True
+
+    def __str__(self) -> str:
+        factor = [f"{self.times:g}"] if self.times != 1.0 or not self.high else []
+        low, high = _product(self.low) or "1", " ".join([*factor, *filter(None, [_product(self.high)])])
+        return f"{low} {'<=' if self.equal else '<'} {high}"
+
+
+def _product(names: list[str]) -> str:
+    return " ".join(f"{name}{'²' * (names.count(name) > 1)}" for name in dict.fromkeys(names))
+
+
 class ComponentEntry(Entry):
     """A component as a campaign names it. `starts` are the start states of a vehicle."""
 
@@ -116,6 +136,8 @@ class ComponentEntry(Entry):
     """The largest distance of a point inside an obstacle from its centre; None if the obstacle does not declare it."""
     rate: RateEntry | None = None
     """How fast an obstacle turns; None if it does not move, or does not declare it."""
+    orders: Annotated[list[OrderEntry], UNSTATED] = []
+    """What its parameters must satisfy together; omitted without any, so that older snapshots keep their digests."""
     look: Annotated[ObstacleLook | VehicleLook | None, UNSTATED] = None
     """How an obstacle or a vehicle is drawn; omitted if not declared."""
     text: str

@@ -5,7 +5,6 @@ What-if requests of scenarios (`service`) and of simulators (`backend/cases`) sh
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import sqlalchemy as sa
@@ -18,8 +17,8 @@ from backend.flights.schemas import FlightAnswer, FlightValue
 from backend.http.errors import RefusedError
 from backend.runs import identity
 from campaigns import Campaign, Catalogue, Problem, thin
-from campaigns.checked import texts
-from campaigns.checked.check import parameters, parts
+from campaigns.checked import orders, texts
+from campaigns.checked.check import installed, parameters, parts
 from campaigns.identity.identity import UNSTORED, Identity
 from campaigns.results.trace import TraceColumn, TraceHead
 from campaigns.runs import run_name
@@ -48,14 +47,14 @@ def case(
     run_id: int,
     campaign: Campaign,
     like: str,
-    values: Mapping[str, float],
+    values: dict[str, float],
     seed: int | None = None,
 ) -> Case:
     """The case `like` with these parameters; raises `RefusedError` for an unknown finding or parameter, or a value
     outside limits."""
     catalogue = described(reader, run_id)
     base = _like(reader, run_id, like)
-    _permit(campaign, catalogue, values)
+    _permit(campaign, catalogue, base, values)
     return Case(
         run_id=run_id,
         document=campaign.document(),
@@ -117,7 +116,7 @@ def _like(reader: sa.Connection, run_id: int, label: str) -> dict[str, float]:
     return dict(known[label])
 
 
-def _permit(campaign: Campaign, catalogue: Catalogue | None, values: Mapping[str, float]) -> None:
+def _permit(campaign: Campaign, catalogue: Catalogue | None, base: dict[str, float], values: dict[str, float]) -> None:
     """Check all paths and values; components that the catalogue does not describe are checked by the simulation.
 
     Raises `RefusedError`.
@@ -141,3 +140,7 @@ def _permit(campaign: Campaign, catalogue: Catalogue | None, values: Mapping[str
         errors = [Problem(f"parameters.{p}", texts.number(values[p]), texts.limits(known[p][0])) for p in outside]
         detail = f"{outside[0]} is given as {texts.number(values[outside[0]])}: {texts.limits(known[outside[0]][0])}"
         raise RefusedError(422, "outside-limits", detail, errors)
+    case = {path: nominal for path, (_, nominal) in known.items()} | base | values
+    bounds = {path: (value, value) for path, value in case.items()}
+    if values and (errors := list(orders.broken(installed(campaign, catalogue), bounds))):
+        raise RefusedError(422, "outside-limits", str(errors[0]), errors)

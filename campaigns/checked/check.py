@@ -15,7 +15,18 @@ from campaigns.asked.problem import MOST, Problem
 from campaigns.asked.spec import Campaign, Part
 from campaigns.asked.values import MAX_EVALUATIONS
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
-from campaigns.checked import attracted, effort, estimated, extents, frames, limits, simulated, texts, uncertainty
+from campaigns.checked import (
+    attracted,
+    effort,
+    estimated,
+    extents,
+    frames,
+    limits,
+    orders,
+    simulated,
+    texts,
+    uncertainty,
+)
 from campaigns.limits import CONFIDENCE_AT_LEAST
 
 SEED = "seed"
@@ -64,7 +75,7 @@ def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
         yield f"objectives.{i}", f"objectives.{i}", "criterion", objective
 
 
-def _installed(campaign: Campaign, catalogue: Catalogue) -> Iterator[tuple[str, str, ComponentEntry, Part]]:
+def installed(campaign: Campaign, catalogue: Catalogue) -> Iterator[tuple[str, str, ComponentEntry, Part]]:
     """The parts whose component the catalogue has, with its entry in place of the role."""
     for prefix, field, role, part in parts(campaign):
         entry = catalogue.component(role, part.component)
@@ -78,7 +89,7 @@ def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[Para
     A required parameter that is missing has the nominal value NaN; `check` reports it.
     """
     found: dict[str, tuple[ParameterEntry, float]] = simulated.parameters(campaign, catalogue)
-    for prefix, _, entry, part in _installed(campaign, catalogue):
+    for prefix, _, entry, part in installed(campaign, catalogue):
         found.update(limits.valued(prefix, entry.parameters, part.parameters))
         if entry.role == "vehicle":
             found.update(limits.valued("start", entry.starts, campaign.given_scenario.start))
@@ -89,7 +100,7 @@ def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[Para
 
 def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
     """The paths of the seeds: one for every part of the scenario that is random."""
-    random = ((prefix, entry) for prefix, _, entry, _ in _installed(campaign, catalogue) if entry.role in RANDOM)
+    random = ((prefix, entry) for prefix, _, entry, _ in installed(campaign, catalogue) if entry.role in RANDOM)
     return [f"{prefix}.{p.name}" for prefix, entry in random for p in entry.parameters if p.name == SEED]
 
 
@@ -139,8 +150,14 @@ def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         return
     known = parameters(campaign, catalogue)
     yield from extents.centres(campaign, catalogue, known)
-    found = [(field, entry) for _, field, entry, _ in _installed(campaign, catalogue)]
-    yield from frames.mismatched(campaign, catalogue, found)
+    found = list(installed(campaign, catalogue))
+    yield from frames.mismatched(campaign, catalogue, [(field, entry) for _, field, entry, _ in found])
+    yield from orders.broken(found, {path: _bounds(campaign, path, nominal) for path, (_, nominal) in known.items()})
+
+
+def _bounds(campaign: Campaign, path: str, nominal: float) -> tuple[float, float]:
+    uncertain = campaign.uncertain.get(path)
+    return (nominal, nominal) if uncertain is None else uncertain.interval(nominal)
 
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:
@@ -157,7 +174,7 @@ def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:
 
 
 def _dimensions(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
-    found = [(field, entry) for _, field, entry, _ in _installed(campaign, catalogue) if entry.dimension is not None]
+    found = [(field, entry) for _, field, entry, _ in installed(campaign, catalogue) if entry.dimension is not None]
     for field, entry in found[1:]:
         first = found[0][1]
         if entry.dimension != first.dimension:

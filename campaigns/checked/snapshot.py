@@ -32,6 +32,7 @@ _WORDS = {
     "measured_to": "reference point of distances",
     "reach": "reach",
     "rate": "rate of motion",
+    "orders": "condition on its parameters",
     "kind": "kind",
     "source": "source",
     "how": "short description of the search",

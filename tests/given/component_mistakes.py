@@ -120,6 +120,12 @@ DECLARED = [
          r"position is used as position and lacks the decorator: write @kernel above it"),
     Slip("a look of a parameter that does not exist", "obstacle", 'radius="radius")', 'radius="radios")', "look=",
          r"look names 'radios', which is not one of its parameters: did you mean 'radius'\?"),
+    Slip("an order of a parameter that does not exist", "obstacle", "component = Obstacle(\n",
+         "from worker.engine.kernels.component import Order\n\ncomponent = Obstacle(\n"
+         '    orders=(Order(("radios",), ("swing",), "raise swing"),),\n',
+         "orders=", r"orders needs a parameter 'radios': did you mean 'radius'\?"),
+    Slip("an order that is not in a tuple", "obstacle", "    moving=True,", "    moving=True,\n    orders=[],", "orders=",
+         r"orders is a list; a tuple is expected: write \(Order\(\.\.\.\),\)"),
     Slip("a criterion without a threshold", "criterion", "    threshold: Annotated", "    least: Annotated",
          "parameters=MyCriterion", r"parameters needs threshold as its first field"),
     Slip("something else as component", "vehicle", "component = Vehicle(", "component = dict(", "component = dict",

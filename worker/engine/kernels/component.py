@@ -21,6 +21,7 @@ from worker.engine.kernels.look import VehicleLook as VehicleLook
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.numba_internals import python
 from worker.engine.kernels.parameters import Declared as Declared
+from worker.engine.kernels.parameters import Order as Order
 from worker.engine.kernels.parameters import Parameter as Parameter
 from worker.engine.kernels.parameters import declared as declared
 from worker.engine.kernels.parameters import extended as extended
@@ -98,11 +99,13 @@ class Vehicle:
     measured: sig.Measured
     settle: sig.Settle | None = None
     felt: sig.Felt | None = None
+    """Of a vehicle that flies relative to the air: its controller and `outside` receive the state with air data."""
     derived: Derived | None = None
     trim: Trim | None = None
     frame: Frame = "enu"
     """The scenario's world axes, which every other component must share."""
     look: VehicleLook | None = None
+    orders: tuple[Order, ...] = ()
     role: Literal["vehicle"] = "vehicle"
 
 
@@ -128,6 +131,7 @@ class Controller:
     derived: Derived | None = None
     about_trim: AboutTrim | None = None
     """The polynomial model of the loop with a vehicle that it fits, for the region of attraction."""
+    orders: tuple[Order, ...] = ()
     role: Literal["controller"] = "controller"
 
 
@@ -160,6 +164,7 @@ class Avoider:
     first: sig.First | None = None
     derived: Derived | None = None
     frame: Frame | None = None
+    orders: tuple[Order, ...] = ()
     role: Literal["avoider"] = "avoider"
 
 
@@ -217,6 +222,7 @@ class Obstacle:
     rate: Rate | None = None
     frame: Frame | None = None
     look: ObstacleLook | None = None
+    orders: tuple[Order, ...] = ()
     role: Literal["obstacle"] = "obstacle"
 
     def __post_init__(self) -> None:
@@ -254,6 +260,7 @@ class Environment:
     derived: Derived | None = None
     switches: Switches | None = None
     frame: Frame | None = None
+    orders: tuple[Order, ...] = ()
     role: Literal["environment"] = "environment"
 
 
@@ -276,6 +283,7 @@ class Fault:
     derived: Derived | None = None
     switches: Switches | None = None
     frame: Frame | None = None
+    orders: tuple[Order, ...] = ()
     role: Literal["fault"] = "fault"
 
 

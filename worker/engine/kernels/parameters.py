@@ -28,6 +28,21 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class Order:
+    """The product of the parameters `low` is below `times` that of `high`, or `equal` to it; a name given twice is a
+    square. A campaign whose bounds allow anything else is refused with `text`: why, or what to do.
+
+    Order(("u_min",), ("u_max",), "lower u_min or raise u_max")
+    """
+
+    low: tuple[str, ...]
+    high: tuple[str, ...]
+    text: str
+    times: float = 1.0
+    equal: bool = True
+
+
+@dataclass(frozen=True)
 class Declared:
     """A declared parameter: field of the NamedTuple, name in a campaign, ...; it is required if `default` is None."""
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Parameter, Signal
+from worker.engine.kernels.component import Order, Parameter, Signal
 from worker.engine.kernels.maths import atan2, clip, kernel, norm2, wrap
 from worker.engine.physics.aircraft import State
 from worker.engine.physics.space import Vector, norm3
@@ -43,6 +43,9 @@ class Loops(NamedTuple):
     stop: Annotated[float, Parameter("rad", "Largest deflection commanded", 1e-2, 1.5, symbol="δ_max")] = (
         0.4363323129985824
     )
+
+
+ORDERS = (Order(("u_min",), ("u_max",), "lower u_min or raise u_max"),)
 
 
 @kernel

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel, TypeAdapter
 
-from campaigns.catalogue import ComponentEntry, MethodEntry, ParameterEntry, RateEntry, ReachEntry
+from campaigns.catalogue import ComponentEntry, MethodEntry, OrderEntry, ParameterEntry, RateEntry, ReachEntry
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 from worker.engine.kernels.component import (
     Avoider,
@@ -43,6 +43,7 @@ def component_entry(component: Component, module: ModuleType) -> ComponentEntry:
         "inputs": [s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
         "reach": _reach(component),
         "rate": _rate(component),
+        "orders": [OrderEntry.model_validate(asdict(order)) for order in getattr(component, "orders", ())],
         "look": _look(component),
         "text": inspect.getdoc(module) or "",
     }

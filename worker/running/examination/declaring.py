@@ -20,6 +20,7 @@ from worker.engine.kernels.component import (
     Fault,
     Limit,
     Obstacle,
+    Order,
     Reach,
     Signal,
     Trim,
@@ -39,7 +40,7 @@ from worker.running.examination.reading import KINDS, Source, check_names
 LARGEST = 1e12
 """Limits of parameters may not be larger than this."""
 
-_TUPLES: dict[str, type] = {"signals": Signal, "inputs": Signal, "limits": Limit, "fits": str}
+_TUPLES: dict[str, type] = {"signals": Signal, "inputs": Signal, "limits": Limit, "fits": str, "orders": Order}
 _OBJECTS: dict[str, type] = {"derived": Derived, "trim": Trim, "reach": Reach}
 _BY_DEMAND = ("prepare", "command", "references", "translate")
 
@@ -230,6 +231,10 @@ def _lacking(c: Component) -> Iterator[tuple[str, str, str]]:
         names = _names(c.parameters)
         if not names or names[0] != "threshold":
             yield "parameters", "threshold as its first field", "the value must stay above it"
+    for order in () if isinstance(c, Criterion) else c.orders:
+        for name in (*order.low, *order.high):
+            if name not in (names := _names(c.parameters)):
+                yield "orders", f"a parameter {name!r}", meant(name, names)
     if isinstance(c, Obstacle) and c.reach is not None:
         for name in c.reach.of:
             if name not in c.parameters._fields:  # type: ignore[attr-defined]

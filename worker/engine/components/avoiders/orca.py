@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Avoider, Parameter
+from worker.engine.kernels.component import Avoider, Order, Parameter
 from worker.engine.kernels.maths import kernel, norm2
 from worker.engine.physics.fields import cruise
 from worker.engine.physics.vectors import Goal
@@ -148,4 +148,6 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
+    # with c = 0 the half-plane of any disc, however far, goes through the own velocity
+    orders=(Order((), ("c",), "below 0.01 discs restrict it however far they are; give c of at least 0.01", 100.0),),
 )

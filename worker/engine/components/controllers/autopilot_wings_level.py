@@ -81,4 +81,5 @@ component = Controller(
     references={"force": references, "velocity": references},
     translate={"force": autopilot.from_force, "velocity": autopilot.from_velocity},
     derived=Derived(Constants, derive),
+    orders=autopilot.ORDERS,
 )

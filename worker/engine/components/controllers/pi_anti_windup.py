@@ -27,6 +27,7 @@ from worker.engine.kernels.component import (
     Controller,
     Derived,
     NoTrim,
+    Order,
     Parameter,
     Polynomial,
     Signal,
@@ -188,6 +189,7 @@ component = Controller(
     command={"force": command_force, "velocity": command_velocity},
     references={"force": follow_force, "velocity": follow_velocity},
     derived=Derived(Constants, derive),
+    orders=(Order(("u_low",), ("u_high",), "lower u_low or raise u_high"),),
     about_trim=AboutTrim(
         (("u", "u", "m/s"), ("omega", "ω", "rad/s"), ("sum_u", "∫e_u", "m"), ("sum_w", "∫e_ω", "rad")),
         trimmed,

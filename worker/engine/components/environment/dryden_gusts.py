@@ -11,6 +11,8 @@ filters as states, driven by white noise, with n held for `period` and of unit i
     dg_u/dt = (s_h sqrt(2 T_h) n_u - g_u) / T_h
     da/dt = (s_h sqrt(T_h) n_v - a) / T_h,  db/dt = (a - b) / T_h,  g_v = sqrt(3) a + (1 - sqrt(3)) b;  g_w the same
 
+With n held, the deviation of g is s sqrt(tanh(x) / x) at its ends and less in between, x = period / (2 T) (g_u). A
+period above 0.1 h / V is refused: up to there it is at least 0.963 s at any time, and 0.975 s on average.
 They start in their stationary state, so the statistics are the same from the first second on. n comes from a hash of
 (seed, axis, number of the sample). Height and airspeed are constants of the flight, not the vehicle's present ones.
 u is along the vehicle's horizontal velocity over ground, v to the side of the y axis from there, w along z; MIL-F-8785C
@@ -23,7 +25,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Derived, Environment, Parameter
+from worker.engine.kernels.component import Derived, Environment, Order, Parameter
 from worker.engine.kernels.maths import kernel, norm2, normals, sample_number
 from worker.engine.kernels.views import Surroundings
 from worker.engine.physics import instants
@@ -50,6 +52,8 @@ class Constants(NamedTuple):
 
 
 FOOT = 0.3048
+SHORT = 0.1
+"""The longest period, as a fraction of the shorter time scale, h / V."""
 ROOT_3 = 1.7320508075688772
 State = tuple[float, float, float, float, float]
 
@@ -118,6 +122,7 @@ component = Environment(
     states=5,
     wake=wake,
     derived=Derived(Constants, derive),
+    orders=(Order(("V", "period"), ("h",), "noise that is held longer weakens the gusts; shorten the period", SHORT),),
     switches=instants.samples,
     draw=draw,
     draws=3,

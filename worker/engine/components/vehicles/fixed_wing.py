@@ -34,7 +34,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from worker.engine.kernels.component import Derived, Trim, Vehicle, VehicleLook, extended
+from worker.engine.kernels.component import Derived, Order, Trim, Vehicle, VehicleLook, extended
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.views import Surroundings
 from worker.engine.physics import aircraft, trim
@@ -95,6 +95,7 @@ component = Vehicle(
     measured=aircraft.measured,
     felt=aircraft.felt,
     derived=Derived(FixedWing, derive),
+    orders=(Order(("I_xz", "I_xz"), ("I_xx", "I_zz"), "no body has such inertia; give I_xz closer to 0", equal=False),),
     trim=Trim(Trimmed, solve),
     frame="ned",
     look=VehicleLook(mesh="aircraft", heading="psi"),

@@ -131,8 +131,9 @@ def solid2(b: Body) -> Body3:
     return Body3(b.x, b.y, 0.0, b.vx, b.vy, 0.0, b.radius, b.gap, b.nx, b.ny, 0.0)
 
 
-FAR = 1e7
-"""Distance at which an unseen obstacle is shown, beyond the range of any avoider [m]."""
+FAR = 1e30
+"""Distance at which an unseen obstacle is shown [m]: beyond the range of any avoider, braking distances at the largest
+speeds included, and small enough for its powers to be finite."""
 
 
 @kernel

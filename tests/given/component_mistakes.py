@@ -124,8 +124,8 @@ DECLARED = [
          "from worker.engine.kernels.component import Order\n\ncomponent = Obstacle(\n"
          '    orders=(Order(("radios",), ("swing",), "raise swing"),),\n',
          "orders=", r"orders needs a parameter 'radios': did you mean 'radius'\?"),
-    Slip("an order that is not in a tuple", "obstacle", "    moving=True,", "    moving=True,\n    orders=[],", "orders=",
-         r"orders is a list; a tuple is expected: write \(Order\(\.\.\.\),\)"),
+    Slip("an order that is not in a tuple", "obstacle", "    moving=True,", "    moving=True,\n    orders=[],",
+         "orders=", r"orders is a list; a tuple is expected: write \(Order\(\.\.\.\),\)"),
     Slip("a criterion without a threshold", "criterion", "    threshold: Annotated", "    least: Annotated",
          "parameters=MyCriterion", r"parameters needs threshold as its first field"),
     Slip("something else as component", "vehicle", "component = Vehicle(", "component = dict(", "component = dict",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.stages import calls
 from campaigns.claims.stages.sample import CALLED
@@ -14,10 +17,18 @@ from campaigns.results import ValidateResult, Verdict
 from campaigns.results.base import FAILED, FLAKY, OK, TIMEOUT
 from campaigns.results.measured import Measured
 from campaigns.stages.nominal import NominalResult
+from clearance.cli import invoke
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
 from tests.simulators.noisy import REPEATS, campaign, ran
 from worker.running.runs.runner import CampaignUnusable, Cancelled, execute
 from worker.running.runs.store import MemoryStore
+
+
+def by_auto(**simulator: Any) -> Campaign:
+    """`auto` alone, of which it is stated how sure it is."""
+    asked = campaign(certify=60, **simulator).document()
+    asked["stages"]["search"] = [{"method": "auto", "evaluations": 300}]
+    return load_document(asked)
 
 
 def measured(store: MemoryStore) -> Measured:
@@ -207,3 +218,43 @@ def test_a_random_evaluation_that_fails_only_when_made_again_bars_cleared() -> N
         verdict, _ = ran(campaign(**REPEATS))
     assert verdict.verdict == "inconclusive"
     assert not check(verdict, "noise of calls").ok
+
+
+LATER: dict[str, Any] = {
+    "fails later": lambda call: FAILED if call.total > 450 else OK,
+    "fails now and then": lambda call: FAILED if call.total % 50 == 0 else OK,
+}
+
+
+@pytest.mark.parametrize("how", [*ADVERSARIES, *LATER])
+def test_no_chance_of_a_lower_case_is_stated_where_results_do_not_repeat(how: str) -> None:
+    """Neither when they are measured nor in any later comparison: the check decides, whatever it rests on."""
+    with adversary(how if how in ADVERSARIES else "none", LATER.get(how)):
+        verdict, _ = ran(by_auto())
+    holds = check(verdict, "noise of calls").ok
+    assert holds == (how == "none")
+    assert (verdict.sureness is not None) == holds
+
+
+def test_no_chance_of_a_lower_case_is_stated_of_several_calls() -> None:
+    with adversary("none"):
+        verdict, _ = ran(by_auto(**REPEATS))
+    assert check(verdict, "noise of calls").ok
+    assert verdict.sureness is None
+
+
+@pytest.mark.parametrize(("how", "stated"), [("none", True), ("seeded by time", False)])
+def test_every_place_states_the_chance_or_none_does(
+    how: str, stated: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    campaign, out = tmp_path / "campaign.json", tmp_path / "out"
+    campaign.write_text(json.dumps(by_auto().document()), encoding="utf-8")
+    files = {kind: tmp_path / f"run.{kind}" for kind in ("junit", "sarif", "summary")}
+    options = [word for kind, path in files.items() for word in (f"--{kind}", str(path))]
+    with adversary(how):
+        invoke(["run", str(campaign), "--out", str(out), *options])
+    sentence = "chance that another search of the same budget"
+    texts = {kind: path.read_text(encoding="utf-8") for kind, path in files.items()}
+    texts["result"] = (out / "result.json").read_text(encoding="utf-8")
+    texts["printed"] = " ".join(capsys.readouterr().out.split())
+    assert {place: sentence in text for place, text in texts.items()} == dict.fromkeys(texts, stated)

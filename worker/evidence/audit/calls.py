@@ -51,8 +51,13 @@ class Calls:
         found: dict[str, bool] = {}
         if simulator.retries:
             found["retries"] = flaky if flaky is MISSING else flaky == 0
-        found["noise of calls"] = self._several(noise) if self.number > 1 else self.repeats and self._later()
+        found["noise of calls"] = self._several(noise) if self.number > 1 else self.alike
         return found
+
+    @property
+    def alike(self) -> bool:
+        """Whether single calls repeated, when they were measured and in every later comparison."""
+        return not self.measures or (self.number == 1 and self.repeats and self._later())
 
     def influence(self, varies: bool, spread: float) -> bool:
         """Whether the criterion varies by more than the noise alone would let it."""

@@ -20,11 +20,13 @@ FORMER, FORMER_LOW = (321, -0.297, -1.325, 100), (434, -0.898, -1.586, 100)
 """Those that earlier versions stated."""
 FEWEST, MOST = (2, 50), (20, 2500)
 """Parameters, and evaluations for each of them."""
+HALF = 0.5
+"""The fraction of the evaluations that must have a value."""
 
 
 def sureness(run: Run) -> Tree | None:
     """What the record must state; None if it must state nothing."""
-    if len(run.searches) != 1 or run.campaign.objectives or run.calls.noisy:
+    if len(run.searches) != 1 or run.campaign.objectives or not run.calls.alike:
         return None
     (k,) = run.searches
     _, costs, status = run.rows(k)
@@ -34,7 +36,7 @@ def sureness(run: Run) -> Tree | None:
     if asked.method != SEARCH or asked.options.get("seconds", 0.0) >= 0.02 or not fits:
         return None
     ok = np.flatnonzero(status == OK)
-    if len(status) != asked.evaluations or not len(ok) or math.isnan(run.nominal):
+    if len(status) != asked.evaluations or len(ok) < HALF * len(status) or math.isnan(run.nominal):
         return None
     best = float(costs[ok].min())
     fall = run.nominal - best

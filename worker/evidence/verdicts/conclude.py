@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from campaigns.codes import CheckCode
 from campaigns.results import Verdict
 from campaigns.results.verdict import Check, Counts, NominalCost, Provenance, VerdictWord, Worst
 from campaigns.versions import Versions
@@ -47,8 +48,13 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
         unit=problem.unit,
         provenance=Provenance(**versions.model_dump(), digest=campaign.digest, seed=campaign.seed),
         regression=regression(problem, evidence, found),
-        sureness=evidence.sureness,
+        sureness=evidence.sureness if _repeats(found) else None,
     )
+
+
+def _repeats(found: Sequence[Check]) -> bool:
+    """Whether no check shows that results do not repeat: of those another search says nothing."""
+    return all(c.ok for c in found if c.code == CheckCode.CALLS)
 
 
 def _worst(evidence: Evidence, threshold: float) -> Worst | None:

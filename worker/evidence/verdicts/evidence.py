@@ -59,7 +59,7 @@ class Evidence:
     others: Sequence[Finding] = ()
     """The findings that are not the worst."""
     sureness: Sureness | None = None
-    """The estimate from the stored evaluations of the search; no check rests on it."""
+    """The estimate from the stored evaluations of the search, whether or not they repeat; no check rests on it."""
 
     @staticmethod
     def of(

@@ -52,6 +52,8 @@ FORMER, FORMER_LOW = Model(321, -0.297, -1.325), Model(434, -0.898, -1.586)
 PARAMETERS, EVALUATIONS = (2, 20), (50, 2500)
 """Parameters, and evaluations for each of them, outside of which there is no number. It was set on 3 to 18 parameters
 and judged on 2 to 20, on 50 to 2,000 evaluations; the usual budget of two parameters is 2,500 for each."""
+HALF = 0.5
+"""The fraction of the evaluations that must have a value: where more failed, almost nothing was judged."""
 SECONDS = 0.02
 """Time of an evaluation [s] from which `auto` searches in another way, on which nothing was set."""
 
@@ -77,9 +79,11 @@ def sureness(
     """
     position = _searched(problem, stored)
     nominal = next((r.at_nominal.cost for r in results if r.at_nominal is not None), None)
-    if position is None or nominal is None or not _repeats(problem, results):
+    if position is None or nominal is None:
         return None
     costs, status = stored[position]
+    if np.count_nonzero(status == OK) < HALF * len(status):
+        return None
     ranked = np.where(status == OK, costs[:, 0], np.inf)
     lowest = float(ranked.min())
     lower = rules.SAME_COST.value * (nominal - lowest)
@@ -95,9 +99,10 @@ def sureness(
 
 def _searched(problem: Problem, stored: Mapping[int, Stored]) -> int | None:
     """The position of the one search, if it is one on which the estimate was set: `auto` alone, of one criterion, that
-    used its whole budget."""
+    used its whole budget and whose evaluations are single calls."""
     campaign, searches = problem.campaign, [k for k, planned in enumerate(plan(problem.campaign)) if planned.method]
-    if len(searches) != 1 or campaign.objectives:
+    called = 1 if campaign.simulator is None else campaign.simulator.calls
+    if len(searches) != 1 or campaign.objectives or called > 1:
         return None
     (request,), (position,) = campaign.stages.search, searches
     each = request.evaluations / problem.dimension
@@ -110,12 +115,6 @@ def _searched(problem: Problem, stored: Mapping[int, Stored]) -> int | None:
 def _lowest(stored: Mapping[int, Stored]) -> float:
     """The lowest cost of all stages."""
     return min(float(costs[status == OK, 0].min(initial=np.inf)) for costs, status in stored.values())
-
-
-def _repeats(problem: Problem, results: Sequence[StageResult]) -> bool:
-    measured = next((r.at_nominal.measured for r in results if r.at_nominal is not None), None)
-    simulator = problem.campaign.simulator
-    return simulator is None or (simulator.calls == 1 and measured is not None and measured.repeats)
 
 
 def model(parameters: int, landscapes: int | None = None) -> Model:

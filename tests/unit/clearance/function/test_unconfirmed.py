@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import pytest
@@ -57,3 +58,19 @@ def test_a_value_that_is_milder_when_evaluated_again_is_stated_as_in_the_verdict
     assert found.worst.margin == pytest.approx(found.worst.cost - 2.3)
     assert f"{found.worst.cost:.6g} m" in found.verdict.sentence
     assert f"{found.worst.cost:.6g} (evaluated: {found.worst.evaluated:.6g})" in str(found)
+
+
+@pytest.mark.parametrize("repeats", [True, False])
+def test_a_chance_of_a_lower_case_is_stated_only_where_results_repeat(repeats: bool, tmp_path: Path) -> None:
+    calls = itertools.count()
+
+    def later(a: float, b: float) -> float:
+        """It repeats when that is measured."""
+        call = next(calls)
+        return 2.0 + (a - 0.3) ** 2 + (b + 0.2) ** 2 + (0.0 if repeats or call < 100 else 1e-4 * (call % 97))
+
+    found = clearance.search(later, {"a": (-1.0, 1.0), "b": (-1.0, 1.0)}, 1.0, budget=300, certify=60)
+    page = found.report(tmp_path / "report.html").read_text(encoding="utf-8")
+    for text in (" ".join(str(found).split()), found._repr_html_(), page):
+        assert ("chance that another search" in text) == repeats
+    assert (found.verdict.sureness is not None) == repeats

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 from campaigns.results.base import FAILED, OK
-from campaigns.results.measured import Measured
-from campaigns.results.nominal import NominalCase
 from campaigns.results.sureness import Sureness
 from campaigns.stages.nominal import NominalResult
 from clearance.testing.problems import Problem
@@ -127,18 +125,10 @@ def test_there_is_none_of_a_search_that_ended_early() -> None:
     assert sureness(Problem(campaign), [nominal()], stored) is None
 
 
-def measured(identical: bool) -> NominalCase:
-    of = Measured(points=5, evaluations=15, failed=0, identical=identical, spread=0.0, deviation=0.0, seconds=1.0)
-    return NominalCase(cost=NOMINAL, margin=0.4, status="ok", measured=of)
-
-
-@pytest.mark.parametrize(("calls", "identical", "repeats"), [(1, True, True), (1, False, False), (3, True, False)])
-def test_results_must_repeat(calls: int, identical: bool, repeats: bool) -> None:
-    class Simulated:
-        campaign = type("C", (), {"simulator": type("S", (), {"calls": calls})})
-
-    first = type("R", (), {"at_nominal": measured(identical)})
-    assert module._repeats(Simulated, [first]) == repeats  # type: ignore[arg-type, list-item]
+@pytest.mark.parametrize(("lost", "stated"), [(BUDGET // 2, True), (BUDGET // 2 + 1, False)])
+def test_there_is_none_where_more_than_half_has_no_value(lost: int, stated: bool) -> None:
+    found = np.where(np.arange(BUDGET) < BUDGET - lost, costs(30), np.inf)
+    assert (estimated(found=found) is not None) == stated
 
 
 def test_it_enters_no_verdict() -> None:

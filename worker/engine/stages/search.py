@@ -6,6 +6,7 @@ improvement below its best.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from typing import Any
@@ -26,6 +27,9 @@ from worker.engine.stages.parts.members import Members
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import slots
+
+WARM = 2
+"""Parameters of the function on which kernels are compiled."""
 
 
 def run(context: Context, position: int) -> Outcome[SearchResult]:
@@ -49,7 +53,7 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
     )
     options: Any = TypeAdapter(method.options).validate_python(request.options)
     if method.compiles:
-        _warm(method, space.dimension)
+        _warm(method, context.methods)
     search = members.listening(method.search(space, options))
     driven = drive(context, position, search, request.evaluations, method.repeats)
     minima.sort(key=lambda m: _place(m, space.starts))
@@ -62,19 +66,33 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
     return Outcome(result.model_copy(update={"members": rows, "family": family, "apart": apart}))
 
 
+def _warm(method: Method, methods: Mapping[str, Method]) -> None:
+    """Compile a method's kernels, so that compilation does not count as search time; those of a method with members
+    are the kernels of any other."""
+    if _with_members(method):
+        for other in methods.values():
+            if other.compiles:
+                _with_members(other)
+
+
 @cache
-def _warm(method: Method, dimension: int) -> None:
-    """Compile a method's kernels once, on a bowl function, so that compilation does not count as search time."""
-    budget = 100 * dimension
-    bowl = Space(dimension, budget, np.random.default_rng(0), np.empty((0, dimension)), lambda u: u, lambda m: None)
+def _with_members(method: Method) -> bool:
+    """Whether a method gives its evaluations to members, from a short search that compiles its kernels: on a bowl of
+    few parameters, since what is compiled does not depend on their number."""
+    members: list[str] = []
+    left, starts = 100 * WARM, np.empty((0, WARM))
+    bowl = Space(
+        WARM, left, np.random.default_rng(0), starts, lambda u: u, lambda m: None, lambda m, k: members.append(m)
+    )
     search = method.search(bowl, method.options())
     with suppress(StopIteration):
         points = next(search)
-        while budget > 0 and isinstance(points, np.ndarray):
-            budget -= len(points)
+        while left > 0 and isinstance(points, np.ndarray):
+            left -= len(points)
             costs = ((points - 0.4) ** 2).sum(axis=1, keepdims=True)
             points = search.send(Batch(costs, np.zeros(len(points), dtype=np.uint8)))
     search.close()
+    return bool(members)
 
 
 def _starts(context: Context, request: SearchRequest) -> Floats:

@@ -16,6 +16,7 @@ from campaigns.claims.stages.sample import CALLED
 from campaigns.results import ValidateResult, Verdict
 from campaigns.results.base import FAILED, FLAKY, OK, TIMEOUT
 from campaigns.results.measured import Measured
+from campaigns.results.remedies import Ran, remedies
 from campaigns.stages.nominal import NominalResult
 from clearance.cli import invoke
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
@@ -227,13 +228,18 @@ LATER: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("how", [*ADVERSARIES, *LATER])
-def test_no_chance_of_a_lower_case_is_stated_where_results_do_not_repeat(how: str) -> None:
-    """Neither when they are measured nor in any later comparison: the check decides, whatever it rests on."""
+def test_what_does_not_repeat_has_advice_for_its_cause_and_no_chance_of_a_lower_case(how: str) -> None:
+    """Whether that shows when it is measured or in any later comparison. Several calls for each evaluation help where
+    values differ; where calls fail, an evaluation of several fails more often."""
     with adversary(how if how in ADVERSARIES else "none", LATER.get(how)):
         verdict, _ = ran(by_auto())
-    holds = check(verdict, "noise of calls").ok
-    assert holds == (how == "none")
-    assert (verdict.sureness is not None) == holds
+    found = check(verdict, "noise of calls")
+    assert found.ok == (how == "none")
+    assert (verdict.sureness is not None) == found.ok
+    assert ("simulator.repeats to {count: " in found.text) == (not found.ok and how in ADVERSARIES)
+    assert ("find out why" in found.text) == (how in LATER)
+    proposed = remedies(found, Ran(by_auto(), ()))
+    assert [remedy.kind for remedy in proposed] == (["calls"] if how in ADVERSARIES and not found.ok else [])
 
 
 def test_no_chance_of_a_lower_case_is_stated_of_several_calls() -> None:

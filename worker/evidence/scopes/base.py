@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Condition, Scope, Words
@@ -20,5 +21,7 @@ class Terms:
     """The evidence of an encounter that the system can give; the verdict has only these checks of it."""
     bars: tuple[tuple[str, Spans], ...] = ()
     """Reasons that rule out "cleared" for any result: the check's code and the sentence."""
+    function: Literal["", "in_process", "isolated"] = ""
+    """Where a Python function is called; empty for any other system."""
     obstacles: tuple[str, ...] = ()
     """The titles of a scenario's obstacles, in order."""

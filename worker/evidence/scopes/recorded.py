@@ -72,12 +72,12 @@ def _simulators(campaign: Campaign, catalogue: Catalogue, versions: Versions, sc
     unknown, covers, fmu = (pattern.search(scope) for pattern in (_UNKNOWN, _COVERS, _FMU))
     if unknown is not None:
         of_function = simulators.function_scope(*name, "", unknown[1])
-        yield Terms(of_function, words, simulators.function_caveat(unknown[1]))
-        yield Terms(of_function, words, simulators.simulator_caveat(halved, unread=unknown[1]))
-    function = simulators.function_scope(*name, digest)
-    for caveat in (*map(simulators.function_caveat, (None, "")), simulators.simulator_caveat(halved)):
-        yield Terms(function, words, caveat)
-    again = simulators.simulator_caveat(halved)
+        yield Terms(of_function, words, simulators.function_caveat(unknown[1]), function="in_process")
+        yield Terms(of_function, words, simulators.simulator_caveat(halved, unread=unknown[1]), function="isolated")
+    function, again = simulators.function_scope(*name, digest), simulators.simulator_caveat(halved)
+    for caveat in map(simulators.function_caveat, (None, "")):
+        yield Terms(function, words, caveat, function="in_process")
+    yield Terms(function, words, again, function="isolated")
     if versions.command and covers is not None:
         yield Terms(simulators.simulator_scope(*name, digest, versions.command, covers[1]), words, again)
     for of_folder in (simulators.OF_FOLDER, ""):  # earlier versions did not state it

@@ -5,7 +5,7 @@ A package may define `scope`, `words`, `caveat`, `shows` and `bars` of its simul
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
@@ -50,12 +50,18 @@ class _Usual:
 def terms(system: System) -> Terms:
     """The terms of a simulator."""
     if not OWN.intersection(dir(system)):
-        return Terms(_scope(system), _words(system), _caveat(system))
+        return Terms(_scope(system), _words(system), _caveat(system), function=_function(system))
     kind = type(system)
     if not isinstance(system, _Usual):  # a base, so that `super()` of its own terms finds the usual ones
         system.__class__ = type(kind.__name__, (kind, _Usual), {"__module__": kind.__module__})
     own: Any = system
     return Terms(own.scope, own.words, own.caveat, own.shows, tuple(own.bars()))
+
+
+def _function(system: Any) -> Literal["", "in_process", "isolated"]:
+    if isinstance(system, InProcess):
+        return "in_process"
+    return "isolated" if isinstance(system, Isolated) else ""
 
 
 def _scope(system: Any) -> Scope:

@@ -19,6 +19,7 @@ from campaigns.results.finding import Validation
 from campaigns.results.measured import Measured
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
+from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts.evidence import Evidence, check
 
 
@@ -30,7 +31,8 @@ def calls(problem: Problem, evidence: Evidence) -> list[Check]:
     if simulator.calls > 1:
         ok, statement = _several(simulator, measured, problem, evidence)
     elif not measured.repeats:
-        advice = _advice(measured.deviation, evidence.nominal.margin)
+        only_failures = not measured.identical and not measured.spread
+        advice = _of_failures(problem) if only_failures else _of_values(problem, measured.deviation, evidence)
         ok, statement = False, say("the simulator ", measured.statement, "; ", advice)
     else:
         ok, statement = _later(measured, problem, evidence)
@@ -79,8 +81,28 @@ def proposed(deviation: float | None, margin: float | None) -> int:
     return next((calls for below, calls in rules.CALLS if ratio < below), rules.CALLS[-1][1])
 
 
-def _advice(deviation: float | None, margin: float | None) -> Spans:
-    return say("set simulator.repeats to {count: ", count(proposed(deviation, margin), "repeats"), ", combine: worst}")
+def _of_values(problem: Problem, deviation: float | None, evidence: Evidence) -> Spans:
+    """What to do where values differ."""
+    calls = count(proposed(deviation, evidence.nominal.margin), "repeats")
+    repeats = say("set simulator.repeats to {count: ", calls, ", combine: worst}")
+    if not terms(problem.system).function:
+        return repeats
+    return say(
+        "find what differs between calls of the function: state that it keeps, or random numbers that each call does "
+        "not draw from a seed of its own; with clearance.simulator(isolated=True, recycle=1) every call has a process "
+        "of its own; if the noise is intended, declare the function as a simulator and, in a campaign file, ",
+        repeats,
+    )
+
+
+def _of_failures(problem: Problem) -> Spans:
+    """What to do where evaluations of the same point fail only sometimes: of several calls, one makes them all fail."""
+    function = terms(problem.system).function
+    return say(
+        "find out why, from the reasons of the failed evaluations",
+        "" if function == "in_process" else "; if calls time out, raise the timeout",
+        "" if function else "; simulator.retries tries a failed call again, which is counted and bars cleared",
+    )
 
 
 def _combined(simulator: Simulator) -> str:
@@ -183,10 +205,11 @@ def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bo
             apart, compared = max(apart, abs(again.difference)), compared + 1
     apart = max(apart, spot.largest or 0.0)
     if lost:
-        return False, say("evaluated again, not all of ", listed(lost), " have a value: the simulator does not repeat")
+        without = say("evaluated again, not all of ", listed(lost), " have a value: the simulator does not repeat; ")
+        return False, say(without, _of_failures(problem))
     if apart:
         differ = say("evaluated again, a case differs by ", number(apart, problem.unit, "apart"))
-        return False, say(differ, "; ", _advice(apart, evidence.nominal.margin))
+        return False, say(differ, "; ", _of_values(problem, apart, evidence))
     later = say("; so do ", count(compared + spot.compared, "again"), " later comparisons")
     return True, say(measured.statement, later)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import clearance
+from tests.audited import audited
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +75,23 @@ def test_a_chance_of_a_lower_case_is_stated_only_where_results_repeat(repeats: b
     for text in (" ".join(str(found).split()), found._repr_html_(), page):
         assert ("chance that another search" in text) == repeats
     assert (found.verdict.sureness is not None) == repeats
+
+
+@pytest.mark.parametrize("late", [0, 100])
+@pytest.mark.parametrize("fails", [True, False])
+def test_the_advice_can_be_followed_for_a_function(fails: bool, late: int, tmp_path: Path) -> None:
+    """The cause decides: `search` has neither retries nor calls that are repeated."""
+    calls = itertools.count()
+
+    def differs(a: float, b: float) -> float:
+        call = next(calls)
+        if fails and call > late and call % 10 == 0:
+            raise OSError("no licence")
+        return 2.0 + a + b + (0.0 if fails or call < late else 1e-4 * (call % 97))
+
+    found = clearance.search(differs, {"a": (-1.0, 1.0), "b": (-1.0, 1.0)}, -1.0, budget=300, certify=60)
+    (noise,) = [check.text for check in found.verdict.checks if check.title == "Noise of the simulator"]
+    assert ("from the reasons of the failed evaluations" in noise) == fails
+    assert ("state that it keeps" in noise) == ("in a campaign file" in noise) == (not fails)
+    assert "retries" not in noise
+    audited(found.save(tmp_path / "saved"))

@@ -47,6 +47,20 @@ EXPECTED = {
     "boolean": (FAILED, "its result d is True, not a number"),
     "no object": (FAILED, "its answer has no object `results`"),
     "long answer": (FAILED, "its answer is longer than 16000000 bytes"),
+    "nan as C writes it": (
+        FAILED,
+        'its answer is not JSON (Expecting value: line 1 column 19 (char 18)): {"results": {',
+    ),
+    "inf as C writes it": (FAILED, '{"results": {"d": -inf}}'),
+    "single quotes": (FAILED, "{'results': {'d': 1.0}}"),
+    "cut off": (FAILED, "its answer is not JSON"),
+    "an error cut off": (FAILED, "its answer is not JSON"),
+    "not UTF-8": (FAILED, "its answer is not JSON"),
+    "results nested too deeply": (FAILED, "its answer is not JSON (nested too deeply)"),
+    "two in a line": (FAILED, "its answer is not JSON"),
+    "a result twice": (FAILED, "its answer states 'd' twice"),
+    "results twice": (FAILED, "its answer states 'results' twice"),
+    "a log line in braces": (OK, ""),
     "error": (FAILED, "division by zero"),
     "excluded": (EXCLUDED, "starts inside the zone"),
     "excluded without a reason": (FAILED, "its answer has excluded True; the reason in words is expected"),
@@ -103,6 +117,36 @@ def test_it_costs_one_evaluation(simulator: CommandSimulator, act: str) -> None:
 
 def test_every_act_is_in_the_table() -> None:
     assert {*EXPECTED, "right"} == set(misbehaving.ACTS)
+
+
+ANSWERS = """import json, sys
+for number, line in enumerate(sys.stdin):
+    found = json.loads(line).get("id", 0)
+    answer = WRITTEN.replace("ID", str(found)) if number == 1 else '"id": %d, "results": {"d": 1.0}' % found
+    print("{" + answer + "}", flush=True)
+"""
+
+
+@pytest.mark.parametrize(
+    ("written", "reason", "replaced"),
+    [
+        ('"id": ID, "results": {"d": nan}', "its answer is not JSON", 0),
+        ('"id": ID, "results": {"d": 1.0, "d": 2.0}', "its answer states 'd' twice", 0),
+        ('"results": {"d": nan}', "its answer has no id", 1),
+        ('"id": 99, "results": {"d": nan}', "its answer has the id 99", 1),
+    ],
+)
+@pytest.mark.parametrize("ids", [True, False])
+def test_an_answer_that_cannot_be_read_takes_no_time_and_no_process(
+    written: str, reason: str, replaced: int, ids: bool
+) -> None:
+    program = Program([sys.executable, "-c", f"WRITTEN = {written!r}\n{ANSWERS}"], "lines", ids=ids)
+    with SlotPool(program, 1, Limits(timeout=600.0)) as pool:
+        outcomes = pool.evaluate([{"parameters": {}}] * 3)
+        assert [one.kind == "ok" for one in outcomes] == [True, False, True]
+        assert outcomes[1].reason.startswith(reason if ids or not replaced else "its answer is not JSON")
+        assert "twice" in outcomes[1].reason or '{"d": nan}' in outcomes[1].reason
+        assert pool.starts == 1 + (replaced if ids else 0)
 
 
 def test_what_it_started_is_killed_with_it(simulator: CommandSimulator) -> None:

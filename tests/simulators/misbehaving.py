@@ -29,6 +29,10 @@ def answer(**fields):
     raise Answer(fields)
 
 
+def line(text):
+    raise Answer(text)
+
+
 def grandchild():
     subprocess.Popen(["setsid", "sleep", os.environ["MARK"]])
     time.sleep(0.1)
@@ -53,6 +57,17 @@ ACTS = {
     "garbage": lambda: print("garbage \x00\xff", flush=True) or {"d": 1.0},
     "long answer": lambda: {"d": 1.0, "text": "x" * 40_000_000},
     "deeply nested": lambda: print('{"a":' * 100_000 + "1" + "}" * 100_000, flush=True) or {"d": 1.0},
+    "nan as C writes it": lambda: line('{"results": {"d": nan}}'),
+    "inf as C writes it": lambda: line('{"results": {"d": -inf}}'),
+    "single quotes": lambda: line("{'results': {'d': 1.0}}"),
+    "cut off": lambda: line('{"results": {"d": 1.0'),
+    "an error cut off": lambda: line('{"error": "no lice'),
+    "not UTF-8": lambda: line(b'{"error": "\xff"}'),
+    "results nested too deeply": lambda: line('{"results":' * 100_000),
+    "two in a line": lambda: line('{"results": {"d": 1.0}}{"results": {"d": 2.0}}'),
+    "a result twice": lambda: line('{"results": {"d": -5, "d": 50}}'),
+    "results twice": lambda: line('{"results": {"d": -5}, "results": {"d": 50}}'),
+    "a log line in braces": lambda: print("{debug} error: none", flush=True) or {"d": 1.0},
     "error": lambda: {"d": 1 / 0},
     "excluded": lambda: answer(excluded="starts  inside\nthe zone"),
     "excluded without a reason": lambda: answer(excluded=True),
@@ -74,7 +89,11 @@ def main():
             found = {"error": str(error)}
         except Answer as other:
             (found,) = other.args
-        print(json.dumps(found), flush=True)
+        if isinstance(found, bytes):
+            sys.stdout.buffer.write(found + b"\n")
+            sys.stdout.flush()
+        else:
+            print(found if isinstance(found, str) else json.dumps(found), flush=True)
 
 
 if __name__ == "__main__":

@@ -45,6 +45,11 @@ int main(void) {
             double distance = fabs(x - 12.0) + (z > 30.0 ? z - 30.0 : 0.0);
             if (distance < least) least = distance;
         }
+        if (!isfinite(least) || !isfinite(w)) { /* what printf makes of them is not JSON */
+            printf("{%s\"error\": \"the fall has no finite result\"}\n", same);
+            fflush(stdout);
+            continue;
+        }
         printf("{%s\"results\": {\"separation\": %.17g, \"impact\": %.17g}", same, least, -w);
         if (traced) {
             printf(", \"trace\": {");

@@ -8,6 +8,8 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from worker.engine.systems.simulators.slots.answers import parsed
+
 CHILD = Path(__file__).with_name("child.py")
 COMMAND = "CLEARANCE_COMMAND"
 PARAMETERS, RESULTS, TRACE = "parameters.json", "results.json", "trace.json"
@@ -30,7 +32,7 @@ class Evaluate:
         results = _run(parameters, str(file))
         if not file.exists():
             return {"results": results}
-        return {"results": results, "trace": json.loads(file.read_text(encoding="utf-8"))}
+        return {"results": results, "trace": parsed(file.read_bytes(), TRACE)}
 
 
 evaluate = Evaluate()
@@ -52,7 +54,7 @@ def _run(parameters: dict[str, float], trace: str) -> Any:
         raise RuntimeError(f"the program ended with {how}")
     if not written.exists():
         raise RuntimeError(f"the program wrote no {RESULTS}")
-    results = json.loads(written.read_text(encoding="utf-8"))
+    results = parsed(written.read_bytes(), RESULTS)
     if isinstance(results, dict) and "excluded" in results and isinstance(results["excluded"], str):
         if len(results) > 1:
             raise RuntimeError(f"{RESULTS} has both results and `excluded`; write one of them")

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
+from worker.engine.systems.simulators.slots.answers import of_line
 from worker.engine.systems.simulators.slots.outcome import Request
 
 LENGTH = struct.Struct("<I")
@@ -65,13 +66,15 @@ def identified(message: Request, number: int) -> Request:
 
 def misidentified(answer: object, number: int) -> str:
     """Why an answer is not that of the request with this id; empty if it is."""
-    found = answer.get("id") if isinstance(answer, dict) else None
+    fields = answer if isinstance(answer, dict) else {}
+    found, but = fields.get("id"), f"; it reports: {fields['error']}" if "error" in fields else ""
     if found is None:
-        return f"its answer has no id; its descriptor states ids, so the id of the request, {number}, is expected in it"
+        expected = f"its descriptor states ids, so the id of the request, {number}, is expected in it"
+        return f"its answer has no id; {expected}{but}"
     if isinstance(found, bool) or found != number:
         shown = f"{json.dumps(found):.40}" if isinstance(found, (str, int, float)) else "[...] or {...}"
         how = "it answered twice, too late or in another order"
-        return f"its answer has the id {shown}, and the request has {number}: {how}"
+        return f"its answer has the id {shown}, and the request has {number}: {how}{but}"
     return ""
 
 
@@ -103,26 +106,16 @@ def _message(text: bytes) -> Any:
 
 
 def unlined(buffer: bytearray, longest: int) -> tuple[list[Any], bytes]:
-    """Take the whole lines off a buffer: those that are JSON objects, and the others as they are; raises TooLong."""
+    """Take the whole lines off a buffer: those that are objects, and the others as they are; raises TooLong."""
     *lines, rest = bytes(buffer).split(b"\n")
     if len(rest) > longest or any(len(text) > longest for text in lines):
         raise TooLong
     buffer[:] = rest
     found, other = [], []
     for text in lines:
-        value = _object(text)
+        value = of_line(text)
         if value is None:
             other.append(text + b"\n")
         else:
             found.append(value)
     return found, b"".join(other)
-
-
-def _object(text: bytes) -> dict[str, Any] | None:
-    if not text.lstrip().startswith(b"{"):
-        return None
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):  # also text that is not UTF-8, and deep nesting
-        return None
-    return value if isinstance(value, dict) else None

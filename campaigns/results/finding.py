@@ -89,6 +89,12 @@ class Validation(Result):
     """The noise seed drawn for its evaluation; null if it simulated those of the campaign."""
     neighbours: Neighbours | None = None
 
+    @property
+    def incomplete(self) -> bool:
+        """Whether one of the values that are compared is missing."""
+        others = (self.half_step, self.integrator, self.again)
+        return self.cost is None or any(other is not None and other.cost is None for other in others)
+
 
 def unsearched(case: Validation | None) -> str:
     """What to name as the finder of a case that no search found: only the sample draws noise for an evaluation."""

@@ -71,6 +71,8 @@ def validated(case: Validation | None) -> str:
         return case.repeats.text
     if case.agrees is None or case.violates is None:
         return "confirmed" if case.ok else "not confirmed"
+    if case.incomplete:
+        return f"not every {'integration' if case.again is None else 'evaluation'} has a value"
     if case.again is not None:
         agree = "evaluations agree" if case.agrees else "evaluations disagree"
         return f"violation confirmed, {agree}" if case.violates else agree

@@ -33,14 +33,18 @@ def worded(problem: Problem, result: StageResult, findings: Sequence[Finding]) -
 
 
 def _agreement(words: Words, cases: Sequence[Validation]) -> Spans:
-    """Whether all cases are validated."""
-    wrong = [case(c.name) for c in cases if not c.ok]
+    """Whether all cases are validated: what has no value does not disagree."""
+    lacking = [case(c.name) for c in cases if not c.ok and c.incomplete]
+    wrong = [case(c.name) for c in cases if not c.ok and not c.incomplete]
     apart = [case(c.name) for c in cases if c.violates and not c.agrees]
     agreed = [case(c.name) for c in cases if c.agrees]
     statement: list[Part] = []
     if wrong:
         statement.append(say(f"{words.disagrees} by more than the tolerance for ", listed(wrong)))
-    elif agreed:
+    if lacking:
+        verb = "lacks a value" if len(lacking) == 1 else "lack a value"
+        statement.append(say(listed(lacking), f" {verb} when {words.again}"))
+    elif agreed and not wrong:
         statement.append(say(f"{words.agree} for ", listed(agreed)))
     if apart:
         statement.append(say(f"{words.every} of ", listed(apart), " violate, but differ by more than the tolerance"))

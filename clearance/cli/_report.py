@@ -108,12 +108,23 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
             at = escape(f"at {_values(minimum.parameters)}")
             cells = (number(minimum.cost), count(minimum.evaluations), "", "", "", at)
             table.add_row(escape(f"  from {_values(minimum.start or {})}"), *cells, style="dim")
+        if shared := _shared(store, position):
+            table.add_row("  counted for several starts", "", f"−{count(shared)}", "", "", "", "", style="dim")
     counts = verdict.evaluations or Counts(stored=0, succeeded=0, failed=0, excluded=0)
     lowest = "" if counts.lowest is None else number(counts.lowest)
     time = f"{sum(record.seconds for record in store.stages):.2f}"
     table.add_section()
     table.add_row("all stages", lowest, *map(count, (counts.made, counts.failed, counts.excluded)), time, "")
     return table
+
+
+def _shared(store: MemoryStore, position: int) -> int:
+    """Evaluations of a local search that several of its descents count, as each requested the same point."""
+    result = store.stages[position].result
+    if not isinstance(result, SearchResult) or result.kind != "local" or result.ended is None:
+        return 0
+    every = sum(minimum.evaluations for minimum in result.minima)
+    return max(0, every - made(store, position)[0]) if result.ended.kind == "rule" else 0
 
 
 def _ended(result: StageResult | None) -> str:

@@ -93,7 +93,8 @@ class _Bars:
 
 
 class _Lines:
-    """A line for each stage once the next one has begun, or the run has ended; its time ends with its last one."""
+    """A line for each stage once the next one has begun, or the run has ended, with the time of its last evaluation
+    since the start: how long a stage took is measured by the run, and stated in its result."""
 
     def __init__(self, names: Names) -> None:
         self._names, self._now = names, -1
@@ -106,9 +107,8 @@ class _Lines:
 
     def end(self) -> None:
         if self._now >= 0:
-            parts = [_evaluations(self._tally), _best(self._tally), f"{self._seen - self._began:.1f} s"]
+            parts = [_evaluations(self._tally), _best(self._tally), f"{self._seen - self._began:.1f} s after the start"]
             print(f"{self._names[self._now][0]}: {', '.join(filter(None, parts))}", file=sys.stderr, flush=True)
-            self._began = self._seen
         self._now = -1
 
 

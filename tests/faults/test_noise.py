@@ -264,3 +264,13 @@ def test_every_place_states_the_chance_or_none_does(
     texts["result"] = (out / "result.json").read_text(encoding="utf-8")
     texts["printed"] = " ".join(capsys.readouterr().out.split())
     assert {place: sentence in text for place, text in texts.items()} == dict.fromkeys(texts, stated)
+
+
+def test_a_clause_on_findings_that_are_not_all_polished_has_a_subject() -> None:
+    """The simulator fails before they are: validation uses its budget."""
+    asked = by_auto().document()
+    asked["stages"] |= {"validate": {"neighbours": 20}, "findings": {}}
+    asked["stages"]["search"][0]["evaluations"] = 1000
+    with adversary("none", lambda call: FAILED if call.total > 1000 else OK):
+        verdict, _ = ran(load_document(asked))
+    assert ": validation used its budget of " in check(verdict, "minimum").text

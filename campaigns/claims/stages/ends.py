@@ -30,6 +30,11 @@ def skipped(points: int, at_most: int) -> Spans:
     return say(of, ", because validation is limited to ", count(at_most, "at_most"), " evaluations")
 
 
+def by_validation(ended: Spans) -> Spans:
+    """How the search for distinct worst cases ended, as a clause with its subject."""
+    return say("validation ", ended)
+
+
 def gathered(ended: Spans, complete: bool) -> Spans:
     """How the findings were distinguished."""
     return ended if complete else say("some findings may be duplicates, or not fully polished: ", ended)

@@ -131,10 +131,10 @@ class Drawn(NamedTuple):
 
 
 def violate(failed: int) -> Spans:
-    """The verb of violations, which states how many of them are failed evaluations, if any."""
+    """The verb of violations, among which failed evaluations count: it states how many they are, if any."""
     if not failed:
         return say(" violate the criterion")
-    return say(" violate the criterion, ", count(failed, "draws_failed"), " of these because they failed")
+    return say(" violate the criterion or failed (", count(failed, "draws_failed"), " failed)")
 
 
 def interim(statement: Spans, looks: int, level: float) -> Spans:

@@ -37,10 +37,10 @@ interface Sample {
 export const lostOf = ({ failed, excluded }: Pick<Sample, 'failed' | 'excluded'>): string =>
   [failed ? `; ${count(failed)} failed and count as violations` : '', excluded ? `; ${count(excluded)} draws excluded` : ''].join('')
 
-/** 9 of 300 samples violate, 4 of these because they failed; 20 draws excluded. */
+/** 9 of 300 samples violate or failed (4 failed); 20 draws excluded. */
 export function violatedOf({ samples, violations, failed, excluded }: Sample): string {
   const all = failed !== null && failed > 0 && failed === violations
-  const how = all ? 'failed and count as violations' : failed ? `violate, ${count(failed)} of these because they failed` : 'violate'
+  const how = all ? 'failed and count as violations' : failed ? `violate or failed (${count(failed)} failed)` : 'violate'
   return `${count(violations)} of ${count(samples)} samples ${how}${excluded ? `; ${count(excluded)} draws excluded` : ''}`
 }
 

@@ -174,6 +174,8 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
         ended = ends.confirmed(len(found.basins), validation(context.campaign, noise.noisy(context)).total)
     elif found.skipped:
         ended = ends.skipped(found.skipped, validation(context.campaign, noise.noisy(context)).total)
+    elif not complete:
+        ended = ends.by_validation(ended)
     return Gathered(
         distance=request.distance,
         barrier=request.barrier,

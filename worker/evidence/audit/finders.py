@@ -84,7 +84,7 @@ def gathered(run: Run) -> Tree:
     }
     total, kept = validation(run.campaign, run.calls.noisy).total, min(numbers.get("kept", 0), len(run.findings))
     lost = [ends.confirmed(kept, total), ends.skipped(numbers.get("points", 0), total)]
-    partly = [*whole, *lost, budget(numbers.get("budget", 0))]
+    partly = [*lost, *map(ends.by_validation, (budget(numbers.get("budget", 0)), *whole))]
     possible = [ends.gathered(ended, stated["complete"]) for ended in (whole if stated["complete"] else partly)]
     return {"statement": next((one for one in possible if alike(stated["statement"], one)), possible[0])}
 

@@ -26,7 +26,7 @@ def worded(problem: Problem, result: StageResult, findings: Sequence[Finding]) -
     return result.model_copy(
         update={
             "statement": statement,
-            "violations": counts and counts.model_copy(update={"statement": _counts(words, counts)}),
+            "violations": counts and counts.model_copy(update={"statement": _counts(words, counts, result.spent)}),
             "spot_checks": spot and spot.model_copy(update={"statement": compared}),
         }
     )
@@ -60,19 +60,23 @@ def _repeated(words: Words, cases: Sequence[Validation]) -> Spans:
     return unnamed(say(of, but))
 
 
-def _counts(words: Words, found: Violations) -> Spans:
+def _counts(words: Words, found: Violations, spent: Spent | None) -> Spans:
     if found.stored == 0:
         return say("no stored evaluation violates the criterion")
+    verb = "evaluation violates" if found.stored == 1 else "evaluations violate"
+    many = say(count(found.stored, "violating"), f" stored {verb} the criterion; ")
+    if not found.checked:
+        none = say(many, "validation examined none of them")
+        most = None if spent is None else count(spent.at_most, "at_most")
+        return none if most is None else say(none, ", because it is limited to ", most, " evaluations")
     all_of = found.checked == found.stored
     of = (
         say("all of them")
         if all_of
         else say(count(found.checked, "checked"), " of them, spread over the range of values,")
     )
-    verb = "evaluation violates" if found.stored == 1 else "evaluations violate"
-    many = say(count(found.stored, "violating"), f" stored {verb} the criterion; ", of)
     confirmed = count(found.confirmed, "confirmed")
-    return say(many, f" were {words.again}, and ", confirmed, " violate there as well")
+    return say(many, of, f" were {words.again}, and ", confirmed, " violate there as well")
 
 
 def _apart(words: Words, found: SpotChecks, unit: str, spent: Spent | None) -> Spans:

@@ -70,6 +70,19 @@ def test_cleared_is_0(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
     assert "margin to 0.5 m" in out
 
 
+def test_the_rows_of_a_stage_add_up(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of points that several descents request, each counts them and one evaluates them."""
+    starts = [{"vehicle.m": 4.5, "vehicle.J": 0.05}] * 2 + [{"vehicle.m": 5.5, "vehicle.J": 0.05}]
+    invoke(["run", file(searching({"method": "sqp", "evaluations": 500, "starts": starts}, SAMPLE, **SHORT))])
+    rows = [[cell.strip() for cell in line.split("│")[1:]] for line in capsys.readouterr().out.splitlines()]
+    table = [(row[0], int(row[2].replace("−", "-"))) for row in rows if len(row) == 8 and row[2].strip("−").isdigit()]
+    at = [name for name, _ in table].index("search: SQP multistart")
+    parts = [many for name, many in table[at + 1 :] if name.startswith(("from", "counted"))]
+    assert len(parts) > 2
+    assert parts[-1] < 0
+    assert sum(parts) == table[at][1]
+
+
 def violating() -> Campaign:
     """The threshold is between the worst case of 0.9417 m and the nominal 0.9436 m."""
     return searching(DIRECT, SQP, criterion__threshold=0.943, **SHORT)

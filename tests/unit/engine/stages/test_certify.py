@@ -61,15 +61,15 @@ STATED: dict[str, tuple[dict[str, Any], Any, list[Fact], str]] = {
     "failed evaluations": (
         {"samples": 1000}, evaluate(failing=lambda x: x[:, 0] > 0.99),
         [29, 1000, 8, 0.0394, 0.95, 0.05, "d_min", 0.544465, 0.95],
-        "29 of 1\u202f000 samples drawn from the stated distributions violate the criterion, 8 of these "
-        "because they failed: P(violation) is at most 3.94 % with 95 % confidence; at most 5 % of all cases have "
+        "29 of 1\u202f000 samples drawn from the stated distributions violate the criterion or failed "
+        "(8 failed): P(violation) is at most 3.94 % with 95 % confidence; at most 5 % of all cases have "
         "d_min below 0.544464 m, with 95 % confidence",
     ),
     "a quantile among failed evaluations": (
         {"samples": 200}, evaluate(failing=lambda x: x[:, 0] > 0.8),
         [54, 200, 49, 0.327, 0.95, 0.05],
-        "54 of 200 samples drawn from the stated distributions violate the criterion, 49 of these "
-        "because they failed: P(violation) is at most 32.7 % with 95 % confidence; no bound on the 5 % quantile: "
+        "54 of 200 samples drawn from the stated distributions violate the criterion or failed "
+        "(49 failed): P(violation) is at most 32.7 % with 95 % confidence; no bound on the 5 % quantile: "
         "the 5th lowest of the sample is a failed evaluation",
     ),
     "too few samples": (
@@ -90,8 +90,8 @@ STATED: dict[str, tuple[dict[str, Any], Any, list[Fact], str]] = {
     "a grid without a value": (
         {"samples": 5, "grid": {"points": 3}}, evaluate(failing=lambda x: x[:, 0] >= 0),
         [5, 5, 5, 1, 0.95, 5, 0.05, 59],
-        "5 of 5 samples drawn from the stated distributions violate the criterion, 5 of these "
-        "because they failed: P(violation) is at most 100 % with 95 % confidence; 5 samples are too few for a bound on "
+        "5 of 5 samples drawn from the stated distributions violate the criterion or failed "
+        "(5 failed): P(violation) is at most 100 % with 95 % confidence; 5 samples are too few for a bound on "
         "the 5 % quantile, which needs 59",
     ),
 }  # fmt: skip

@@ -8,6 +8,7 @@ import pytest
 
 from campaigns.results import ValidateResult
 from campaigns.results.finding import HalfStep, ReferenceCost, Repeated
+from campaigns.results.validate import LeftOut, Spent, Violations
 from campaigns.results.verdicts import validated
 from tests.given.case_campaigns import case1
 from tests.given.verdict_evidence import WORST, case, changed, finding, validation
@@ -38,6 +39,17 @@ def test_what_has_no_value_does_not_disagree(what: str) -> None:
     assert "disagree" not in text
     assert text.startswith("F1 lacks a value when simulated again")
     assert validated(changed(case(), agrees=False, violates=False, **WITHOUT[what])).startswith("not every")
+
+
+@pytest.mark.parametrize("spent", [None, Spent(at_most=20, stored=8, left_out=LeftOut(violations=44))])
+def test_violations_of_which_none_was_examined_are_not_counted_as_such(spent: Spent | None) -> None:
+    none = Violations(stored=44, checked=0, confirmed=0, statement=())
+    made = worded(case1(), validation(violations=none, spent=spent), [])
+    assert isinstance(made, ValidateResult)
+    assert made.violations is not None
+    text = made.violations.text
+    assert text.startswith("44 stored evaluations violate the criterion; validation examined none of them")
+    assert text.endswith(", because it is limited to 20 evaluations") == (spent is not None)
 
 
 def test_what_differs_disagrees() -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from campaigns.asked.expected import expected
 from campaigns.asked.problem import MOST, CampaignError, Problem, shown
 from campaigns.asked.reading import UnreadableError, misshapen, parse
 from campaigns.asked.spec import Campaign
@@ -121,7 +122,7 @@ def load_document(document: Any, source: str = "campaign") -> Campaign:
     try:
         return Campaign.model_validate(document)
     except ValidationError as error:
-        found = error.errors(include_url=False, include_context=False)
+        found = error.errors(include_url=False)
         problems = [_problem(e) for e in found[:MOST]]
         if any(e["loc"] for e in found) and not {"scenario", "simulator"} & document.keys():
             # Reported with the others, although the model checks it only once everything else is valid.
@@ -135,7 +136,7 @@ def library() -> dict[str, Path]:
 
 
 def _problem(error: Any) -> Problem:
-    kind, message = error["type"], error["msg"].removeprefix("Value error, ")
+    kind, message = error["type"], expected(error, Campaign)
     at = list(error["loc"])
     if "distribution" in at[:-1]:  # what follows is the kind, which is no key of the document
         del at[at.index("distribution") + 1]
@@ -146,8 +147,6 @@ def _problem(error: Any) -> Problem:
         message = f"a mapping with the key name is expected: a campaign {INSTALLED[3:]}"
     elif at == ["simulator", "name"] and kind in ("string_pattern_mismatch", "string_type"):
         message = f"not the name of a simulator, which has small letters, digits and _; a campaign {INSTALLED[3:]}"
-    elif kind == "missing":
-        message = "this key is required"
     elif at and at[-1] == "[key]":
         message = "not the path of a parameter, such as vehicle.m or obstacles.0.position.x"
     return Problem(".".join(str(part) for part in at if part != "[key]"), value, message)

@@ -45,10 +45,9 @@ def read(file: Path, allowed: bool) -> Campaign:
         try:
             return load_file(path)
         except CampaignError as error:
-            code = [
-                replace(p, message=p.message + HOW) if p.field == "simulator.command" else p for p in error.problems
-            ]
-            raise CampaignError(error.source, code) from None
+            # What else is wrong with a simulator that is a command follows from this.
+            code = [replace(p, message=p.message + HOW) for p in error.problems if p.field == "simulator.command"]
+            raise CampaignError(error.source, code or error.problems) from None
     try:
         document = parse(read_text(path))
     except UnreadableError as error:

@@ -93,7 +93,7 @@ def test_a_long_trace_has_every_kth_point_and_the_last(tmp_path: Path, monkeypat
         ({"height": None}, "trace.height.variable: model.fmu has no variable height; its outputs are x, z, separation"),
         ({"drag": None}, "trace.drag.variable: drag is Boolean; one real number is expected"),
         ({"z": {"unit": "ft"}}, "trace.z.unit: the model states m, not ft"),
-        ({"z": {"title": "Height"}}, "trace.z.title: Extra inputs are not permitted"),
+        ({"z": {"title": "Height"}}, "trace.z.title: unknown key; remove it or correct its spelling"),
     ],
 )
 def test_a_column_that_cannot_be_read_is_refused(tmp_path: Path, trace: Any, reason: str) -> None:

@@ -18,6 +18,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from campaigns.asked.expected import expected
 from campaigns.asked.problem import CampaignError, Problem, shown
 from worker.engine.systems.simulators.declared.descriptor import DescribedProgram, Descriptor
 from worker.engine.systems.simulators.declared.simulator import Program
@@ -104,14 +105,12 @@ def install(program: InlineProgram) -> None:
 
 
 def _problems(error: ValidationError) -> Iterator[Problem]:
-    for found in error.errors(include_url=False, include_context=False):
+    for found in error.errors(include_url=False):
         at = [str(part) for part in found["loc"]]
-        message = found["msg"].removeprefix("Value error, ")
+        message = expected(found, Descriptor)
         if at[:1] == ["command"] and found["type"] in ("tuple_type", "string_type"):
             message = WORDS
         elif found["type"] == "extra_forbidden":
             message = "not a key of a simulator's descriptor; remove it or correct its spelling"
-        elif found["type"] == "missing":
-            message = "this key is required"
         value = "" if found["type"] == "missing" or not at else shown(found.get("input"))
         yield Problem(".".join(["simulator", *at]), value, message)

@@ -72,7 +72,7 @@ def test_without_the_option_it_is_refused_and_never_started(
     file = written(tmp_path, command=["sh", "-c", f"touch {tmp_path}/made"])
     assert invoke([command, str(file)]) == WRONG_INPUT
     errors = capsys.readouterr().err
-    assert "simulator.command" in fields(errors)
+    assert set(fields(errors)) == {"simulator.command"}, "what follows from it is not reported"
     assert HOW in errors
     assert not (tmp_path / "made").exists()
 
@@ -192,7 +192,7 @@ def test_the_digest_changes_with_the_description_and_with_the_program(tmp_path: 
     [
         ({"command": "python bowl.py"}, "simulator.command", "a list of words is expected"),
         ({"command": [1]}, "simulator.command.0", "a list of words is expected"),
-        ({"command": []}, "simulator.command", "at least 1 item"),
+        ({"command": []}, "simulator.command", "at least 1 entry"),
         ({"parameters": None}, "simulator.parameters", "this key is required"),
         ({"parameters": {"x": 0.5}}, "simulator.parameters.x", ""),
         ({"results": None}, "simulator.results", "this key is required"),

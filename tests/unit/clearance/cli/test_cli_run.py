@@ -120,7 +120,7 @@ def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[st
     [
         ("name: [", "not readable as YAML"),
         ("name: x\nname: y", "the key 'name' is given twice"),
-        (document(scenario__step=-1), "scenario.step: Input should be greater than 0 (given: -1.0)"),
+        (document(scenario__step=-1), "scenario.step: expected a number above 0 (given: -1.0)"),
         (document(scenario__vehicle__component="unicyle"), "scenario.vehicle.component: no such vehicle; did you mean"),
         (document(**{"uncertain__vehicle.m": {"plus_minus": 1, "unit": "g"}}), "uncertain.vehicle.m.unit: the unit of"),
         (document(stages__search=[{"method": "magic", "evaluations": 1}]), "stages.search.0.method: no such method"),

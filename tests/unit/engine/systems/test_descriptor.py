@@ -47,23 +47,23 @@ def test_its_entry_in_the_catalogue(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changed", "expected"),
     [
-        ({"command": None}, "command: Field required"),
-        ({"command": []}, "command: Tuple should have at least 1 item"),
-        ({"comand": ["x"]}, "comand: Extra inputs are not permitted"),
-        ({"protocol": "http"}, "protocol: Input should be 'lines' or 'files'"),
+        ({"command": None}, "command: this key is required"),
+        ({"command": []}, "command: expected at least 1 entr"),
+        ({"comand": ["x"]}, "comand: unknown key; remove it or correct its spelling"),
+        ({"protocol": "http"}, "protocol: expected 'lines' or 'files'"),
         (
             {"protocol": "files", "ids": True},
             "the file: ids is only for the protocol lines; with files each evaluation",
         ),
-        ({"ids": "yes"}, "ids: Input should be a valid boolean"),
-        ({"ids": 1}, "ids: Input should be a valid boolean"),
+        ({"ids": "yes"}, "ids: expected true or false"),
+        ({"ids": 1}, "ids: expected true or false"),
         ({"name": "a b"}, "name: "),
-        ({"timeout": 0}, "timeout: Input should be greater than 0"),
-        ({"timeout": float("nan")}, "timeout: Input should be a finite number"),
-        ({"parameters": {}}, "parameters: Dictionary should have at least 1 item"),
+        ({"timeout": 0}, "timeout: expected a number above 0 and at most 86,400"),
+        ({"timeout": float("nan")}, "timeout: expected a finite number"),
+        ({"parameters": {}}, "parameters: expected at least 1 entr"),
         ({"parameters": {"mass": {"nominal": 5, "low": 1, "high": 3}}}, "parameters.mass: nominal 5 must be within"),
-        ({"parameters": {"mass": {"nominal": 2, "low": 1}}}, "parameters.mass.high: Field required"),
-        ({"results": {"d": {"worse": "both"}}}, "results.d.worse: Input should be 'low' or 'high'"),
+        ({"parameters": {"mass": {"nominal": 2, "low": 1}}}, "parameters.mass.high: this key is required"),
+        ({"results": {"d": {"worse": "both"}}}, "results.d.worse: expected 'low' or 'high'"),
     ],
 )
 def test_a_mistake_is_named_with_its_file_and_key(tmp_path: Path, changed: dict[str, Any], expected: str) -> None:
@@ -89,7 +89,7 @@ def test_a_bad_one_keeps_no_other_from_being_found(tmp_path: Path, monkeypatch: 
     assert sum(not isinstance(d, BadDescriptor) for d in listed()) == 2
     assert unusable() == [
         f"{FOLDERS} names {tmp_path / 'none'}, which is not a folder",
-        f"{tmp_path / 'one' / 'b' / 'simulator.yaml'}: timeout: Input should be greater than 0",
+        f"{tmp_path / 'one' / 'b' / 'simulator.yaml'}: timeout: expected a number above 0 and at most 86,400",
         f"{tmp_path / 'two' / 'c' / 'simulator.yaml'}: name: {tmp_path / 'one' / 'a'} already describes a simulator "
         "drop; rename one of them",
     ]

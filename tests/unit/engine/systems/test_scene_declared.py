@@ -32,12 +32,12 @@ RIGHT = [
     scene(vehicle={"position": ["x", "y"]}, obstacles=[{"shape": "cylinder", "position": [0, 0], "radius": 1}]),
 ]
 WRONG: list[tuple[Any, str]] = [
-    ({}, "scene.frame: Field required"),
-    ([], "scene: Input should be a valid dictionary"),
-    (scene(frame="up"), "scene.frame: Input should be 'z_up' or 'z_down'"),
+    ({}, "scene.frame: this key is required"),
+    ([], "scene: expected a mapping"),
+    (scene(frame="up"), "scene.frame: expected 'z_up' or 'z_down'"),
     (scene(colour="red"), "scene: there is no 'colour' here; give frame, vehicle, bodies, obstacles"),
     (scene(vehicle={"heading": "a"}), "scene.vehicle: there is no 'heading' here"),
-    (scene(vehicle={"position": ["x"]}), "scene.vehicle.position: List should have at least 2 items"),
+    (scene(vehicle={"position": ["x"]}), "scene.vehicle.position: expected at least 2 entr"),
     (scene(vehicle={"position": ["x", 0, "h"]}), "the trace has no column h; it has time, x, y, z"),
     (scene(vehicle={"position": ["x", 0, None]}), "scene.vehicle.position.2: the name of a column or a number"),
     (scene(vehicle={"position": ["x", 0, float("nan")]}), "scene.vehicle.position.2: the name of a column"),
@@ -50,13 +50,16 @@ WRONG: list[tuple[Any, str]] = [
     (scene(vehicle={"quaternion": ["a", 0, 0, 1]}), "the column a is in rad; no unit or 1 is expected"),
     (scene(vehicle={"quaternion": ["q"] * 4, "angles": ["a"] * 3}), "give quaternion or angles, not both"),
     (scene(bodies=[{"position": ["x", "y"]}]), "scene.bodies.0.position: 3 coordinates are expected"),
-    (scene(bodies=[{"position": ["x", "y", "z"], "radius": -1}]), "scene.bodies.0.radius: Input should be greater"),
-    (scene(bodies=[{"position": ["x", "y", "z"]}] * 33), "scene.bodies: List should have at most 32 items"),
+    (
+        scene(bodies=[{"position": ["x", "y", "z"], "radius": -1}]),
+        "bodies.0.radius: expected a number of at least 0",
+    ),
+    (scene(bodies=[{"position": ["x", "y", "z"]}] * 33), "scene.bodies: expected at most 32 entr"),
     (scene(obstacles=[{"shape": "sphere", "position": [0, 0, 0]}]), "scene.obstacles.0.radius: a sphere needs it"),
     (scene(obstacles=[{"shape": "cylinder", "position": [0, 0, 0], "radius": 1}]), "height: a cylinder needs it"),
     (
         scene(obstacles=[{"shape": "sphere", "position": ["x", 0, 0], "radius": 1}]),
-        "position.0: Input should be a valid",
+        "position.0: expected a number",
     ),
     (
         scene(obstacles=[{"shape": "box", "position": [0, 0, 0], "size": [1, 2]}]),
@@ -66,7 +69,10 @@ WRONG: list[tuple[Any, str]] = [
         scene(obstacles=[{"shape": "sphere", "position": [0, 0, 0], "radius": 1, "size": [1, 1]}]),
         "scene.obstacles.0.size: a sphere has none; it has radius",
     ),
-    (scene(obstacles=[{"shape": "sphere", "position": [0, 0, 1e10], "radius": 1}]), "less than or equal to 1000000000"),
+    (
+        scene(obstacles=[{"shape": "sphere", "position": [0, 0, 1e10], "radius": 1}]),
+        "and at most 1,000,000,000",
+    ),
 ]
 
 

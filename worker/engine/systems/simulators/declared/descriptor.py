@@ -15,12 +15,14 @@ from typing import Annotated, Any, Literal, Self
 import yaml
 from pydantic import Field, ValidationError, model_validator
 
+from campaigns.asked.expected import expected
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.results.scene import Scene
 from worker.engine.systems.simulators.declared import fmu
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.described import BadDescriptor, Basics, Described, Finite
+from worker.engine.systems.simulators.declared.fmu_descriptor import FmuDescriptor
 from worker.engine.systems.simulators.declared.fmu_model import Unusable
 from worker.engine.systems.simulators.declared.folder import FILE, FOLDERS, folders
 from worker.engine.systems.simulators.declared.scene import scene_of
@@ -207,7 +209,7 @@ def read(folder: Path) -> Described:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"] if part != "[key]") or "the file"
-        message = first["msg"].removeprefix("Value error, ")
+        message = expected(first, FmuDescriptor if error.title == FmuDescriptor.__name__ else Descriptor)
         if first.get("ctx", {}).get("pattern") == "^[a-z][a-z0-9_]*$":
             message = f"{first['input']!r:.60} is not a name: {NAMES}"
         raise BadDescriptor(f"{file}: {place}: {message}") from None

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from campaigns.asked.expected import expected
 from campaigns.results.scene import Scene, SceneObstacle
 
 Units = Mapping[str, str]
@@ -22,7 +23,7 @@ def scene_of(document: object, units: Units) -> Scene:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in ("scene", *first["loc"]))
-        raise ValueError(f"{place}: {first['msg'].removeprefix('Value error, ')}") from None
+        raise ValueError(f"{place}: {expected(first, Scene)}") from None
     for problem in _problems(found, units):
         raise ValueError(f"scene.{problem}")
     return found

@@ -68,6 +68,7 @@ def audit(
             show_default=False,
         ),
     ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Also print the items that agree.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
     data: Data = DATA,
     database: Database = "",
@@ -98,7 +99,7 @@ def audit(
         answer = {"run": run, "follows": follows, "sentence": sentence, "items": listed}
         typer.echo(json.dumps(answer if again is None else answer | {"replay": again.document()}, indent=2))
     else:
-        _print(items)
+        _print(items, every)
         typer.echo(f"{sentence[0].upper()}{sentence[1:]}.")
         for line in () if again is None else (*again.lines(all_of_them=False), again.closing()):
             typer.echo(line)
@@ -118,16 +119,23 @@ def _again(run: str, place: StoredRun, rows: int, allow_code: bool) -> Again:
     return replay.evaluated_again(run, recorded, problem, names, having(recorded, rows))
 
 
-def _print(items: list[Item]) -> None:
+def _print(items: list[Item], every: bool) -> None:
+    """What disagrees or could not be audited, or every item; and how many there are of each."""
     import sys
 
     from rich.console import Console
     from rich.table import Table
 
+    from campaigns.claims.numbers import count
+
     table = Table("Item", "Given", "Recomputed", "")
     for item in items:
-        table.add_row(item.name, _shown(item.given), _shown(item.recomputed), WORDS[item.agrees])
-    Console(width=None if sys.stdout.isatty() else 160, markup=False).print(table)
+        if every or not item.agrees:
+            table.add_row(item.name, _shown(item.given), _shown(item.recomputed), WORDS[item.agrees])
+    if table.rows:
+        Console(width=None if sys.stdout.isatty() else 160, markup=False).print(table)
+    numbers = ", ".join(f"{count(sum(item.agrees is flag for item in items))} {word}" for flag, word in WORDS.items())
+    typer.echo(f"{count(len(items))} items: {numbers}{'' if every else ' (--all prints those that agree)'}.")
 
 
 def _shown(value: Any) -> str:

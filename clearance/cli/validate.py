@@ -80,7 +80,7 @@ def _here(file: Path, normal: bool, allow_code: bool) -> None:
     if normal:
         typer.echo(json.dumps(campaign.document(), indent=2))
         return
-    _print_usable(campaign, "here")
+    _print_usable(file, campaign, "here")
 
 
 def _by_service(file: Path, service: str, token_file: str, patience: float) -> None:
@@ -98,13 +98,13 @@ def _by_service(file: Path, service: str, token_file: str, patience: float) -> N
             f"{service} reads {file} as another campaign (sha256 {(found.digest or '')[:16]}, here "
             f"{campaign.digest[:16]}): it is of another version; use the command line of its version"
         )
-    _print_usable(campaign, f"by {service}")
+    _print_usable(file, campaign, f"by {service}")
 
 
-def _print_usable(campaign: Campaign, where: str) -> None:
+def _print_usable(file: Path, campaign: Campaign, where: str) -> None:
     from campaigns.stages.plan import bound, most
 
-    typer.echo(f"{campaign.name}: can be run {where}. Digest {campaign.digest[:16]}")
+    typer.echo(f"{file}: {campaign.name} can be run {where}. Digest {campaign.digest[:16]}")
     named = "uncertain parameter" if len(campaign.uncertain) == 1 else "uncertain parameters"
     typer.echo(f"{len(campaign.uncertain)} {named}, at most {most(campaign):,} evaluations:")
     for stage in bound(campaign):

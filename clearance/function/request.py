@@ -225,7 +225,8 @@ def _of_decorated(fly: Function[..., Any], parameters: object, nominal: object, 
 def _side_by_side(request: Request, fly: object, workers: int) -> Request:
     """The request with so many processes that call the function."""
     settings = replace(request.declaration.settings, isolated=True, slots=workers)
-    place = dict(request.place) or _found(fly.call if isinstance(fly, Function) else fly, request.declaration.name)
+    call = fly.call if isinstance(fly, Function) else fly
+    place = dict(request.place) or _found(call, request.declaration.name, f"workers={workers} is given", "omit workers")
     if request.declaration.reads and not isinstance(fly, Function):
         place[READS] = "\n".join(request.declaration.reads)
     return replace(request, declaration=replace(request.declaration, settings=settings), place=place)
@@ -233,18 +234,20 @@ def _side_by_side(request: Request, fly: object, workers: int) -> Request:
 
 def _place(fly: Function[..., Any]) -> dict[str, str]:
     """Where a process of its own finds the function; empty if it is called in this one."""
-    return _found(fly.call, fly.declaration.name) if fly.declaration.settings.isolated else {}
+    isolated = fly.declaration.settings.isolated
+    why, instead = "it is isolated", "declare it with isolated=False"
+    return _found(fly.call, fly.declaration.name, why, instead) if isolated else {}
 
 
-def _found(call: object, name: str) -> dict[str, str]:
-    """Where a process of its own finds a function."""
+def _found(call: object, name: str, why: str, instead: str) -> dict[str, str]:
+    """Where a process of its own finds a function; why it needs to, and what to do instead."""
     qualified, module = getattr(call, "__qualname__", "<lambda>"), sys.modules.get(str(getattr(call, "__module__", "")))
     file = getattr(module, "__file__", None)
     nested = "<locals>" in qualified or "<lambda>" in qualified
     if nested or module is None or file is None or not _at_top(module.__name__, file, qualified.partition(".")[0]):
         raise ValueError(
-            f"{name} is isolated, but a process of its own cannot find it, because it is not in a file or not at its "
-            "top level: put it in a file, outside `if __name__ == '__main__'`, or declare it with isolated=False"
+            f"{name}: {why}, but a process of its own cannot find it, because it is not in a file or not at its "
+            f"top level: put it in a file, outside `if __name__ == '__main__'`, or {instead}"
         )
     if module.__name__ == "__main__" or getattr(module, "__spec__", None) is None:
         return {"file": str(file), "name": qualified}

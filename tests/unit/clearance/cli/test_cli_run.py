@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign, load_file
+from campaigns.claims.numbers import count
 from campaigns.refusals import RefusalCode
 from clearance.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, NOT_A_RESULT, VIOLATED, WRONG_INPUT, invoke
 from tests.audited import audited_summary
@@ -81,6 +82,39 @@ def test_the_rows_of_a_stage_add_up(file: Write, capsys: pytest.CaptureFixture[s
     assert len(parts) > 2
     assert parts[-1] < 0
     assert sum(parts) == table[at][1]
+
+
+def test_the_audit_lists_what_does_not_agree_and_counts_the_rest(
+    file: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert invoke(["run", file(searching(DIRECT, SQP, SAMPLE, **SHORT)), "--out", str(out)]) == CLEARED
+    capsys.readouterr()
+    assert invoke(["audit", str(out)]) == 0
+    short = capsys.readouterr().out
+    assert len(short.splitlines()) == 2
+    assert invoke(["audit", str(out), "--all"]) == 0
+    rows = len(re.findall(r"(?m)│ agree +│$", capsys.readouterr().out))
+    assert rows > 100
+    assert f": {count(rows)} agree, 0 disagree, " in short
+    result = out / "result.json"
+    result.write_text(result.read_text(encoding="utf-8").replace('"verdict": "cleared"', '"verdict": "violated"'))
+    assert invoke(["audit", str(out)]) == VIOLATED
+    listed = capsys.readouterr().out
+    assert "│ disagree" in listed
+    assert "│ agree" not in listed
+
+
+@pytest.mark.parametrize("usable", [1, 2])
+def test_validate_names_every_file_that_can_be_used(
+    usable: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = [tmp_path / f"{number}.json" for number in range(usable)]
+    for each in files:
+        each.write_text(json.dumps(document()), encoding="utf-8")
+    assert invoke(["validate", *map(str, files)]) == 0
+    printed = capsys.readouterr().out
+    assert all(f"{each}: " in printed for each in files)
 
 
 def violating() -> Campaign:

@@ -200,3 +200,10 @@ def test_a_process_of_its_own_finds_what_a_program_defines_wherever_it_is_loaded
     assert _at_top("__main__", str(file), "fly") == found
     assert _at_top("package", str(file), "fly"), "a module is loaded as it is here"
     assert not _at_top("__main__", "<stdin>", "fly")
+
+
+def test_what_to_do_about_a_function_that_is_not_in_a_file_is_what_was_given() -> None:
+    with pytest.raises(ValueError, match="workers=2 is given") as refused:
+        clearance.search(lambda x: x, {"x": (0.0, 1.0)}, 0.0, workers=2)
+    assert str(refused.value).endswith("or omit workers")
+    assert "isolated" not in str(refused.value)

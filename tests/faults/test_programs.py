@@ -95,17 +95,18 @@ def test_a_file_of_results_may_exclude_the_case(tmp_path: Path, written: object,
 @pytest.mark.parametrize(
     ("written", "reason"),
     [
-        ('{"d": nan}', 'results.json is not JSON (Expecting value: line 1 column 7 (char 6)): {"d": nan}'),
-        ('{"d": 1.0', "results.json is not JSON"),
-        ("", "results.json is not JSON"),
-        ('{"d": -5, "d": 50}', "results.json states 'd' twice"),
+        ('{"d": nan}', "is not JSON"),
+        ('{"d": 1.0', "is not JSON"),
+        ("", "is not JSON"),
+        ('{"d": -5, "d": 50}', "states 'd' twice"),
     ],
 )
 def test_a_file_of_results_that_cannot_be_read_is_quoted(tmp_path: Path, written: str, reason: str) -> None:
     command = ["{python}", "-c", f"import sys; open(sys.argv[1], 'w').write({written!r})", "{results}"]
     batch, reasons = evaluated(tmp_path, name="unreadable", command=command, protocol="files")
     assert batch.status.tolist() == [FAILED]
-    assert reasons[0].startswith(reason)
+    assert reasons[0].startswith(f"results.json {reason}")
+    assert "twice" in reasons[0] or written in reasons[0]
 
 
 def test_python_in_a_command_is_the_interpreter_of_the_worker(tmp_path: Path) -> None:

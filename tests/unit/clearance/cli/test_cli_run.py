@@ -142,7 +142,7 @@ def test_inconclusive_is_2(file: Write, capsys: pytest.CaptureFixture[str]) -> N
 def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["validate", "unicycle_static"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith(f"{campaign().name}: ")
+    assert out.startswith(f"unicycle_static: {campaign().name} ")
     assert f" {campaign().digest[:16]}\n" in out
     assert " 27,044 evaluations:" in out
     assert "  search by direct: 3,000\n" in out

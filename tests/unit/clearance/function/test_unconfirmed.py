@@ -73,7 +73,7 @@ def test_a_chance_of_a_lower_case_is_stated_only_where_results_repeat(repeats: b
     found = clearance.search(later, {"a": (-1.0, 1.0), "b": (-1.0, 1.0)}, 1.0, budget=300, certify=60)
     page = found.report(tmp_path / "report.html").read_text(encoding="utf-8")
     for text in (" ".join(str(found).split()), found._repr_html_(), page):
-        assert ("chance that another search" in text) == repeats
+        assert ("chance that another" in text) == repeats
     assert (found.verdict.sureness is not None) == repeats
 
 
@@ -91,7 +91,7 @@ def test_the_advice_can_be_followed_for_a_function(fails: bool, late: int, tmp_p
 
     found = clearance.search(differs, {"a": (-1.0, 1.0), "b": (-1.0, 1.0)}, -1.0, budget=300, certify=60)
     (noise,) = [check.text for check in found.verdict.checks if check.title == "Noise of the simulator"]
-    assert ("from the reasons of the failed evaluations" in noise) == fails
-    assert ("state that it keeps" in noise) == ("in a campaign file" in noise) == (not fails)
+    assert ("reasons of the" in noise) == fails
+    assert ("that it keeps" in noise) == ("a campaign file" in noise) == (not fails)
     assert "retries" not in noise
     audited(found.save(tmp_path / "saved"))

@@ -26,7 +26,7 @@ def test_a_pipe_gets_a_line_for_each_stage(capsys: pytest.CaptureFixture[str]) -
     assert out == ""
     first, second = err.splitlines()
     assert first.startswith("nominal: 1 evaluation, best 1.5, ")
-    assert all(line.endswith(" s after the start") for line in (first, second)), "a stage's own time is in its result"
+    assert all(line.endswith(" after the start") for line in (first, second)), "a stage's own time is in its result"
     assert second.startswith("search: ")
     assert f": {count(1200)} evaluations, best 0.25, " in second
 

@@ -37,7 +37,7 @@ def sentence(**changes: Any) -> str:
 def test_what_has_no_value_does_not_disagree(what: str) -> None:
     text = sentence(**WITHOUT[what])
     assert "disagree" not in text
-    assert text.startswith("F1 lacks a value when simulated again")
+    assert text.startswith("F1 lacks a value")
     assert validated(changed(case(), agrees=False, violates=False, **WITHOUT[what])).startswith("not every")
 
 
@@ -48,12 +48,14 @@ def test_violations_of_which_none_was_examined_are_not_counted_as_such(spent: Sp
     assert isinstance(made, ValidateResult)
     assert made.violations is not None
     text = made.violations.text
-    assert text.startswith("44 stored evaluations violate the criterion; validation examined none of them")
-    assert text.endswith(", because it is limited to 20 evaluations") == (spent is not None)
+    assert "; validation examined none" in text
+    assert text.endswith(" limited to 20 evaluations") == (spent is not None)
 
 
 def test_what_differs_disagrees() -> None:
-    assert sentence(**OTHER) == "the step-halving check or DOP853 disagrees by more than the tolerance for F1"
+    text = sentence(**OTHER)
+    assert "disagrees by more" in text
+    assert text.endswith(" for F1")
 
 
 def test_both_have_a_clause() -> None:
@@ -61,5 +63,5 @@ def test_both_have_a_clause() -> None:
     made = worded(case1(), validation(ok=False, nominal=lost), [found])
     assert isinstance(made, ValidateResult)
     differs, lacks = made.text.split("; ")
-    assert differs.endswith("disagrees by more than the tolerance for F1")
-    assert lacks.startswith("nominal lacks a value")
+    assert ("disagrees" in differs, differs.endswith(" for F1")) == (True, True)
+    assert lacks.startswith("nominal lacks a")

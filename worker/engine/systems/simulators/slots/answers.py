@@ -27,7 +27,7 @@ class UnreadableAnswerError(ValueError):
 def parsed(text: bytes, what: str) -> Any:
     """The value; raises `UnreadableAnswerError`. what: its name in the sentence."""
 
-    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    def once(pairs: list[tuple[str, Any]]) -> Any:
         found = dict(pairs)
         if len(found) < len(pairs):
             names = [name for name, _ in pairs]

@@ -106,7 +106,7 @@ def test_a_repeated_request_launches_nothing(service: Service, client: httpx.Cli
         ({"values": [0.0, 2000.0]}, "values.1", "must be within"),
         ({"values": [float(i) for i in range(51)]}, "values", "at most 50"),
         ({"campaign": {"name": "x"}}, "scenario", "required"),
-        ({"campaign": campaign(seed=-1)}, "seed", "greater than or equal"),
+        ({"campaign": campaign(seed=-1)}, "seed", "of at least 0"),
         ({"more": 1}, "more", "not permitted"),
         ({"tags": ["two words"]}, "tags.0", ""),
         ({"name": "\ud800"}, "name", "surrogate"),

@@ -365,7 +365,7 @@ def test_without_a_baseline_nothing_is_stored_and_the_digests_stay() -> None:
     ("policy", "statement"),
     [
         ({"fail_on": ["worst"]}, "'violation', 'new_violation', 'new', 'worse' or 'not_compared'"),
-        ({"tolerance": -1}, "greater than or equal to 0"),
+        ({"tolerance": -1}, "of at least 0"),
         ({"tolerance": "5 %"}, "expected a number"),
         ({"fail": ["new"]}, "unknown key"),
     ],
@@ -380,14 +380,14 @@ def test_a_bad_policy_is_named(policy: dict[str, Any], statement: str) -> None:
 @pytest.mark.parametrize(
     ("change", "statement"),
     [
-        ({"cases": []}, "at least 1 item"),
-        ({"cases": [{"label": "F1", "parameters": {}, "cost": 1.0}]}, "at least 1 item"),
-        ({"cases": [{"label": "nominal", "parameters": AT, "cost": 1.0}]}, "match pattern"),
+        ({"cases": []}, "at least 1 entry"),
+        ({"cases": [{"label": "F1", "parameters": {}, "cost": 1.0}]}, "at least 1 entry"),
+        ({"cases": [{"label": "nominal", "parameters": AT, "cost": 1.0}]}, "text of the form"),
         ({"cases": [{"label": "F1", "parameters": AT, "cost": float("nan")}]}, "finite"),
         ({"cases": [{"label": "F1", "parameters": AT, "cost": 1.0, "realisation": 2**64}]}, "realisation"),
-        ({"cases": [{"label": "F1", "parameters": AT, "cost": 1.0, "point": [2.0]}]}, "less than or equal to 1"),
+        ({"cases": [{"label": "F1", "parameters": AT, "cost": 1.0, "point": [2.0]}]}, "at most 1"),
         ({"cases": [{"label": "F1", "parameters": AT, "cost": 1.0}] * 2}, "F1 is given twice"),
-        ({"digest": "main"}, "match pattern"),
+        ({"digest": "main"}, "text of the form"),
         ({"run": "R-0001\n"}, "one line of readable text"),
         ({"colour": "x"}, "unknown key"),
     ],

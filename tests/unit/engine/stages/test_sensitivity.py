@@ -153,7 +153,7 @@ def test_the_seed_decides_the_design() -> None:
     [
         ({"sobol": {"samples": 100}}, "Sobol points are balanced for powers of two only; give 64 or 128"),
         ({"morris": {"levels": 5}}, "multiple of 2"),
-        ({"morris": {"trajectories": 1}}, "greater than or equal to 2"),
+        ({"morris": {"trajectories": 1}}, "of at least 2"),
         ({"fast": {}}, "unknown key"),
     ],
 )

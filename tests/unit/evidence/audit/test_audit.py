@@ -206,7 +206,7 @@ def test_the_command_prints_the_given_and_the_recomputed_verdict(
 ) -> None:
     folder = Folder(written(tmp_path / "out", "cleared"))
     assert invoke(["audit", str(folder.path)]) == 0
-    assert "disagree" not in capsys.readouterr().out
+    assert ", 0 disagree," in capsys.readouterr().out
     folder.set("result/nominal/cost", 0.75)
     folder.items()
     assert invoke(["audit", str(folder.path)]) == 1

@@ -121,7 +121,7 @@ def test_a_campaign_with_any_fraction_is_read_or_refused_with_a_sentence(fractio
     for certify, target in (({"quantile": fraction}, None), (sample, fraction)):
         document |= {"stages": document["stages"] | {"certify": certify}, "target_probability": target}
         refused = fraction < (1e-9 if target is None else 2e-9)
-        expected = pytest.raises(CampaignError, match=r"equal to 0\.000000001 |higher target_probability")
+        expected = pytest.raises(CampaignError, match=r"at least 1e-09 |higher target_probability")
         with expected if refused else nullcontext():
             load_document(document, "the test")
 

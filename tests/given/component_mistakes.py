@@ -120,6 +120,12 @@ DECLARED = [
          r"position is used as position and lacks the decorator: write @kernel above it"),
     Slip("a look of a parameter that does not exist", "obstacle", 'radius="radius")', 'radius="radios")', "look=",
          r"look names 'radios', which is not one of its parameters: did you mean 'radius'\?"),
+    Slip("a rate of a parameter that does not exist", "obstacle", 'per=("period",)', 'per=("periods",)', "rate=",
+         r"rate needs a parameter 'periods': did you mean 'period'\?"),
+    Slip("a rate with a leg to nowhere", "obstacle", 'per=("period",)', 'legs=("position", "goal")', "rate=",
+         r"rate needs parameters 'goal\.x' and 'goal\.y': choose one of: position"),
+    Slip("a rate that stops at no instant", "obstacle", 'per=("period",)', 'stops="stop"', "rate=",
+         r"rate needs a derived constant 'stop': the obstacle derives none"),
     Slip("an order of a parameter that does not exist", "obstacle", "component = Obstacle(\n",
          "from worker.engine.kernels.component import Order\n\ncomponent = Obstacle(\n"
          '    orders=(Order(("radios",), ("swing",), "raise swing"),),\n',

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Avoider, Controller, Parameter, Signal, Vehicle
@@ -124,3 +125,24 @@ AVOIDER = Avoider(
     steer=steer,
     remember=remember,
 )
+
+
+class PlanarGoal(NamedTuple):
+    x: Annotated[float, Parameter("m", "Goal, x")] = 5.0
+    y: Annotated[float, Parameter("m", "Goal, y")] = 0.0
+
+
+def planar_position(x: Any, p: Drift) -> Any:
+    return x[0], x[1]
+
+
+def planar_velocity(x: Any, p: Drift) -> Any:
+    return p.vx, p.vy
+
+
+def planar_steer(t: float, q: Any, v: Any, goal: PlanarGoal, bodies: Any, m: Any, p: Nothing) -> Any:
+    return (0.0, 0.0), ()
+
+
+PLANAR_VEHICLE = replace(VEHICLE, dimension=2, position=planar_position, velocity=planar_velocity)
+PLANAR_AVOIDER = replace(AVOIDER, dimension=2, goal=PlanarGoal, steer=planar_steer)

@@ -14,7 +14,7 @@ import pytest
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from clearance.testing.problems import Problem
-from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
+from tests.physics.drifting import AVOIDER, CONTROLLER, PLANAR_AVOIDER, PLANAR_VEHICLE, VEHICLE
 from tests.physics.scenes import uncompiled
 from worker.engine.kernels.layout import Parts
 from worker.engine.systems.closed_loop.assemble import Loop
@@ -32,7 +32,9 @@ EITHER_END = pytest.mark.parametrize("x", [0.2, 0.45, 19.55, 19.8])
 def lowest(criterion: str, obstacle: str, horizon: float = 1.0, threshold: float = -1e3, **given: Any) -> float:
     """The value of a criterion of one flight past one obstacle, or of a vehicle that stands with vx=0."""
     known: Any = components()
-    parts = Parts(VEHICLE, CONTROLLER, AVOIDER, (known["obstacle", obstacle],), known["criterion", criterion])
+    beside = known["obstacle", obstacle]
+    vehicle, avoider = (VEHICLE, AVOIDER) if beside.dimension == 3 else (PLANAR_VEHICLE, PLANAR_AVOIDER)
+    parts = Parts(vehicle, CONTROLLER, avoider, (beside,), known["criterion", criterion])
     loop = Loop(parts, lanes=1, compiled=False)
     values = {"vehicle.vx": given.pop("vx", SPEED), "criterion.threshold": threshold}
     values |= {f"obstacles.0.{name.replace('__', '.')}": value for name, value in given.items()}
@@ -93,6 +95,38 @@ def test_an_obstacle_that_turns_back_within_a_step_has_been_where_it_turned(phas
         criterion, "waypoint_sphere", vx=0.0, threshold=-1e3 if "surface" in criterion else 0.1, **way, **level
     )
     assert found == pytest.approx(0.5 if "surface" in criterion else 1.0, abs=1e-4 * LENGTH)
+
+
+@PHASES
+@pytest.mark.parametrize("vx", [0.0, 1.0, -3.0])
+@pytest.mark.parametrize("criterion", ["separation", "surface_separation"])
+def test_an_obstacle_that_stops_within_a_step_has_been_where_it_stops(phase: float, vx: float, criterion: str) -> None:
+    """It follows the vehicle and stops 2 m behind it, or passes the place at which it ends."""
+    speed, distance = 10.0, 2.0
+    until = 0.5 + phase * STEP
+    goal = vx * until - distance
+    way = {"position__x": goal - speed * until, "goal__x": goal, "speed": speed, "radius": 0.5}
+    level = {"position__y": 0.0, "goal__y": 0.0}
+    found = lowest(criterion, "moving_circle", vx=vx, threshold=-1e3 if "surface" in criterion else 0.1, **way, **level)
+    times = np.linspace(0.0, 1.0, 100_001)
+    away = np.abs(vx * times - np.minimum(way["position__x"] + speed * times, goal))
+    assert found == pytest.approx(away.min() - (0.5 if "surface" in criterion else 0.0), abs=1e-3 * speed * STEP)
+
+
+def test_only_the_steps_about_a_stop_are_searched() -> None:
+    """Elsewhere it is the parabola that gives a distance: what has been evaluated keeps its bits."""
+    past = {"position__x": 4.0, "position__y": 1.0, "goal__y": 1.0, "speed": 1.0}
+    expected = lowest("separation", "moving_circle", threshold=0.1, goal__x=400.0, **past)
+    assert lowest("separation", "moving_circle", threshold=0.1, goal__x=4.9, **past) == expected
+    assert expected == pytest.approx(1.0, abs=1e-5)
+
+
+def test_every_obstacle_on_one_leg_states_when_it_ends() -> None:
+    """Without it the distances from it are searched at every step."""
+    known: Any = components()
+    for (kind, name), component in known.items():
+        if kind == "obstacle" and component.rate is not None and len(component.rate.legs) == 2:
+            assert component.rate.stops in component.derived.constants._fields, name
 
 
 def wall(**criterion: Any) -> Problem:

@@ -186,8 +186,9 @@ class Rate:
 
     `times` the product of the magnitudes of the parameters `of`, over those of `per`: Rate(("speed",), ("way",)) on a
     circle. A path of straight legs between corners turns at most once in the time of its shortest leg:
-    Rate(("speed",), legs=("position", "goal")); `used` is the parameter with the number of legs. Like `Reach` it is
-    data. A straight motion that never ends has Rate(times=0.0).
+    Rate(("speed",), legs=("position", "goal")); `used` is the parameter with the number of legs, `stops` of one leg the
+    derived constant with the instant at which it ends [s]. Like `Reach` it is data. A straight motion that never ends
+    has Rate(times=0.0).
     """
 
     of: tuple[str, ...] = ()
@@ -195,6 +196,7 @@ class Rate:
     times: float = 1.0
     legs: tuple[str, ...] = ()
     used: str = ""
+    stops: str = ""
 
 
 @dataclass(frozen=True)

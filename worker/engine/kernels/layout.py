@@ -167,6 +167,8 @@ class Channels:
     crossing: int
     of: dict[str, tuple[int, int]]
     """First and last channel of each criterion by prefix, in channel order."""
+    stops: tuple[int, ...] = ()
+    """The obstacles whose stops the parabola of a channel does not follow."""
 
     @property
     def total(self) -> int:
@@ -185,10 +187,14 @@ def channels(parts: Parts) -> Channels:
                 end = of[prefix][1]
         ends.append(end)
     refined, searched, steps, crossing = (end - begin for begin, end in pairwise(ends))
-    return Channels(refined, searched, steps, crossing, of)
+    followed = [criterion for criterion in parts.criteria.values() if criterion.of == "obstacles"]
+    stop = any(_over(criterion, parts.obstacles) == "refined" for criterion in followed)
+    stops = [i for i, o in enumerate(parts.obstacles) if stop and o.rate is not None and o.rate.stops]
+    return Channels(refined, searched, steps, crossing, of, tuple(stops))
 
 
 def _over(criterion: Criterion, obstacles: Sequence[Obstacle]) -> str:
-    """How its channels are reduced: the parabola does not follow an obstacle that turns at a corner."""
-    corners = any(obstacle.rate is not None and len(obstacle.rate.legs) > 2 for obstacle in obstacles)
+    """How its channels are reduced: the parabola does not follow an obstacle that turns at a corner, unless all that
+    it does is to stop at a known instant."""
+    corners = any(o.rate is not None and o.rate.legs and not o.rate.stops for o in obstacles)
     return "searched" if criterion.over == "refined" and criterion.of == "obstacles" and corners else criterion.over

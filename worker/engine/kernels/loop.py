@@ -12,11 +12,13 @@ import numpy as np
 
 N_X = N_P = N_E = N_G = N_Y = N_K = LANES = 0
 X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = K = STATUS = WHEN = SIZE = 0
-FROM = RATE = LAST = HELD = SEEN = NEAR = LEFT = RIGHT = AT = PREVIOUS = 0
+FROM = RATE = LAST = HELD = SEEN = NEAR = LEFT = RIGHT = AT = PREVIOUS = STOP = STOPPED = 0
 SETTLES = SEARCHES = False
 REFINED = SEARCHED = STEPS = 0
 """The channels up to the first of these are refined by a parabola, then searched between steps, then read at the steps;
 the others are crossings."""
+N_S = 0
+"""How many obstacles stop. Channels that are refined are searched in the steps about these instants."""
 
 BEFORE = 1.0 - 1e-8
 """The last stage is evaluated just before the end of the step, so that a jump at the end belongs to the next step."""
@@ -46,7 +48,7 @@ def _slot(*_: Any) -> Any:
 load_x = load_p = store_p = load_raw = load_g = load_y = store_x = store_g = store_y = advance = combine = _slot
 magnitude_x = magnitude_y = _slot
 extend = initial = initial_guidance = guide = closed_loop = settled = envelope = costs_of = _slot
-excluded = observation = store_k = _slot
+excluded = observation = store_k = stops = store_s = _slot
 
 
 def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[no-untyped-def]
@@ -74,6 +76,8 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             store_x(b, X, l, initial(p))
             b[STATUS + l] = OK
             b[WHEN + l] = 0.0
+            if N_S:
+                store_s(b, STOP, l, stops(p))
         for k in range(N_Y * LANES):
             b[LOW + k] = np.inf
             b[Y1 + k] = np.inf
@@ -120,6 +124,18 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             # the middle one; also of what lies before it at the start, and after it at the end.
             begins = i == 2
             ends = i == steps
+            if N_S:
+                for l in range(LANES):
+                    about = 0.0
+                    for k in range(N_S):
+                        stop = b[STOP + k * LANES + l]
+                        since_stop = t - stop
+                        passed = (stop > 0.0) & (since_stop >= 0.0) & (since_stop < 2.0 * dt)
+                        about = 1.0 if passed | ((since_stop < 0.0) & (since_stop >= -dt)) else about
+                        for c in range(REFINED):
+                            at = c * LANES + l
+                            b[Y2 + at] = -np.inf if passed else b[Y2 + at]  # no parabola bends that way
+                    b[STOPPED + l] = about
             for k in range(REFINED * LANES):
                 left = b[Y2 + k]
                 mid = b[Y1 + k]
@@ -140,20 +156,24 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             if SEARCHES:
                 # Minimum between steps of channels with kinks: bisection by whether the channel rises, on the cubic
                 # through the states and derivatives at both ends of the step. Only where the channel rises at the end
-                # of the step, and changing twice as fast as ever could become lower than it has been.
-                for k in range(REFINED, SEARCHED):
+                # of the step, and changing twice as fast as ever could become lower than it has been; of others, in
+                # the steps that a parabola about the instant at which an obstacle stops would have covered.
+                for k in range(0 if N_S else REFINED, SEARCHED):
                     some = 0.0
                     for l in range(LANES):
-                        at = k * LANES + l
-                        left = b[Y1 + at]
-                        right = b[Y0 + at]
-                        change = abs(right - left) if i > 0 else 0.0
-                        change = change if change > b[Y2 + at] else b[Y2 + at]
-                        least = (left if left < right else right) - 2.0 * change
-                        near = ((least < b[LOW + at]) | (i == 1)) & (i > 0) & (b[STATUS + l] == OK)
-                        b[Y2 + at] = change
-                        b[Y1 + at] = right
-                        b[NEAR + l] = 1.0 if near else 0.0
+                        if k < REFINED:
+                            near = b[STOPPED + l] > 0.0
+                        else:
+                            at = k * LANES + l
+                            left = b[Y1 + at]
+                            right = b[Y0 + at]
+                            change = abs(right - left) if i > 0 else 0.0
+                            change = change if change > b[Y2 + at] else b[Y2 + at]
+                            least = (left if left < right else right) - 2.0 * change
+                            near = (least < b[LOW + at]) | (i == 1)
+                            b[Y2 + at] = change
+                            b[Y1 + at] = right
+                        b[NEAR + l] = 1.0 if near & (i > 0) & (b[STATUS + l] == OK) else 0.0
                         b[LEFT + l] = 0.0
                         b[RIGHT + l] = 1.0
                         b[AT + l] = 1.0 - BESIDE

@@ -77,7 +77,7 @@ def _reach(component: Component) -> ReachEntry | None:
 def _rate(component: Component) -> RateEntry | None:
     if not isinstance(component, Obstacle) or not component.moving or component.rate is None:
         return None
-    return RateEntry.model_validate(asdict(component.rate))
+    return RateEntry(**{name: getattr(component.rate, name) for name in RateEntry.model_fields})
 
 
 def _look(component: Component) -> ObstacleLook | VehicleLook | None:

@@ -21,6 +21,7 @@ from worker.engine.kernels.component import (
     Limit,
     Obstacle,
     Order,
+    Rate,
     Reach,
     Signal,
     Trim,
@@ -235,10 +236,25 @@ def _lacking(c: Component) -> Iterator[tuple[str, str, str]]:
         for name in (*order.low, *order.high):
             if name not in (names := _names(c.parameters)):
                 yield "orders", f"a parameter {name!r}", meant(name, names)
-    if isinstance(c, Obstacle) and c.reach is not None:
-        for name in c.reach.of:
-            if name not in c.parameters._fields:  # type: ignore[attr-defined]
-                yield "reach", f"a parameter {name!r}", meant(name, c.parameters._fields)  # type: ignore[attr-defined]
+    if isinstance(c, Obstacle):
+        yield from _misnamed(c)
+
+
+def _misnamed(c: Obstacle) -> Iterator[tuple[str, str, str]]:
+    """Names of reach and rate that nothing of the obstacle has."""
+    rate, names = c.rate or Rate(), _names(c.parameters)
+    for field, used in (("reach", c.reach.of if c.reach else ()), ("rate", (*rate.of, *rate.per, rate.used))):
+        for name in filter(None, used):
+            if name not in names:
+                yield field, f"a parameter {name!r}", meant(name, names)
+    points = sorted({name.rpartition(".")[0] for name in names if "." in name})
+    for leg in rate.legs:
+        if leg not in points:
+            yield "rate", f"parameters '{leg}.x' and '{leg}.y'", meant(leg, points)
+    constants = c.derived.constants._fields if c.derived else ()  # type: ignore[attr-defined]
+    if rate.stops and rate.stops not in constants:
+        known = meant(rate.stops, constants) if constants else "the obstacle derives none"
+        yield "rate", f"a derived constant {rate.stops!r}", known
 
 
 def _check_kernel(slot: Slot, source: Source) -> None:

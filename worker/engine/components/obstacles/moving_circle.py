@@ -65,6 +65,6 @@ component = Obstacle(
     moving=True,
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
-    rate=Rate(("speed",), legs=("position", "goal")),
+    rate=Rate(("speed",), legs=("position", "goal"), stops="stop"),
     look=ObstacleLook(shape="circle", radius="radius", way="goal"),
 )

@@ -162,6 +162,9 @@ def judgement(s: Scenario) -> None:
         f.add(f"env, _ = surroundings(t, q, v, {s.state['environment']}, p)")
         x = f.call("vehicle", vehicle.felt, "xv", "env")
     f.add(f"return {f.call('vehicle', vehicle.outside, x)}")
+    if s.channels.stops:
+        f, stopping = s.function("stops(p)"), [s.obstacles[i] for i in s.channels.stops]
+        f.add(f"return {tupled(f'{f.own(o)}.{s.component[o].rate.stops}' for o in stopping)}")
     f = s.function("excluded(first, p)")
     f.add(f"return {f.call('criterion', s.parts.criterion.excluded, _channels(s, 'criterion', 'first'))}")
     f = s.function("cost(found, p)")

@@ -46,6 +46,7 @@ FUNCTIONS = {
     "excluded": "Whether the channels at the start violate the scenario's precondition and exclude the simulation.",
     "cost": "The value of the deciding criterion, from the reduced channels.",
     "costs_of": "The costs from the reduced channels, the deciding criterion first; lower is worse.",
+    "stops": "The instants at which obstacles stop [s].",
     "observation": "The columns of a trace: pose, inputs, references, the obstacles' centres, channels.",
 }
 """The functions that a text may have, with their docstrings."""

@@ -73,9 +73,13 @@ class Loop:
         self.module = loaded(self.text, parts.vehicle.name)
         self._plain: dict[str, Callable[..., Any]] = {}
 
+    @property
+    def _slots(self) -> tuple[str, ...]:
+        return (*SLOTS, "stops") if self.channels.stops else SLOTS
+
     @cached_property
     def _fly(self) -> Any:
-        return self._made(loop.fly, SLOTS)
+        return self._made(loop.fly, self._slots)
 
     @cached_property
     def _observe(self) -> Any:
@@ -158,7 +162,7 @@ class Loop:
 
     def filled_template(self) -> Function:
         """The loop over time with its slots filled, as `loop.fly`; `bind.rebuilt` makes plain Python of it."""
-        return self._filled(loop.fly, SLOTS)
+        return self._filled(loop.fly, self._slots)
 
     def assembly(self) -> str:
         """The machine code of the compiled loop, for the vectorisation report."""
@@ -207,13 +211,14 @@ def _layout(made: Loop) -> dict[str, object]:
         "X": n_x, "A": n_x, "B": n_x, "C": n_x, "P": n_e, "G": n_g,
         "Y0": n_y, "Y1": n_y, "Y2": n_y, "LOW": n_y, "K": n_k, "STATUS": 1, "WHEN": 1,
     }  # fmt: skip
-    searches = channels.searched > 0
+    n_s = len(channels.stops)
+    searches = channels.searched > 0 or n_s > 0
     if searches:
         rows |= {"FROM": n_x, "RATE": n_x, "LAST": n_x, "HELD": n_g, "SEEN": n_y}
-        rows |= dict.fromkeys(("NEAR", "LEFT", "RIGHT", "AT", "PREVIOUS"), 1)
+        rows |= dict.fromkeys(("NEAR", "LEFT", "RIGHT", "AT", "PREVIOUS"), 1) | {"STOP": n_s, "STOPPED": 1}
     slots: dict[str, object] = {"N_X": n_x, "N_P": n_p, "N_E": n_e, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
     slots |= {"REFINED": channels.refined, "SEARCHED": channels.refined + channels.searched}
-    slots |= {"STEPS": n_y - channels.crossing, "N_K": n_k, "SEARCHES": searches}
+    slots |= {"STEPS": n_y - channels.crossing, "N_K": n_k, "N_S": n_s, "SEARCHES": searches}
     slots["SETTLES"] = made.parts.vehicle.settle is not None
     offset = 0
     for name, count in rows.items():
@@ -226,6 +231,6 @@ def _layout(made: Loop) -> dict[str, object]:
         "load_x": x.load, "store_x": x.store, "advance": x.advance, "combine": x.combine,
         "load_p": p.load, "store_p": p.store, "load_raw": ops(n_p, lanes).load,
         "load_g": g.load, "store_g": g.store, "load_y": y.load, "store_y": y.store,
-        "store_k": ops(n_k, lanes).store,
+        "store_k": ops(n_k, lanes).store, "store_s": ops(n_s, lanes).store,
         "magnitude_x": x.magnitude, "magnitude_y": y.magnitude,
     }  # fmt: skip

@@ -173,11 +173,7 @@ def _closest(flights: Flights, seen: Seen, case: SimulatedCase) -> Closest | Non
     channels = seen.deciding
     if flights.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
         return None
-    if flights.loop.channels.searched and len(channels) > 1:
-        row, obstacle, shift = _searched(flights, seen, case)
-    else:
-        row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
-        shift = _vertex(channels[:, obstacle], row)
+    row, obstacle, shift = _lowest(flights, seen, case)
     lowest = float(seen.criterion(seen.channels.min(axis=0, keepdims=True))[0])
     return Closest(
         time=(row + shift) * flights.step,
@@ -188,6 +184,19 @@ def _closest(flights: Flights, seen: Seen, case: SimulatedCase) -> Closest | Non
         obstacle=obstacle,
         obstacle_position=_between(seen.centres[:, obstacle], row, shift),
     )
+
+
+def _lowest(flights: Flights, seen: Seen, case: SimulatedCase) -> tuple[int, int, float]:
+    """The step, the obstacle, and the fraction of a step after it at which the loop has found its minimum."""
+    loop, channels = flights.loop, seen.deciding
+    row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
+    vertex = row, obstacle, _vertex(channels[:, obstacle], row)
+    if len(channels) < 2 or not (loop.channels.searched or loop.channels.stops):
+        return vertex
+    found = _searched(flights, seen, case)
+    stops = loop.part("stops")(loop.extend(case.vector)) if loop.channels.stops else ()
+    beside = any(abs(stop / flights.step - found[0] - 0.5) < 1.5 for stop in stops)
+    return found if loop.channels.searched or beside else vertex
 
 
 def _vertex(channel: Floats, row: int) -> float:

@@ -11,7 +11,7 @@ import functools
 import logging
 import time
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import sqlalchemy as sa
 from anyio import CapacityLimiter, to_thread
@@ -44,6 +44,7 @@ class Door:
         self._noted: dict[str, float] = {}
         self._used: dict[str, float] = {}
         self._tasks: set[asyncio.Task[None]] = set()
+        self._under_way: dict[str, asyncio.Task[Any]] = {}
 
     async def visitor(self, connection: HTTPConnection) -> Visitor | None:
         """The authenticated sender, or None. A header `Authorization` takes precedence over a cookie."""
@@ -66,11 +67,17 @@ class Door:
 
     async def healthy(self) -> None:
         """Returns once the database answers; raises `DatabaseOutage`, also if this process has met damage in it."""
-        await to_thread.run_sync(self._well, limiter=self._health)
+        await self.inspected("health", self._well)
 
-    async def inspected(self, question: Callable[[sa.Engine], Result]) -> Result:
-        """Ask for the health check, which is answered however many requests there are."""
-        return await to_thread.run_sync(question, self._engine, limiter=self._health)
+    async def inspected(self, name: str, question: Callable[[sa.Engine], Result]) -> Result:
+        """Ask for the health check, which is answered however many requests there are: all that wait under one name
+        get the answer of one question."""
+        task = self._under_way.get(name)
+        if task is None or task.done():
+            task = asyncio.ensure_future(to_thread.run_sync(question, self._engine, limiter=self._health))
+            task.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # also if nobody waits
+            self._under_way[name] = task
+        return await asyncio.shield(task)
 
     async def ask(self, question: Callable[[sa.Connection], Result]) -> Result:
         """Run a query; never waits for writers."""
@@ -82,9 +89,9 @@ class Door:
         self._engine.dispose()
         self._notes.dispose()
 
-    def _well(self) -> None:
+    def _well(self, engine: sa.Engine) -> None:
         self._read(lambda reader: reader.execute(sa.select(1)))
-        damage.refuse(self._engine)
+        damage.refuse(engine)
 
     def _read(self, question: Callable[[sa.Connection], Result]) -> Result:
         with read(self._engine) as reader:

@@ -37,7 +37,7 @@ async def ready(request: Request) -> Health:
     """Whether runs can be done: the database answers in this version's schema, a worker is alive, there is space."""
     settings = request.app.state.settings
     found = await request.app.state.door.inspected(
-        lambda engine: reasons(engine, settings.data, request.app.state.room)
+        "ready", lambda engine: reasons(engine, settings.data, request.app.state.room)
     )
     if found:
         detail = "; ".join(reason.message for reason in found)

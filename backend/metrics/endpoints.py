@@ -17,5 +17,5 @@ async def metrics(request: Request) -> Response:
     state = request.app.state
     waiting = {"pdf": state.capacities.pdf.inside, "preview": state.previews.waiting}
     waiting |= {name: getattr(state.capacities, name).inside for name in ("files", "imports", "recordings")}
-    text = await state.door.inspected(partial(state.metrics.text, waiting=waiting))
+    text = await state.door.inspected("metrics", partial(state.metrics.text, waiting=waiting))
     return Response(text, media_type=MEDIA_TYPE)

@@ -35,6 +35,7 @@ def service(tmp_path: Path) -> Iterator[Service]:
         yield service
 
 
+@pytest.mark.nightly  # by day test_signatures.py and test_access_pages.py
 def test_a_colleague_reviews_what_an_engineer_may_not_sign(service: Service, browser: Browser, tmp_path: Path) -> None:
     with ExitStack() as stack:
         admin, engineer, reviewer = (stack.enter_context(visiting(browser, service.url, views=False)) for _ in range(3))

@@ -36,6 +36,7 @@ from tests.e2e.looking import looks
 from tests.faults.cases import campaign
 from tests.faults.processes import CLEARANCE, until
 from tests.faults.serving import Service, serving
+from tests.given.at_night import nightly_but
 from tests.given.own_files import POST
 from tests.given.printed_words import printed_words
 
@@ -357,7 +358,7 @@ def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
         patch.undo()
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", nightly_but(PLACES.keys() - {"replay"}, PLACES))
 def test_two_versions_are_told_apart(home: Home, place: str) -> None:
     if place in PUBLISHED and not home.case.published:
         pytest.skip("workers publish its digest when they start")

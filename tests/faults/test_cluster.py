@@ -168,7 +168,7 @@ def line(request: Request) -> str:
     return f"{request['parameters']['x']!r} {request['parameters']['y']!r}".ljust(gated.LINE - 1)
 
 
-@pytest.mark.parametrize("victim", ["worker", "scheduler"])
+@pytest.mark.parametrize("victim", ["worker", pytest.param("scheduler", marks=pytest.mark.nightly)])
 def test_a_killed_node_loses_nothing_and_repeats_only_what_was_running(
     nodes: Cluster, tmp_path: Path, victim: str
 ) -> None:
@@ -322,6 +322,7 @@ for line in sys.stdin:
 """
 
 
+@pytest.mark.nightly
 def test_an_evaluation_that_kills_its_node_fails_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a cluster of this machine, which starts its workers again."""
     monkeypatch.setattr(pool_module, "DEATHS", 2)  # each takes a second

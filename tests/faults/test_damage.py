@@ -164,6 +164,7 @@ def test_the_whole_database_is_read_by_them(folder: Path, capsys: pytest.Capture
     engine.dispose()
 
 
+@pytest.mark.nightly
 def test_a_worker_under_which_files_are_deleted_stops_writing_and_another_goes_on(tmp_path: Path) -> None:
     """Those beside the SQLite file: what was stored is there, and no attempt is used up."""
     url = default_url(tmp_path)

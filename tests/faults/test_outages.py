@@ -104,6 +104,7 @@ def free_port() -> int:
         return int(listening.getsockname()[1])
 
 
+@pytest.mark.nightly
 def test_a_service_that_starts_before_its_server_is_alive_and_waits(server: postgres.Server, tmp_path: Path) -> None:
     """And stops at a signal meanwhile; one line a minute, no traceback, no address of the database in an answer."""
     port = free_port()

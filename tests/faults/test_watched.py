@@ -94,6 +94,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
             yield Site(service, simulators, client)
 
 
+@pytest.mark.nightly  # by day the next one, and tests/e2e/test_identity.py
 def test_simulators_are_watched(site: Site) -> None:
     """From a new one to a verdict that somebody relies on, an edit, and its end."""
     assert site.titles() == {}

@@ -183,7 +183,7 @@ def test_a_chance_by_the_coefficients_of_an_earlier_version_is_accepted(tmp_path
     assert not accepted(folder)
 
 
-@pytest.mark.parametrize("count", [25, pytest.param(2000, marks=[pytest.mark.nightly, pytest.mark.timeout(3600)])])
+@pytest.mark.parametrize("count", [8, pytest.param(2000, marks=[pytest.mark.nightly, pytest.mark.timeout(3600)])])
 @pytest.mark.parametrize(
     "name", ["cleared", "violated", "inconclusive", "noisy", "excluded", "alone", "counted", "estimated", "attracted"]
 )

@@ -9,6 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 SIMULATOR = '''
 import math, random
 import clearance
@@ -35,6 +37,7 @@ CAMPAIGN = {
 }
 
 
+@pytest.mark.nightly
 def test_violating_calls_of_known_violations_are_not_held_against_them(tmp_path: Path) -> None:
     (tmp_path / "own").mkdir()
     (tmp_path / "own" / "noisy.py").write_text(SIMULATOR, encoding="utf-8")

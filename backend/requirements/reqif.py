@@ -6,13 +6,14 @@ type declaration is refused before anything in it is read: ReqIF has none, and e
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import UTC, datetime
 from typing import NamedTuple
 from xml.etree import ElementTree as Xml
+
+from backend.requirements.rich import plain
 
 NAMESPACE = "http://www.omg.org/spec/ReqIF/20110401/reqif.xsd"
 DEEPEST = 100
@@ -169,7 +170,7 @@ def _values(thing: Xml.Element, names: dict[str, str], words: dict[str, str]) ->
             continue
         if value.tag == "ATTRIBUTE-VALUE-XHTML":
             inner = value.find("THE-VALUE")
-            yield name, _plain(inner) if inner is not None else ""
+            yield name, plain(inner) if inner is not None else ""
         elif value.tag == "ATTRIBUTE-VALUE-ENUMERATION":
             chosen = [(ref.text or "").strip() for ref in value.findall("./VALUES/ENUM-VALUE-REF")]
             yield name, ", ".join(words.get(one) or one for one in chosen)
@@ -184,84 +185,6 @@ def _text(thing: Xml.Element, values: dict[str, str], text_name: str) -> tuple[s
     if found[1] or text_name or heading:
         return found
     return "", thing.get("DESC", "").strip() or thing.get("LONG-NAME", "").strip()
-
-
-_BLOCKS = (
-    "p", "div", "br", "hr", "pre", "address", "blockquote", "h1", "h2", "h3", "h4", "h5", "h6",
-    "ul", "ol", "li", "dl", "dt", "dd", "table", "caption", "tr",
-)  # fmt: skip
-_SPACE = re.compile(r"\s+")
-
-# Marks of what is written once its end is known. XML cannot contain these characters, so no text is taken for a mark.
-_MARKS = {"sup": "\x01", "sub": "\x02", "td": "\x03", "th": "\x03"}
-_END, _CELL = "\x04", "\x05"
-_INNERMOST = re.compile(r"([\x01-\x03])([^\x01-\x04]*)\x04(?=(.?.?))", re.DOTALL)
-_SIMPLE = re.compile(r"[+\-−]?[^\W_]+")
-_GOES_ON = re.compile(r"[\w^]|[.,]\w")
-
-
-def _plain(xhtml: Xml.Element) -> str:
-    """The words of XHTML; blocks are on lines of their own. Without recursion, in the order of the document.
-
-    What changes the meaning is written: 10^3, 10^(n+1), x_i, `a | b` for the cells of a row, [picture a.png].
-    """
-    found: list[str] = []
-    waiting: list[tuple[Xml.Element | None, str]] = [(xhtml, "")]
-    while waiting:
-        element, after = waiting.pop()
-        if element is None:
-            found.append(after)
-            continue
-        begin, end = _around(element)
-        found.append(begin + _SPACE.sub(" ", element.text or ""))
-        waiting.append((None, end + _SPACE.sub(" ", after)))
-        waiting += [(child, child.tail or "") for child in reversed(element)]
-    text, before = "".join(found), ""
-    while text != before:
-        text, before = _INNERMOST.sub(_resolved, text), text
-    return "\n".join(_lines(text))
-
-
-def _around(element: Xml.Element) -> tuple[str, str]:
-    """What is written before and after the content of an element."""
-    if element.tag in _MARKS:
-        return _MARKS[element.tag], _END
-    if element.tag in ("object", "img"):
-        inside = " " if (element.text or "").strip() or len(element) else ""  # words for those who cannot see it
-        return f"[picture {_picture(element)}]{inside}", inside
-    return ("\n", "\n") if element.tag in _BLOCKS else ("", "")
-
-
-def _picture(element: Xml.Element) -> str:
-    """The name of a picture; the digest of one that is within the file, so that another one is another text."""
-    name = element.get("data") or element.get("src") or element.get("alt") or "without a name"
-    if name.startswith("data:"):
-        name = f"{name[5:].split(',')[0].split(';')[0]} {hashlib.sha256(name.encode()).hexdigest()[:12]}"
-    return " ".join(name.split())
-
-
-def _resolved(marked: re.Match[str]) -> str:
-    """A cell as one line. A script in parentheses, unless it is one word or number that ends where it ends."""
-    mark, content, following = marked.groups()
-    lines = _lines(content)
-    if mark == _MARKS["td"]:
-        return _CELL + "; ".join(lines)
-    script = " ".join(lines)
-    if not script:
-        return ""
-    if not _SIMPLE.fullmatch(script) or _GOES_ON.match(following):
-        script = f"({script})"
-    return ("^" if mark == _MARKS["sup"] else "_") + script
-
-
-def _lines(text: str) -> list[str]:
-    """The lines that have words, with the cells of a row separated."""
-    found = []
-    for line in text.splitlines():
-        before, *cells = (" ".join(cell.split()) for cell in line.split(_CELL))
-        if before or any(cells):
-            found.append(" | ".join([before, *cells] if before else cells).strip())
-    return found
 
 
 def _first(values: dict[str, str], names: Sequence[str]) -> tuple[str, str]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.logs.written import FIELDS, ODOMETRY, POSE, TEXT, Row, mcap, ulog
+from tests.logs.written import FIELDS, ODOMETRY, POSE, TEXT, Origin, Row, mcap, ulog
 from worker.engine.systems.simulators.logs.approach import Column, Sphere, Track, Unreadable, closest
 from worker.engine.systems.simulators.logs.rosbag import separation_of_mcap
 from worker.engine.systems.simulators.logs.ulog import TOPIC, separation_of_ulog
@@ -63,6 +63,46 @@ def test_a_log_that_does_not_show_the_vehicle_gives_no_distance(tmp_path: Path, 
     with pytest.raises(Unreadable) as caught:
         separation_of_ulog(ulog(tmp_path / "a.ulg", {TOPIC: rows}), [BESIDE])
     assert expected in str(caught.value)
+
+
+HERE = (1, 47.0, 8.0, 500.0)
+UNKNOWN = (0, math.nan, math.nan, math.nan)
+ELSEWHERE = {"ref_timestamp": (2, *HERE[1:]), "ref_lat": (1, 47.001, 8.0, 500.0), "ref_lon": (1, 47.0, 8.001, 500.0)}
+ELSEWHERE |= {"ref_alt": (1, 47.0, 8.0, 510.0)}
+
+
+@pytest.mark.parametrize("origin", [HERE, UNKNOWN])
+def test_an_origin_that_stays_is_no_obstacle_to_a_distance(tmp_path: Path, origin: Origin) -> None:
+    origins = dict.fromkeys((TOPIC, "intruder"), [origin] * 11)
+    aside = [(t, x, y + 3.0, z) for t, x, y, z in STRAIGHT]
+    for known in (origins, {TOPIC: origins[TOPIC]}, {}):
+        file = ulog(tmp_path / "a.ulg", {TOPIC: STRAIGHT, "intruder": aside}, origins=known)
+        assert separation_of_ulog(file, other="intruder").d_min == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("field", ELSEWHERE)
+def test_an_origin_that_moves_gives_no_distance(tmp_path: Path, field: str) -> None:
+    for origins in ([HERE] * 5 + [ELSEWHERE[field]] * 6, [UNKNOWN] * 5 + [HERE] * 6):
+        file = ulog(tmp_path / "a.ulg", {TOPIC: STRAIGHT, "intruder": STRAIGHT}, origins={TOPIC: origins})
+        for asked in ((TOPIC, None), ("intruder", TOPIC)):
+            with pytest.raises(Unreadable, match=rf"the origin of {TOPIC} changed at t = 0\.500 s"):
+                separation_of_ulog(file, [BESIDE], topic=asked[0], other=asked[1])
+
+
+@pytest.mark.parametrize("field", ["ref_lat", "ref_lon", "ref_alt"])
+def test_two_topics_with_different_origins_have_no_distance(tmp_path: Path, field: str) -> None:
+    for one, two in ((HERE, ELSEWHERE[field]), (UNKNOWN, HERE)):
+        origins = {TOPIC: [one] * 11, "intruder": [two] * 11}
+        file = ulog(tmp_path / "a.ulg", {TOPIC: STRAIGHT, "intruder": STRAIGHT}, origins=origins)
+        with pytest.raises(Unreadable, match=r"has the origin ref_.*; one frame is expected"):
+            separation_of_ulog(file, other="intruder")
+
+
+def test_the_origins_of_two_topics_may_be_set_at_different_times(tmp_path: Path) -> None:
+    origins = {TOPIC: [HERE] * 11, "intruder": [ELSEWHERE["ref_timestamp"]] * 11}
+    aside = [(t, x, y + 3.0, z) for t, x, y, z in STRAIGHT]
+    file = ulog(tmp_path / "a.ulg", {TOPIC: STRAIGHT, "intruder": aside}, origins=origins)
+    assert separation_of_ulog(file, other="intruder").d_min == pytest.approx(3.0)
 
 
 def test_a_ulog_that_is_cut_within_a_message_is_refused(tmp_path: Path) -> None:
@@ -131,6 +171,44 @@ def test_a_split_recording_is_one_track(tmp_path: Path) -> None:
     for name, rows in (("bag_10", STRAIGHT[5:]), ("bag_2", STRAIGHT[:5])):
         mcap(tmp_path / f"{name}.mcap", {"/odom": (ODOMETRY, "map", rows)})
     assert separation_of_mcap(tmp_path, "/odom", obstacles=[BESIDE]).d_min == pytest.approx(3.0, abs=1e-9)
+
+
+def with_metadata(folder: Path, text: str) -> Path:
+    for name, rows in (("bag_0", STRAIGHT[:5]), ("bag_1", STRAIGHT[5:])):
+        mcap(folder / f"{name}.mcap", {"/odom": (ODOMETRY, "map", rows)})
+    (folder / "metadata.yaml").write_text(text)
+    return folder
+
+
+def naming(*names: str) -> str:
+    lines = "".join(f"    - {name}\n" for name in names)
+    known = f"  version: 9\n  storage_identifier: mcap\n  relative_file_paths:\n{lines}"
+    return f"rosbag2_bagfile_information:\n{known}  duration:\n    nanoseconds: 1000000000\n  custom_data: ~\n"
+
+
+def test_a_recording_with_all_files_that_its_metadata_names(tmp_path: Path) -> None:
+    folder = with_metadata(tmp_path, naming("bag_0.mcap", "bag_1.mcap"))
+    assert separation_of_mcap(folder, "/odom", obstacles=[BESIDE]).d_min == pytest.approx(3.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("metadata", "expected"),
+    [
+        (naming("bag_0.mcap", "bag_1.mcap", "bag_2.mcap"), "metadata.yaml names bag_2.mcap, which is not in "),
+        (naming("bag_0.mcap", "bag_1.mcap.zstd"), "metadata.yaml names bag_1.mcap.zstd, which is not in "),
+        (naming("bag_0.mcap"), "holds bag_1.mcap, which metadata.yaml does not name; one recording is expected"),
+        (naming(), "does not state the files of the recording: relative_file_paths names no file"),
+        ("a: 1\n", "does not state the files of the recording: it has no relative_file_paths"),
+        ("", "does not state the files of the recording: it has no relative_file_paths"),
+        (naming("bag_0.mcap") + naming("bag_0.mcap", "bag_1.mcap"), "is given twice"),
+    ],
+)
+def test_a_recording_that_is_not_the_one_of_its_metadata_gives_no_distance(
+    tmp_path: Path, metadata: str, expected: str
+) -> None:
+    with pytest.raises(Unreadable) as caught:
+        separation_of_mcap(with_metadata(tmp_path, metadata), "/odom", obstacles=[BESIDE])
+    assert expected in str(caught.value)
 
 
 @pytest.mark.parametrize(

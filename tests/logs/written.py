@@ -8,18 +8,32 @@ from pathlib import Path
 from typing import Any
 
 FIELDS = "uint64_t timestamp;float x;float y;float z;uint8_t xy_valid;uint8_t z_valid;uint8_t xy_reset_counter;uint8_t z_reset_counter;uint8_t[4] _padding0;"  # fmt: skip  # noqa: E501
+ORIGIN = "uint64_t ref_timestamp;double ref_lat;double ref_lon;float ref_alt;uint8_t[4] _padding1;"
+Origin = tuple[int, float, float, float]
+"""ref_timestamp [us], ref_lat, ref_lon [deg], ref_alt [m]."""
 Row = tuple[float, float, float, float]
 
 
-def ulog(file: Path, topics: Mapping[str, Iterable[Sequence[float]]], fields: str = FIELDS) -> Path:
-    """A ULog file; rows by topic: time [s], x, y, z, then flags that differ: xy_valid, z_valid and the counters."""
+def ulog(
+    file: Path,
+    topics: Mapping[str, Iterable[Sequence[float]]],
+    fields: str = FIELDS,
+    origins: Mapping[str, Sequence[Origin]] | None = None,
+) -> Path:
+    """A ULog file; rows by topic: time [s], x, y, z, then flags that differ: xy_valid, z_valid and the counters.
+
+    origins: of topics that state one, that of each row.
+    """
     content = b"ULog\x01\x12\x35" + b"\x01" + (0).to_bytes(8, "little") + _message("B", bytes(40))
-    content += b"".join(_message("F", f"{name}:{fields}".encode()) for name in topics)
+    stated = {name: ORIGIN if name in (origins or {}) else "" for name in topics}
+    content += b"".join(_message("F", f"{name}:{fields}{more}".encode()) for name, more in stated.items())
     content += b"".join(_message("A", struct.pack("<BH", 0, k) + name.encode()) for k, name in enumerate(topics))
-    for k, rows in enumerate(topics.values()):
-        for t, x, y, z, *flags in rows:
+    for k, (name, rows) in enumerate(topics.items()):
+        for at, (t, x, y, z, *flags) in enumerate(rows):
             xy, down, xy_resets, z_resets = flags or (1, 1, 0, 0)
             row = struct.pack("<QfffBBBB", round(t * 1e6), x, y, z, int(xy), int(down), int(xy_resets), int(z_resets))
+            if origins and stated[name]:
+                row += bytes(4) + struct.pack("<Qddf", *origins[name][at])
             content += _message("D", struct.pack("<H", k) + row)
     file.write_bytes(content)
     return file

@@ -9,8 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.asked.reading import UnreadableError, parse
 from worker.engine.systems.simulators.logs.approach import Approach, Column, Sphere, Track, Unreadable, closest
 
+METADATA = "metadata.yaml"
+"""What rosbag2 writes into the folder when it ends a recording."""
 Rows = list[tuple[float, float, float, float]]
 """Time [s], x, y, z [m]."""
 POSITIONS = {
@@ -32,9 +35,9 @@ def separation_of_mcap(
 ) -> Approach:
     """The closest approach of the positions on a topic to those on another and to obstacles; raises Unreadable.
 
-    path: an .mcap file, or the folder of a recording. Times are those of the headers, and both topics must have the
-    same frame, as have obstacles. lasts: the log must cover so many seconds. A gap, a change of frame or a file that is
-    cut gives no distance.
+    path: an .mcap file, or the folder of a recording, whose files must be those that its metadata names. Times are
+    those of the headers, and both topics must have the same frame, as have obstacles. lasts: the log must cover so many
+    seconds. A gap, a change of frame or a file that is cut or missing gives no distance.
     """
     frames: dict[str, str] = {}
     tracks = _tracks(Path(path), [name for name in (topic, other) if name], frames)
@@ -46,10 +49,33 @@ def separation_of_mcap(
 
 
 def _files(path: Path) -> list[Path]:
+    """The files of a recording; of a folder, all that its metadata names, and no others."""
     found = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
     if not found:
         raise Unreadable(f"{path} holds no .mcap file")
+    if path.is_dir() and (path / METADATA).exists():
+        named = _named(path / METADATA)
+        if missing := sorted(named - {file.name for file in found}):
+            raise Unreadable(f"{METADATA} names {missing[0]}, which is not in {path}: what happened in it is unknown")
+        if others := [file.name for file in found if file.name not in named]:
+            raise Unreadable(f"{path} holds {others[0]}, which {METADATA} does not name; one recording is expected")
     return found
+
+
+def _named(file: Path) -> set[str]:
+    """The files that the metadata of a recording names."""
+    try:
+        names = parse(file.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]["relative_file_paths"]
+        if names and all(isinstance(name, str) for name in names):
+            return set(names)
+        why = "relative_file_paths names no file"
+    except UnreadableError as error:
+        why = f"{error.problem.field} {error.problem.message}".strip()
+    except (OSError, ValueError) as error:
+        why = " ".join(str(error).split())
+    except (KeyError, TypeError):
+        why = "it has no relative_file_paths"
+    raise Unreadable(f"{file} does not state the files of the recording: {why}")
 
 
 def _tracks(path: Path, topics: list[str], frames: dict[str, str]) -> dict[str, Track]:

@@ -21,6 +21,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from campaigns.asked.problem import CampaignError
+from campaigns.asked.reading import repeated
 from campaigns.capsules.capsule import FORMAT, Capsule, Floats, Origin, Trajectory, digest_of
 from campaigns.capsules.sources import LARGEST as LARGEST_SOURCE
 from campaigns.capsules.sources import Sources
@@ -184,7 +185,9 @@ def _document(text: bytes | None) -> Capsule:
     if text is None:
         raise CapsuleError(f"it contains no {DOCUMENT}")
     try:
-        document = json.loads(text.decode("utf-8", "surrogatepass"))
+        document = json.loads(text.decode("utf-8", "surrogatepass"), object_pairs_hook=_once)
+    except CapsuleError:
+        raise
     except (ValueError, RecursionError):
         raise CapsuleError(f"{DOCUMENT} in it is not JSON") from None
     if not isinstance(document, dict) or document.get("format") != FORMAT:
@@ -202,6 +205,14 @@ def _document(text: bytes | None) -> Capsule:
         raise CapsuleError(f"{DOCUMENT} in it is invalid: {place[:100]}: {first['msg']}") from None
     except (ValueError, RecursionError) as error:
         raise CapsuleError(f"{DOCUMENT} in it is invalid: {error}"[:300]) from None
+
+
+def _once(pairs: list[tuple[str, object]]) -> object:
+    """An object; refused if it gives a key twice, of which each reader takes another value."""
+    twice = repeated(name for name, _ in pairs)
+    if twice is not None:
+        raise CapsuleError(f"{DOCUMENT} in it gives the key {twice[:60]!r} twice: it was changed")
+    return dict(pairs)
 
 
 def _printable(value: object) -> None:

@@ -114,8 +114,7 @@ def for_replay(run: str, allowed: bool) -> str:
 
 def _described(folder: Path) -> InlineProgram:
     """The program that simulator.yaml in a folder of results describes; raises ValueError and OSError."""
-    import yaml
-
+    from campaigns.asked.reading import parse
     from worker.engine.systems.simulators.declared.folder import FILE
     from worker.running.catalogue.inline import InlineProgram, descriptor_of
 
@@ -125,8 +124,8 @@ def _described(folder: Path) -> InlineProgram:
     if not Path(source[FOLDER]).is_dir():
         raise ValueError(f"the folder of its campaign file, {source[FOLDER]}, no longer exists; run the campaign again")
     try:
-        document = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError, yaml.YAMLError) as error:
+        document = parse(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
         raise ValueError(f"{file.name} in it cannot be read: {' '.join(str(error).split())}") from None
     return InlineProgram(Path(source[FOLDER]), descriptor_of(document, str(file)), source["file"])
 
@@ -170,12 +169,13 @@ def write_description(folder: Path, campaign: Campaign) -> None:
     """Write what the campaign file gave as simulator.yaml, with which it can be installed; nothing else is written."""
     import yaml
 
+    from campaigns.asked.reading import Dumper
     from worker.engine.systems.simulators.declared.folder import FILE
 
     known = _inline(campaign)
     if known is None:
         return
     document = known.descriptor.model_dump(mode="json", exclude_unset=True)
-    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=120)
+    text = yaml.dump(document, Dumper=Dumper, sort_keys=False, allow_unicode=True, width=120)
     head = f"# From {known.file}, where {{folder}} was {known.folder}\n"
     (folder / FILE).write_text(head + text, encoding="utf-8")

@@ -19,6 +19,7 @@ def propose(
     import yaml
 
     from campaigns.asked.proposal import Cost, proposed
+    from campaigns.asked.reading import Dumper
     from campaigns.checked.expected import confirmation
     from clearance.cli import WrongInputError
     from worker.running.catalogue.installed import catalogue
@@ -37,4 +38,4 @@ def propose(
         {"method": s.method, "evaluations": s.evaluations} | ({"options": s.options} if s.options else {})
         for s in found.searches
     ]
-    typer.echo(yaml.safe_dump({"stages": {"search": search}}, sort_keys=False), nl=False)
+    typer.echo(yaml.dump({"stages": {"search": search}}, Dumper=Dumper, sort_keys=False), nl=False)

@@ -149,6 +149,16 @@ def test_a_change_without_the_digest_is_noticed(capsule: Path) -> None:
         unpacked(zipped(files | {"F1.npy": files["F1.npy"][:-8] + bytes(8)}))
 
 
+@pytest.mark.parametrize("key", ["digest", "cost", "criterion", "columns"])
+def test_a_key_that_is_given_twice_is_refused(capsule: Path, key: str) -> None:
+    """At any depth, also with the same value: another reader takes the other one."""
+    text, name = files_of(capsule)["capsule.json"], f'"{key}":'.encode()
+    assert name in text
+    twice = text.replace(name, f'"{key}": 0, "{key}":'.encode(), 1)
+    with pytest.raises(CapsuleError, match=f"the key '{key}' twice"):
+        unpacked(zipped(files_of(capsule) | {"capsule.json": twice}))
+
+
 @pytest.mark.parametrize(
     "name", ["../evil.py", "/etc/passwd", "evil.py", "F1.npy/../x", "capsule.json", "C:\\x", "F0.npy"]
 )

@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 from campaigns import CampaignError, load_file
+from campaigns.asked.reading import Dumper
 from campaigns.refusals import RefusalCode
 from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from clearance.cli import _code as code
@@ -23,6 +24,8 @@ from tests.simulators import package
 from tests.simulators.adversaries import adversary
 from worker.engine.stages.parts import offered
 from worker.engine.systems.simulators.cluster.address import SETTING
+from worker.engine.systems.simulators.declared import descriptor
+from worker.engine.systems.simulators.declared.simulator import Program
 from worker.evidence.audit import judge
 from worker.running.catalogue import installed
 from worker.running.catalogue.inline import NAME, InlineProgram
@@ -61,7 +64,7 @@ def written(folder: Path, **changes: Any) -> Path:
     file = folder / "campaign.yaml"
     stages = {"sensitivity": None, "search": [{"method": "direct", "evaluations": 20}], "validate": {"neighbours": 0}}
     document = package.campaign(2.0, simulator=given, stages=stages)
-    file.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+    file.write_text(yaml.dump(document, Dumper=Dumper, sort_keys=False), encoding="utf-8")
     return file
 
 
@@ -150,7 +153,7 @@ def test_its_findings_are_replayed_where_its_command_is_permitted(
     file, out, cases = written(tmp_path, name="bowl"), tmp_path / "out", tmp_path / "j.xml"
     document = yaml.safe_load(file.read_text(encoding="utf-8"))
     document["criterion"]["threshold"] = 9.0
-    file.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+    file.write_text(yaml.dump(document, Dumper=Dumper, sort_keys=False), encoding="utf-8")
     assert invoke(["run", str(file), "--allow-code", "--out", str(out), "--junit", str(cases)]) == 1
     command = next(line for line in cases.read_text(encoding="utf-8").splitlines() if "clearance replay" in line)
     installed.simulators().pop("bowl")
@@ -169,6 +172,20 @@ def test_calls_and_retries_stay_those_of_the_campaign(tmp_path: Path) -> None:
     system = opened.system(campaign)
     assert system.given.startswith("'{python}' -S ")
     system.close()
+
+
+def test_its_description_is_written_as_it_was_given(tmp_path: Path) -> None:
+    """Text that one reader of YAML takes for a number or a truth value, and another one does not."""
+    texts = ["1e5", "010", "0x10", "1:30", "no", "null", "2001-01-01", "~", "1_000"]
+    file = written(tmp_path, environment={f"V{at}": text for at, text in enumerate(texts)}, text="1e5")
+    campaign = code.read(file, allowed=True)
+    code.write_description(tmp_path, campaign)
+    again = descriptor.read(tmp_path)
+    assert isinstance(again, descriptor.DescribedProgram)
+    assert list(again.descriptor.environment.values()) == texts
+    program = installed.simulators()["bowl"]
+    assert isinstance(program, Program)
+    assert again.descriptor == program.described.descriptor
 
 
 def test_the_digest_changes_with_the_description_and_with_the_program(tmp_path: Path) -> None:
@@ -313,7 +330,11 @@ def test_a_run_of_a_command_that_is_not_as_it_was_is_not_extended(
     assert refusal(again()) == RefusalCode.OTHER_CODE
     (tmp_path / "bowl.py").write_text(program)
     description = (ended / "simulator.yaml").read_text()
-    for content, why in (("a: [1", "simulator.yaml in it cannot be read"), ("name: bowl", "this key is required")):
+    for content, why in (
+        ("a: [1", "simulator.yaml in it cannot be read"),
+        ("name: bowl", "this key is required"),
+        (f"{description}timeout: 21\n", "the key 'timeout' is given twice"),
+    ):
         (ended / "simulator.yaml").write_text(content)
         assert why in again()
     (ended / "simulator.yaml").unlink()

@@ -81,6 +81,71 @@ def test_what_is_not_a_descriptor_is_refused(tmp_path: Path, text: str) -> None:
         read(tmp_path)
 
 
+PROGRAM = """name: drop
+command: ["x"]
+parameters:
+  mass: {{nominal: {nominal}, low: -5, high: {high}}}
+results: {{d: {{worse: low{result}}}}}
+environment: {{{variables}}}
+{more}"""
+FMU = "name: drop\nfmu: model.fmu\nparameters: {{mass: {{low: -5, high: {high}}}}}\nresults: {{d: {{}}}}\n{more}"
+TWICE = "the key '{key}' is given twice"
+
+
+def text_of(text: str, **changed: str) -> str:
+    usual = {"nominal": "1", "high": "100", "result": "", "variables": "", "more": ""}
+    return text.format(**(usual | changed))
+
+
+AMBIGUOUS = [
+    ({"more": "timeout: 5\ntimeout: 6\n"}, TWICE.format(key="timeout")),
+    ({"more": "parameters: {wind: {nominal: 0, low: 0, high: 1}}\n"}, TWICE.format(key="parameters")),
+    ({"nominal": "1, nominal: 2"}, TWICE.format(key="nominal")),
+    ({"result": ", worse: high"}, TWICE.format(key="worse")),
+    ({"high": "100, high: 200"}, TWICE.format(key="high")),
+    ({"high": "1:30"}, "parameters.mass.high: "),
+    ({"nominal": "yes"}, "parameters.mass.nominal: "),
+    ({"nominal": "2001-01-01"}, "parameters.mass.nominal: "),
+    ({"more": "text: &a x\ntitle: *a\n"}, "aliases (*name) are not allowed"),
+    ({"more": "text: !!str 5\n"}, "are not allowed, write the plain value"),
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "changed", "expected"),
+    [
+        (text, changed, expected)
+        for text in (PROGRAM, FMU)
+        for changed, expected in AMBIGUOUS
+        if all("{" + name + "}" in text for name in changed)
+    ],
+)
+def test_what_can_be_read_in_two_ways_is_refused(
+    tmp_path: Path, text: str, changed: dict[str, str], expected: str
+) -> None:
+    (tmp_path / "simulator.yaml").write_text(text_of(text, **changed), encoding="utf-8")
+    with pytest.raises(BadDescriptor) as caught:
+        read(tmp_path)
+    assert expected in str(caught.value)
+
+
+def test_numbers_are_those_that_are_written(tmp_path: Path) -> None:
+    (tmp_path / "simulator.yaml").write_text(text_of(PROGRAM, nominal="010", high="1e2"), encoding="utf-8")
+    (mass,) = read(tmp_path).entry.parameters
+    assert (mass.default, mass.high) == (10.0, 100.0)
+
+
+@pytest.mark.parametrize("value", ["010", "8", "1.10", "true", "null", "[a]", "{a: b}"])
+def test_a_variable_of_the_environment_is_text(tmp_path: Path, value: str) -> None:
+    """What would not be passed on as it was written is refused; in quotes it is passed on."""
+    file = tmp_path / "simulator.yaml"
+    file.write_text(text_of(PROGRAM, variables=f"DOMAIN: {value}"), encoding="utf-8")
+    with pytest.raises(BadDescriptor, match=r"environment: DOMAIN: .* is not text; put what the variable holds in quo"):
+        read(tmp_path)
+    file.write_text(text_of(PROGRAM, variables=f"DOMAIN: '{value}', AT: 12:30:00, FILTER: no"), encoding="utf-8")
+    assert read(tmp_path).descriptor.environment == {"DOMAIN": value, "AT": "12:30:00", "FILTER": "no"}
+
+
 def test_a_bad_one_keeps_no_other_from_being_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(tmp_path / "one" / "a")
     write(tmp_path / "one" / "b", name="other", timeout=-1)

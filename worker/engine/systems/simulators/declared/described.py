@@ -43,7 +43,11 @@ class Basics(Strict):
     @field_validator("environment", mode="before")
     @classmethod
     def _texts(cls, variables: object) -> object:
-        return {str(k): str(v) for k, v in variables.items()} if isinstance(variables, dict) else variables
+        """A number is not written back as it was: 010, 1.10."""
+        for name, value in variables.items() if isinstance(variables, dict) else ():
+            if not isinstance(value, str):
+                raise ValueError(f"{name!s:.60}: {value!r:.60} is not text; put what the variable holds in quotes")
+        return variables
 
 
 @dataclass(frozen=True)

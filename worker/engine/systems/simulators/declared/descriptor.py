@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-import yaml
 from pydantic import Field, ValidationError, model_validator
 
 from campaigns.asked.expected import expected
+from campaigns.asked.reading import UnreadableError, parse
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.results.scene import Scene
@@ -200,12 +200,15 @@ def read(folder: Path) -> Described:
     try:
         if file.stat().st_size > LARGEST:
             raise BadDescriptor(f"{file}: a descriptor has at most {LARGEST:,} bytes")
-        document = yaml.safe_load(file.read_text(encoding="utf-8"))
+        document = parse(file.read_text(encoding="utf-8"))
         if isinstance(document, dict) and "fmu" in document:
             return fmu.read(folder.resolve(), document)
         return DescribedProgram(folder.resolve(), Descriptor.model_validate(document))
     except RecursionError:
         raise BadDescriptor(f"{file}: nested too deeply") from None
+    except UnreadableError as error:
+        where = f"{error.problem.field}: " if error.problem.field else ""
+        raise BadDescriptor(f"{file}: {where}{error.problem.message[:LONGEST]}") from None
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"] if part != "[key]") or "the file"
@@ -217,7 +220,7 @@ def read(folder: Path) -> Described:
         raise BadDescriptor(f"{file}: {error}") from None
     except BadDescriptor:
         raise
-    except (OSError, yaml.YAMLError, ValueError) as error:  # such as a date that does not exist
+    except (OSError, ValueError) as error:
         raise BadDescriptor(f"{file}: {' '.join(str(error).split())[:LONGEST]}") from None
 
 

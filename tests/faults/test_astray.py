@@ -18,8 +18,8 @@ import yaml
 
 from campaigns.results.base import FAILED, OK
 from tests.faults.processes import until
-from worker.engine.systems.simulators import unchanged
 from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared import unchanged
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome

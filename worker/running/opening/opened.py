@@ -22,11 +22,12 @@ from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.described import BadDescriptor
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.fmu import DescribedFmu
-from worker.engine.systems.simulators.declared.folder import digest_of_place, reached_from
+from worker.engine.systems.simulators.declared.folder import digest_of_place, files_of_place, reached_from
 from worker.engine.systems.simulators.declared.function import declared_in, loaded
 from worker.engine.systems.simulators.declared.reached import Reached
 from worker.engine.systems.simulators.declared.simulator import Opening, Program
 from worker.engine.systems.simulators.declared.simulator import Simulator as Declared
+from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.fmus import simulator as fmus
 from worker.engine.systems.simulators.functions import InProcess, Isolated
 from worker.running.catalogue.files import BadFile, PythonFunction, read_file
@@ -85,6 +86,7 @@ def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction
 def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
     """A Python function; one of a file as the file is now, which must still be what the catalogue shows."""
     name = simulator.declaration.name
+    files = Unchanged(files_of_place(simulator.place)) if simulator.place else None  # before anything of them is read
     file = simulator.place.get("file")
     if file is not None and simulator.call is None:
         try:
@@ -99,7 +101,7 @@ def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
     imports = reached_from(simulator.place) if simulator.place else Reached()
     basics = simulator.entry, opening, simulator.declaration, digest, imports.unknown
     if simulator.declaration.settings.isolated:
-        return Isolated(simulator.place, *basics)
+        return Isolated(simulator.place, *basics, files)
     call = simulator.call
     if call is None:
         try:
@@ -109,7 +111,7 @@ def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
             raise CampaignUnusable([Wrong("simulator.name", name, text)]) from None
         if other := _loaded_from_elsewhere(imports.files):
             raise CampaignUnusable([Wrong("simulator.name", name, other)])
-    return InProcess(call, *basics)
+    return InProcess(call, *basics, files)
 
 
 def _loaded_from_elsewhere(files: Mapping[str, Path]) -> str:
@@ -126,8 +128,9 @@ def _loaded_from_elsewhere(files: Mapping[str, Path]) -> str:
 def _program(simulator: Program, opening: Opening) -> CommandSimulator:
     """A program or an FMU, by its descriptor as it is now, which must still be the one that the catalogue shows."""
     described, changed = simulator.described, ""
+    files = Unchanged(described.covered)  # before anything of them is read
     if isinstance(described, InlineProgram):
-        return CommandSimulator(described, opening)
+        return CommandSimulator(described, opening, unchanged=files)
     try:
         described = read(described.folder)
         if described.entry != simulator.entry:
@@ -139,9 +142,9 @@ def _program(simulator: Program, opening: Opening) -> CommandSimulator:
     if changed:
         raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, changed)])
     if not isinstance(described, DescribedFmu):
-        return CommandSimulator(described, opening)
+        return CommandSimulator(described, opening, unchanged=files)
     try:
-        return fmus.opened(described, opening)
+        return fmus.opened(described, opening, files)
     except fmus.FmuUnusable as error:
         raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, str(error))]) from None
 

@@ -43,6 +43,7 @@ from campaigns.stored.replies import CaseReply
 from worker.engine.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace, slotted
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.pooled import Pooled
+from worker.engine.systems.simulators.simulated import Simulated
 from worker.engine.systems.simulators.slots import places
 from worker.engine.systems.simulators.slots.places import Place
 from worker.running.catalogue import installed
@@ -149,8 +150,7 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
 
 def _changed(system: System) -> bool:
     """Whether its files are no longer those that were opened."""
-    inner = system.inner if isinstance(system, Called) else system
-    return isinstance(inner, Pooled) and bool(inner.changed())
+    return isinstance(system, Simulated) and bool(system.changed(now=True))
 
 
 def missing(campaign: Campaign, version: str) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 
@@ -30,7 +31,7 @@ from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
 from worker.running.opening import opened
-from worker.running.runs import identity, pulse, repeated
+from worker.running.runs import identity, pulse, repeated, unchanged
 from worker.running.runs.provenance import begin, versions
 
 __all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
@@ -48,8 +49,9 @@ def execute(
 
     problem: the campaign's problem, if its system is not one of this installation; its system is closed at the end.
 
-    Raises `CampaignUnusable` when it cannot be run with these components, `Cancelled` when asked to stop,
-    `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage requests other points.
+    Raises `CampaignUnusable` when it cannot be run with these components or the files of its simulator change,
+    `Cancelled` when asked to stop, `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage requests
+    other points.
     """
     problem = problem or opened.problem(campaign)
     pulse.own.allow(pulse.longest(problem.system))
@@ -86,6 +88,7 @@ def assist(campaign: Campaign, store: Store, cancelled: Callable[[], bool] = lam
     try:
         pulse.own.allow(pulse.longest(problem.system))
         problem.system.warm()
+        store = cast(Store, unchanged.Assisted(store, problem))
         records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
         store.record_versions(versions(campaign, problem.system), identity.code(campaign))
         planned = [record.plan for record in records]
@@ -106,6 +109,7 @@ def _carry_out(context: Context, position: int, record: StageRecord) -> None:
     context.store.begin(position)
     began = time.perf_counter()
     outcome = stages()[record.plan.kind].run(context, position)
+    unchanged.check(context.problem)
     result = worded(context.problem, outcome.result, outcome.findings)
     context.results[position] = result
     seconds = record.seconds + time.perf_counter() - began

@@ -18,6 +18,7 @@ from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, v
 from pathlib import Path
 
 from worker.engine.components.own import folders, listed
+from worker.engine.systems.simulators.declared.below import walked
 from worker.engine.systems.simulators.declared.folder import watched
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "SALib")
@@ -135,11 +136,10 @@ def _modules(name: str, place: Path, folders: list[str]) -> Iterator[tuple[str, 
     if place.is_file():
         yield name, place
         return
-    for folder, inner, files in os.walk(place):
-        inner[:] = sorted(f for f in inner if f != "__pycache__")
+    for folder, files in walked(str(place)):
         folders.append(folder)
         below = ".".join([name, *Path(folder).relative_to(place).parts])
-        for file in sorted(files):
+        for file in files:
             if file.endswith(_SUFFIXES):
                 stem = file.partition(".")[0]
                 yield below if stem == "__init__" else f"{below}.{stem}", Path(folder, file)

@@ -6,6 +6,7 @@ import asyncio
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,10 +15,22 @@ from distributed import KilledWorker
 from distributed.client import FutureCancelledError
 
 from worker.engine.systems.simulators.cluster import connection as connections
+from worker.engine.systems.simulators.cluster import node
 from worker.engine.systems.simulators.cluster import pool as pools
 from worker.engine.systems.simulators.cluster.address import Evaluator, EvaluatorLost
 from worker.engine.systems.simulators.cluster.pool import DaskPool
-from worker.engine.systems.simulators.cluster.work import Done, Files, NodeClosing, Work
+from worker.engine.systems.simulators.cluster.work import (
+    Done,
+    Files,
+    NodeClosing,
+    NodeUnusable,
+    Work,
+    check,
+    code,
+    forget,
+)
+from worker.engine.systems.simulators.declared import unchanged
+from worker.engine.systems.simulators.declared.folder import digest_of, digest_of_place
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.program import Program
 
@@ -235,3 +248,56 @@ def test_many_threads_may_submit_and_one_may_close(cluster: Fake, pool: DaskPool
     for thread in threads:
         thread.join()
     assert {f.result(timeout=10).kind for f in taken} <= {"ok", "not started"}
+
+
+def test_a_node_whose_files_changed_is_named_by_the_pool(
+    cluster: Fake, pool: DaskPool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = {"tcp://a": "", "tcp://b": ""}
+
+    async def run(function: object, *given: object, **options: Any) -> dict[str, str]:
+        assert function is node.changed_now
+        return found
+
+    monkeypatch.setattr(cluster, "run", run)
+    assert pool.changed() == ""
+    found["tcp://b"] = "node b: s.py has changed"
+    assert pool.changed() == "node b: s.py has changed"
+
+
+def test_nodes_that_do_not_answer_are_no_evidence(
+    cluster: Fake, pool: DaskPool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def run(function: object, *given: object, **options: Any) -> None:
+        if function is node.changed_now:
+            await asyncio.Event().wait()
+
+    monkeypatch.setattr(cluster, "run", run)
+    monkeypatch.setattr(pools, "ANSWER", 0.01)
+    with pytest.raises(EvaluatorLost, match=r"not answer within 0\.01 s"):
+        pool.changed()
+
+
+@pytest.mark.parametrize("place", [{}, {"name": "f"}])
+def test_a_node_compares_its_files_again_and_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: dict[str, str]
+) -> None:
+    monkeypatch.setattr(unchanged, "PAUSE", 0.0)
+    monkeypatch.setattr(unchanged, "LEISURE", 0.0)
+    file = tmp_path / "s.py"
+    file.write_text("X = 1\n")
+    place = place and {**place, "file": str(file)}
+    files = Files(str(tmp_path), digest_of_place(place) if place else digest_of(tmp_path), place)
+    work = Work("changing", Program(["true"], "lines"), Limits(), files, code=code())
+    check(work)
+    check(work)
+    assert node.changed_now(work.key) == ""
+    file.write_text("X = 2\n")
+    for _ in range(2):
+        with pytest.raises(NodeUnusable, match=r"node .*: s\.py has changed"):
+            check(work)
+    assert "s.py has changed" in node.changed_now(work.key)
+    forget(work.key)
+    assert node.changed_now(work.key) == ""
+    with pytest.raises(NodeUnusable, match="has other files"):
+        check(work)

@@ -11,6 +11,7 @@ import yaml
 
 from worker.engine.systems.simulators.declared.descriptor import BadDescriptor, listed, read, unusable
 from worker.engine.systems.simulators.declared.folder import FOLDERS
+from worker.engine.systems.simulators.declared.reached import data_files
 
 GOOD: dict[str, Any] = {
     "name": "drop",
@@ -140,7 +141,7 @@ def test_a_variable_of_the_environment_is_text(tmp_path: Path, value: str) -> No
     """What would not be passed on as it was written is refused; in quotes it is passed on."""
     file = tmp_path / "simulator.yaml"
     file.write_text(text_of(PROGRAM, variables=f"DOMAIN: {value}"), encoding="utf-8")
-    with pytest.raises(BadDescriptor, match=r"environment: DOMAIN: .* is not text; put what the variable holds in quo"):
+    with pytest.raises(BadDescriptor, match=r"environment: DOMAIN: .* is not text"):
         read(tmp_path)
     file.write_text(text_of(PROGRAM, variables=f"DOMAIN: '{value}', AT: 12:30:00, FILTER: no"), encoding="utf-8")
     assert read(tmp_path).descriptor.environment == {"DOMAIN": value, "AT": "12:30:00", "FILTER": "no"}
@@ -169,3 +170,24 @@ def test_the_digest_covers_every_file_by_name_and_content(tmp_path: Path) -> Non
         digests.append(read(folder).digest)
     assert len(set(digests)) == len(digests)
     assert read(folder).digest == digests[-1]
+
+
+def test_the_digest_covers_folders_that_are_linked_into_it(tmp_path: Path) -> None:
+    """Also links of links, and data that a function declares; a link back to the folder itself ends."""
+    for version in ("v3", "v4"):
+        (tmp_path / version / "inner").mkdir(parents=True)
+        (tmp_path / version / "inner" / "model.py").write_text(f"A = '{version}'\n")
+    folder = write(tmp_path / "a")
+    alone = read(folder).digest
+    (folder / "back").symlink_to(folder)
+    (folder / "itself").symlink_to("itself")
+    assert read(folder).digest == alone
+    (tmp_path / "current").symlink_to("v3")
+    (folder / "model").symlink_to(tmp_path / "current")
+    first = read(folder).digest
+    assert first != alone
+    assert folder / "model" / "inner" / "model.py" in read(folder).covered
+    assert [path.name for path in data_files(["model"], folder)[0].values()] == ["model.py"]
+    (tmp_path / "current").unlink()
+    (tmp_path / "current").symlink_to("v4")
+    assert read(folder).digest not in (alone, first)

@@ -226,6 +226,16 @@ def test_other_code_computes_the_meaning_again(tmp_path: Path, monkeypatch: pyte
     assert len(list((tmp_path / "meanings").iterdir())) == 2
 
 
+def test_folders_that_are_linked_into_a_package_are_covered(added: Path, tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "model.py").write_bytes(MODULE)
+    (added / "linked").symlink_to(tmp_path / "elsewhere")
+    (added / "back").symlink_to(added)
+    names = sources.note().files.keys()
+    assert "added_here.linked.model" in names
+    assert not any(name.startswith("added_here.back") for name in names)
+
+
 def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:
     noted = sources.note()
     assert noted.files.keys() >= {"added_here", "added_here.post", "added_here.inner.helper"}

@@ -48,6 +48,9 @@ class Called(Simulated):
         once = self.request.model_copy(update={"repeats": None})
         return Called(self.inner, once) if self.request.retries else self.inner
 
+    def changed(self, now: bool = False, everywhere: bool = False) -> str:
+        return self.inner.changed(now, everywhere) if isinstance(self.inner, Simulated) else ""
+
     @property
     def digest(self) -> str:
         return self.inner.digest

@@ -17,6 +17,7 @@ from worker.engine.systems.simulators.cluster.work import Files
 from worker.engine.systems.simulators.declared.described import Described
 from worker.engine.systems.simulators.declared.descriptor import DescribedProgram
 from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.slots import files
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.program import Program
@@ -28,8 +29,12 @@ class CommandSimulator(Spread):
     """Evaluates a described program; `fresh`: every evaluation in a process of its own; halvings of its step, if it
     declares one."""
 
-    def __init__(self, described: Described, opening: Opening, fresh: bool = False, halvings: int = 0) -> None:
+    def __init__(
+        self, described: Described, opening: Opening, fresh: bool = False, halvings: int = 0,
+        unchanged: Unchanged | None = None,
+    ) -> None:  # fmt: skip
         super().__init__(described.entry, opening)
+        self.unchanged = unchanged or Unchanged(described.covered)
         if isinstance(described, DescribedProgram) and described.descriptor.step is not None:
             self.step = described.descriptor.parameters[described.descriptor.step].nominal / 2**halvings
         self._halvings = halvings
@@ -40,21 +45,17 @@ class CommandSimulator(Spread):
         self._spread_over(None if self.given else chosen())
 
     def fresh(self) -> CommandSimulator:
-        return self._made(CommandSimulator(self.described, self.opening, True, self._halvings))
+        return CommandSimulator(self.described, self.opening, True, self._halvings, self.unchanged)
 
     def halved(self) -> CommandSimulator | None:
         if self.step is None:
             return None
-        return self._made(CommandSimulator(self.described, self.opening, True, self._halvings + 1))
+        return CommandSimulator(self.described, self.opening, True, self._halvings + 1, self.unchanged)
 
     @cached_property
     def digest(self) -> str:
         """Over all files in the folder of the descriptor, when the simulator was opened."""
         return self.described.digest
-
-    @property
-    def _covered(self) -> list[Path]:
-        return self.described.covered
 
     @property
     def _slots_here(self) -> int:

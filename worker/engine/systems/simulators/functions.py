@@ -25,6 +25,7 @@ from worker.engine.systems.simulators.cluster.work import Files
 from worker.engine.systems.simulators.declared.folder import files_of_place
 from worker.engine.systems.simulators.declared.function import Declaration
 from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.identity import identified
 from worker.engine.systems.simulators.simulated import Simulated
 from worker.engine.systems.simulators.slots import child, files
@@ -73,7 +74,7 @@ class InProcess(_OfFunction):
 
     def __init__(
         self, call: Callable[..., Any], entry: SimulatorEntry, opening: Opening, declaration: Declaration,
-        digest: str = "", unread: str = "",
+        digest: str = "", unread: str = "", unchanged: Unchanged | None = None,
     ) -> None:  # fmt: skip
         self.from_files = bool(digest)
         if not digest:
@@ -81,10 +82,11 @@ class InProcess(_OfFunction):
             digest = unidentified(uuid.uuid4().hex) if identity.unknown else identity.digest
             unread = identity.unknown
         super().__init__(entry, opening, declaration, digest, unread)
-        self.call = call
+        self.call, self.unchanged = call, unchanged
 
     def fresh(self) -> InProcess:
-        return InProcess(self.call, self.entry, self.opening, self.declaration, self.files_digest, self.unread)
+        basics = self.entry, self.opening, self.declaration, self.files_digest, self.unread
+        return InProcess(self.call, *basics, self.unchanged)
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         if self.of.vectorized:
@@ -166,20 +168,16 @@ class Isolated(_OfFunction, Spread):
 
     def __init__(
         self, place: Mapping[str, str], entry: SimulatorEntry, opening: Opening, declaration: Declaration, digest: str,
-        unread: str = "", alone: bool = False,
+        unread: str = "", unchanged: Unchanged | None = None, alone: bool = False,
     ) -> None:  # fmt: skip
         super().__init__(entry, opening, declaration, digest, unread)
-        self.place = place
+        self.place, self.unchanged = place, unchanged or Unchanged(files_of_place(place))
         self._alone = alone
         self._spread_over(chosen())
 
     def fresh(self) -> Isolated:
         basics = self.entry, self.opening, self.declaration, self.files_digest, self.unread
-        return self._made(Isolated(self.place, *basics, alone=True))
-
-    @property
-    def _covered(self) -> list[Path]:
-        return files_of_place(self.place)
+        return Isolated(self.place, *basics, self.unchanged, alone=True)
 
     @property
     def _slots_here(self) -> int:

@@ -25,7 +25,6 @@ from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.places import Place
 from worker.engine.systems.simulators.slots.pool import SlotPool
 from worker.engine.systems.simulators.slots.program import Program
-from worker.engine.systems.simulators.unchanged import Unchanged
 
 if TYPE_CHECKING:
     from worker.engine.systems.simulators.cluster.pool import DaskPool
@@ -34,7 +33,6 @@ WITHOUT_VALUE = {"timeout": TIMEOUT, "excluded": EXCLUDED}
 """The status of an evaluation without a value by the kind of its outcome; of all others it is failed."""
 
 One = TypeVar("One")
-Made = TypeVar("Made", bound="Pooled")
 
 
 class Pooled(Simulated):
@@ -42,8 +40,6 @@ class Pooled(Simulated):
 
     _pool: SlotPool | DaskPool | None = None
     _work: Place | None = None
-    _unchanged: Unchanged | None = None
-    """Its files as this run opened it; that of the simulator from which a fresh one was made."""
     most_slots: int | None = None
     """Fewer processes side by side than `slots`, set before the first evaluation."""
     most_seconds: float | None = None
@@ -79,23 +75,6 @@ class Pooled(Simulated):
         """The parameters of one vector by the simulator's own names."""
         names = [p.path.removeprefix("simulator.") for p in self.parameters]
         return dict(zip(names, vector[: len(names)].tolist(), strict=True))
-
-    @property
-    def _covered(self) -> Sequence[Path]:
-        """The files that its digest covers."""
-        return ()
-
-    def changed(self) -> str:
-        """Why nothing more is evaluated: its files are no longer those of its digest; empty if they are."""
-        if self._unchanged is None:
-            self._unchanged = Unchanged(self._covered)
-        return self._unchanged.changed()
-
-    def _made(self, other: Made) -> Made:
-        """Another simulator that was made of this one, with the same files."""
-        self.changed()
-        other._unchanged = self._unchanged
-        return other
 
     def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
         if changed := self.changed():

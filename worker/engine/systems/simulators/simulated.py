@@ -16,6 +16,7 @@ from campaigns.results.scene import Scene
 from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Slotted, System
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.declared.unchanged import Unchanged
 
 FRESH = "a fresh evaluation"
 
@@ -34,6 +35,9 @@ class Simulated(Slotted):
     scene: Scene | None = None
     """What is drawn of a trace, if it declares this."""
 
+    unchanged: Unchanged | None = None
+    """Its files as this run opened it; that of the simulator from which a fresh one was made."""
+
     def __init__(self, entry: SimulatorEntry, opening: Opening) -> None:
         self.entry = entry
         self.opening = opening
@@ -46,6 +50,13 @@ class Simulated(Slotted):
         self.nominal = np.array([p.nominal for p in self.parameters])
         deciding = next(r for r in entry.results if r.name == opening.result)
         self.results = (Result(deciding.name, deciding.title, deciding.quantity, deciding.unit, deciding.worse),)
+
+    def changed(self, now: bool = False, everywhere: bool = False) -> str:
+        """Why nothing more is evaluated: its files are no longer those of its digest; empty if they are.
+
+        now: look at them now, not only now and then; everywhere: also on other machines that evaluate.
+        """
+        return "" if self.unchanged is None else self.unchanged.changed(now)
 
     def _vector(self, values: Mapping[str, float]) -> Floats:
         """The nominal vector with these values by path; raises KeyError."""

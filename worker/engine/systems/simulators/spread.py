@@ -43,6 +43,10 @@ class Spread(Pooled):
     def longest(self) -> float:
         return super().longest + (0.0 if self.evaluator is None else self.evaluator.patience)
 
+    def changed(self, now: bool = False, everywhere: bool = False) -> str:
+        found = super().changed(now)
+        return found or (self._pool.changed() if everywhere and self._pool is not None else "")
+
     def warm(self) -> None:
         """Connect to the evaluator."""
         if self.evaluator is not None:

@@ -34,6 +34,8 @@ DEATHS = 3
 """An evaluation fails after so many nodes died while they evaluated it alone."""
 END = 5.0
 """Time for the nodes to close slots [s]."""
+ANSWER = 60.0
+"""Time for the nodes to look at their files [s]."""
 
 
 @dataclass
@@ -94,6 +96,25 @@ class DaskPool(Slots):
                 self._due = True
                 self._connection.loop.call_soon_threadsafe(self._arrive)
         return future
+
+    def changed(self) -> str:
+        """A sentence on a node whose files are no longer those that it compared; empty if there is none.
+
+        It does not know of nodes that have left. Raises `EvaluatorLost` if the nodes do not answer.
+        """
+        try:
+            found = self._connection.call(asyncio.wait_for(self._asked(), ANSWER))
+        except TimeoutError:
+            raise EvaluatorLost(
+                f"evaluator {self._connection.evaluator.address}: its nodes did not answer within {ANSWER:g} s whether "
+                "their files are as they were; start the run again"
+            ) from None
+        return next(filter(None, found.values()), "")
+
+    async def _asked(self) -> dict[str, str]:
+        client = await self._connection.client()
+        found: dict[str, str] = await client.run(node.changed_now, self._work.key, on_error="ignore")
+        return found
 
     def close(self) -> None:
         with self._lock:

@@ -13,7 +13,9 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from worker.engine.systems.simulators.declared.folder import digest_of, digest_of_place
+from worker.engine.systems.simulators.declared.below import files_below
+from worker.engine.systems.simulators.declared.folder import digest_of, digest_of_place, files_of_place
+from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.program import Program
 
@@ -45,6 +47,10 @@ class Files:
     def found(self) -> str:
         """The digest of these files on this machine; raises OSError."""
         return digest_of_place(self.place) if self.place else digest_of(Path(self.folder))
+
+    def covered(self) -> list[Path]:
+        """The files on this machine that the digest covers; raises OSError."""
+        return files_of_place(self.place) if self.place else files_below(Path(self.folder))
 
 
 @dataclass(frozen=True)
@@ -78,43 +84,58 @@ def code() -> str:
     return digest_of(Path(__file__).parents[1])
 
 
-_checked: set[str] = set()
+_checked: dict[str, Unchanged] = {}
+"""The files of each work as they were when they were compared."""
 
 
 def check(work: Work) -> None:
-    """Compare code and files with those of the process that asks, once; raises `NodeUnusable`."""
+    """Compare code and files with those of the process that asks, once, then see whether the files have changed since;
+    raises `NodeUnusable`."""
     if work.code != code():
         raise NodeUnusable(
             f"{name()} has another version of Clearance in {ROOT}: install the same one on all nodes, and restart "
             "their Dask workers"
         )
-    if work.key not in _checked:
-        different = _differs(work.files)
-        if different:
-            raise NodeUnusable(different)
-        _checked.add(work.key)
+    if work.key in _checked:
+        different = changed(work.key)
+    else:
+        different, files = _differs(work.files)
+        if files is not None:
+            _checked[work.key] = files
+    if different:
+        raise NodeUnusable(different)
+
+
+def changed(key: str, now: bool = False) -> str:
+    """Why this node no longer evaluates work, a sentence; empty if its files are as they were, or it has none of it."""
+    files = _checked.get(key)
+    found = "" if files is None else files.changed(now)
+    return found and f"{name()}: {found}"
 
 
 def forget(key: str) -> None:
     """The work of that key has ended."""
-    _checked.discard(key)
+    _checked.pop(key, None)
 
 
-def _differs(files: Files) -> str:
+def _differs(files: Files) -> tuple[str, Unchanged | None]:
+    """What is different here, or the files, if nothing is."""
     folder, module = Path(files.folder), files.place.get("module")
     if module is None and not folder.is_dir():
-        return f"{name()} has no folder {folder}: put the simulator's folder under the same path on all nodes"
+        return f"{name()} has no folder {folder}: put the simulator's folder under the same path on all nodes", None
     what = f"the package of {module}" if module else f"the simulator's folder {folder}"
     try:
+        here = Unchanged(files.covered())
         digest = files.found()
     except OSError as error:
-        return f"{name()} cannot read {what}: {error.strerror}"
+        return f"{name()} cannot read {what}: {error.strerror}", None
     if digest == files.digest:
-        return ""
+        return "", here
     other = f"(digest {digest[:12]}, expected {files.digest[:12]})"
     if module:
-        return f"{name()} has other files for {module} {other}: install the same version of the package on all nodes"
-    return f"{name()} has other files in {folder} {other}: copy the simulator's folder to all nodes"
+        what = f"{name()} has other files for {module} {other}: install the same version of the package on all nodes"
+        return what, None
+    return f"{name()} has other files in {folder} {other}: copy the simulator's folder to all nodes", None
 
 
 def name() -> str:

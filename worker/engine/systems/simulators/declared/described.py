@@ -12,8 +12,9 @@ from pydantic import Field, field_validator
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import SimulatorEntry
 from campaigns.results.scene import Scene
+from worker.engine.systems.simulators.declared.below import files_below
 from worker.engine.systems.simulators.declared.columns import Column
-from worker.engine.systems.simulators.declared.folder import digest_of, files_of
+from worker.engine.systems.simulators.declared.folder import digest_of
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -85,7 +86,7 @@ class Described(ABC):
     @property
     def covered(self) -> list[Path]:
         """The files that the digest covers."""
-        return files_of(self.folder)
+        return files_below(self.folder)
 
     @property
     def digest(self) -> str:

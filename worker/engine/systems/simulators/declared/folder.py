@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from campaigns.identity.identity import unread
+from worker.engine.systems.simulators.declared.below import files_below
 from worker.engine.systems.simulators.declared.external import READS
 from worker.engine.systems.simulators.declared.reached import Reached, reached
 
@@ -31,17 +32,12 @@ def watched() -> Iterator[Path]:
             for file in sorted(folder.glob("*.py")):
                 yield from files_of_place({"file": str(file)})
             for descriptor in sorted(folder.glob(f"*/{FILE}")):
-                yield from files_of(descriptor.parent)
-
-
-def files_of(folder: Path) -> list[Path]:
-    """The files that the digest of a folder covers."""
-    return sorted(p for p in folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts)
+                yield from files_below(descriptor.parent)
 
 
 def digest_of(folder: Path) -> str:
-    """SHA-256 over all files of a folder, by relative path and content."""
-    return _digest((str(path.relative_to(folder)), path) for path in files_of(folder))
+    """SHA-256 over all files below a folder, by relative path and content."""
+    return _digest((str(path.relative_to(folder)), path) for path in files_below(folder))
 
 
 def _digest(named: Iterable[tuple[str, Path]], begun: str = "") -> str:

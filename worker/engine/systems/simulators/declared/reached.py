@@ -18,6 +18,7 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from pathlib import Path
 
+from worker.engine.systems.simulators.declared.below import files_below
 from worker.engine.systems.simulators.declared.external import Use
 from worker.engine.systems.simulators.declared.outside import Outside
 from worker.engine.systems.simulators.declared.statements import Statements, statements
@@ -138,7 +139,7 @@ def data_files(declared: Iterable[str], folder: Path) -> tuple[dict[str, Path], 
     found: dict[str, Path] = {}
     for text in declared:
         path = folder / text
-        files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+        files = files_below(path) if path.is_dir() else [path]
         if not files or not os.access(files[0], os.R_OK):
             return found, f"the missing data file {text}"
         found |= {os.path.relpath(p, folder): p for p in files}

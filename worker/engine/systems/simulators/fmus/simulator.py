@@ -12,6 +12,7 @@ from worker.engine.systems.simulators.cluster.work import WORK
 from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.fmu import DescribedFmu
 from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.fmus import JOB
 from worker.engine.systems.simulators.fmus.job import Job
 from worker.engine.systems.simulators.slots import files
@@ -52,13 +53,16 @@ class FmuSimulator(CommandSimulator):
 
     described: DescribedFmu
 
-    def __init__(self, described: DescribedFmu, opening: Opening, reuse: Reuse, fresh: bool = False) -> None:
-        super().__init__(described, opening, fresh)
+    def __init__(
+        self, described: DescribedFmu, opening: Opening, reuse: Reuse, fresh: bool = False,
+        unchanged: Unchanged | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(described, opening, fresh, unchanged=unchanged)
         self.reuse = reuse
         self.settings = Settings(step=described.step)
 
     def fresh(self) -> FmuSimulator:
-        return self._made(FmuSimulator(self.described, self.opening, self.reuse, fresh=True))
+        return FmuSimulator(self.described, self.opening, self.reuse, True, self.unchanged)
 
     @property
     def _recycle(self) -> int:
@@ -68,13 +72,15 @@ class FmuSimulator(CommandSimulator):
         return program(self.described, self.opening.result, self.reuse.how, "evaluate", work)
 
 
-def opened(described: DescribedFmu, opening: Opening) -> FmuSimulator:
-    """The simulator of a described FMU, which can be instantiated here; raises FmuUnusable."""
+def opened(described: DescribedFmu, opening: Opening, unchanged: Unchanged | None = None) -> FmuSimulator:
+    """The simulator of a described FMU, which can be instantiated here; raises FmuUnusable.
+
+    unchanged: its files as they were before they were read."""
     nominal = {i.entry.name: opening.nominal[f"simulator.{i.entry.name}"] for i in described.inputs}
     key = (described.digest, opening.result, *nominal.items())
     if key not in _PROBED:
         _PROBED[key] = _probed(described, opening.result, nominal)
-    return FmuSimulator(described, opening, _PROBED[key])
+    return FmuSimulator(described, opening, _PROBED[key], unchanged=unchanged)
 
 
 _PROBED: dict[tuple[object, ...], Reuse] = {}

@@ -69,6 +69,10 @@ class Slots(ABC):
         """Evaluate all, in any order; the outcomes in the order of the requests."""
         return [future.result() for future in [self.submit(request) for request in requests]]
 
+    def changed(self) -> str:
+        """A sentence on files of the simulator that have changed on another machine; empty if there are none."""
+        return ""
+
     @abstractmethod
     def close(self) -> None:
         """End all slots; what waits or runs is answered with "cancelled"."""

@@ -12,12 +12,13 @@ PAUSE = 0.5
 """Time between two looks at the files [s], and at least so many times what a look takes: `LEISURE`."""
 LEISURE = 50.0
 
-Mark = tuple[int, int, int]
-"""What shows without reading a file that it may have changed: time of the change, size, inode."""
+Mark = tuple[int, int, int, int]
+"""What shows without reading a file that it may have changed: times of its content and of its entry, size, inode."""
 
 
 class Unchanged:
-    """These files as they are when this is made; files that appear later are no part of it. Safe for threads."""
+    """These files as they are when this is made, which is before their digest is read: what changes in between is a
+    change, too. Files that appear later are no part of it. Safe for threads."""
 
     def __init__(self, files: Sequence[Path]) -> None:
         self._files = {path: (_mark(path), _content(path)) for path in files}
@@ -25,15 +26,15 @@ class Unchanged:
         self._next = time.monotonic() + PAUSE
         self._changed = ""
 
-    def changed(self) -> str:
+    def changed(self, now: bool = False) -> str:
         """A sentence that names the first file that has changed or is gone; empty if there is none.
 
-        The files are looked at now and then. A file that has changed once stays so.
+        The files are looked at now, or else now and then. A file that has changed once stays so.
         """
-        if time.monotonic() >= self._next:
+        if now or time.monotonic() >= self._next:
             with self._lock:
                 began = time.monotonic()
-                if began >= self._next and not self._changed:
+                if (now or began >= self._next) and not self._changed:
                     self._changed = self._looked()
                     took = time.monotonic() - began
                     self._next = time.monotonic() + max(PAUSE, LEISURE * took)
@@ -56,7 +57,7 @@ def _mark(path: Path) -> Mark | None:
         found = path.stat()
     except OSError:
         return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
+    return found.st_mtime_ns, found.st_ctime_ns, found.st_size, found.st_ino
 
 
 def _content(path: Path) -> str | None:

@@ -1,0 +1,148 @@
+"""Files of a simulator that change while a run uses them: no result of a stage, and no block, is stored of them."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from campaigns import Campaign
+from campaigns.asked.load import load_document
+from campaigns.stored.records import Ahead, Columns
+from worker.engine.problem.problem import Problem
+from worker.engine.systems.base import CampaignUnusable
+from worker.engine.systems.simulators.declared import unchanged as simulated
+from worker.engine.systems.simulators.declared.folder import FOLDERS
+from worker.engine.systems.simulators.simulated import Simulated
+from worker.running.catalogue.installed import forget_simulators
+from worker.running.opening import opened
+from worker.running.runs import unchanged
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
+
+PROGRAM = """
+import json, sys
+for line in sys.stdin:
+    print(json.dumps({"results": {"d": 1.0 + json.loads(line)["parameters"]["x"]}}), flush=True)
+"""
+DESCRIPTOR = """
+name: bowl
+command: ["{python}", "-S", "{folder}/bowl.py"]
+parameters: {x: {nominal: 0.5, low: 0, high: 1}}
+results: {d: {}}
+slots: 1
+"""
+FUNCTION = """
+import clearance
+
+@clearance.simulator(parameters={"x": clearance.Parameter(0, 1)}, results={"d": clearance.Output()}, isolated=ISOLATED)
+def bowl(x):
+    return 1.0 + x
+"""
+KINDS = ("program", "isolated function", "function in this process")
+CHANGED = r"bowl\.py has changed since this run opened it; start the run again"
+
+
+@pytest.fixture(params=KINDS)
+def file(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The file of an installed simulator, which it does not look at itself before hours have passed."""
+    monkeypatch.setattr(simulated, "PAUSE", 1e5)
+    made = tmp_path / "bowl.py"
+    if request.param == "program":
+        made = tmp_path / "bowl" / "bowl.py"
+        made.parent.mkdir()
+        (made.parent / "simulator.yaml").write_text(DESCRIPTOR)
+    function = FUNCTION.replace("ISOLATED", str(request.param == "isolated function"))
+    made.write_text(PROGRAM if request.param == "program" else textwrap.dedent(function))
+    monkeypatch.setenv(FOLDERS, str(tmp_path))
+    forget_simulators()
+    yield made
+    monkeypatch.undo()
+    forget_simulators()
+
+
+def edited(file: Path) -> None:
+    file.write_text(file.read_text() + "# edited\n")
+
+
+def campaign(**simulator: Any) -> Campaign:
+    stages = {"sensitivity": None, "search": [{"method": "direct", "evaluations": 5}], "validate": {"neighbours": 0}}
+    return load_document(
+        {
+            "name": "Bowl",
+            "simulator": {"name": "bowl", **simulator},
+            "uncertain": {"simulator.x": {"low": 0.0, "high": 1.0}},
+            "criterion": {"result": "d", "threshold": 0.5},
+            "stages": stages,
+        }
+    )
+
+
+@dataclass
+class Editing(MemoryStore):
+    """A store at whose first evaluations something is done to a file."""
+
+    done: Callable[[], object] = field(default=lambda: None)
+
+    def append(self, position: int, first: int, columns: Columns, ahead: Ahead | None = None) -> None:
+        if not self.chunks:
+            self.done()
+        super().append(position, first, columns, ahead)
+
+
+@pytest.mark.parametrize("asked", [{}, {"retries": 1}])
+def test_a_stage_whose_files_changed_has_no_result_and_the_run_no_verdict(file: Path, asked: dict[str, Any]) -> None:
+    store = Editing(done=lambda: edited(file))
+    with pytest.raises(CampaignUnusable, match=CHANGED):
+        execute(campaign(**asked), store)
+    assert store.chunks
+    assert store.verdict is None
+    assert not any(stage.result for stage in store.stages)
+
+
+def test_files_that_only_look_changed_do_not_matter(file: Path) -> None:
+    store = Editing(done=lambda: os.utime(file, ns=(1, 1)))
+    execute(campaign(), store)
+    assert store.verdict is not None
+
+
+@pytest.fixture
+def problem(file: Path) -> Iterator[Problem]:
+    found = opened.problem(campaign())
+    yield found
+    found.system.close()
+
+
+def test_a_change_between_the_opening_and_the_first_evaluation_is_one(problem: Problem, file: Path) -> None:
+    """The digest may be of the files before or after it."""
+    edited(file)
+    assert isinstance(problem.system, Simulated)
+    assert problem.system.changed(now=True)
+    fresh = problem.system.fresh()
+    assert isinstance(fresh, Simulated)
+    assert fresh.changed(), "what is made of it has the same files"
+
+
+def test_a_change_of_the_same_size_and_time_is_seen(problem: Problem, file: Path) -> None:
+    known, text = file.stat(), file.read_text()
+    file.write_text(text.replace("1.0", "9.0"))
+    os.utime(file, ns=(known.st_atime_ns, known.st_mtime_ns))
+    with pytest.raises(CampaignUnusable, match=CHANGED):
+        unchanged.check(problem)
+
+
+def test_a_worker_that_assists_stores_no_block_after_a_change(problem: Problem, file: Path) -> None:
+    store = MemoryStore()
+    assisted = unchanged.Assisted(store, problem)
+    assisted.count(0, [])
+    assert store.counted == {0: []}
+    edited(file)
+    with pytest.raises(CampaignUnusable, match=CHANGED):
+        assisted.count(1, [])
+    assert store.counted == {0: []}
+    assert assisted.found() == []

@@ -38,6 +38,7 @@ def read(file: Path, allowed: bool) -> Campaign:
     from campaigns.asked.load import load_document, load_file, read_text
     from campaigns.asked.reading import UnreadableError, parse
     from clearance.cli._campaign import found
+    from worker.engine.systems.simulators.declared.described import with_variables
     from worker.running.catalogue.inline import install, taken_out
 
     path = found(file)
@@ -49,7 +50,8 @@ def read(file: Path, allowed: bool) -> Campaign:
             code = [replace(p, message=p.message + HOW) for p in error.problems if p.field == "simulator.command"]
             raise CampaignError(error.source, code or error.problems) from None
     try:
-        document = parse(read_text(path))
+        text = read_text(path)
+        document = with_variables(parse(text), text, "simulator")
     except UnreadableError as error:
         raise CampaignError(str(path), [error.problem]) from None
     document, program = taken_out(document, path)
@@ -115,6 +117,7 @@ def for_replay(run: str, allowed: bool) -> str:
 def _described(folder: Path) -> InlineProgram:
     """The program that simulator.yaml in a folder of results describes; raises ValueError and OSError."""
     from campaigns.asked.reading import parse
+    from worker.engine.systems.simulators.declared.described import with_variables
     from worker.engine.systems.simulators.declared.folder import FILE
     from worker.running.catalogue.inline import InlineProgram, descriptor_of
 
@@ -124,7 +127,8 @@ def _described(folder: Path) -> InlineProgram:
     if not Path(source[FOLDER]).is_dir():
         raise ValueError(f"the folder of its campaign file, {source[FOLDER]}, no longer exists; run the campaign again")
     try:
-        document = parse(file.read_text(encoding="utf-8"))
+        text = file.read_text(encoding="utf-8")
+        document = with_variables(parse(text), text)
     except (OSError, ValueError) as error:
         raise ValueError(f"{file.name} in it cannot be read: {' '.join(str(error).split())}") from None
     return InlineProgram(Path(source[FOLDER]), descriptor_of(document, str(file)), source["file"])

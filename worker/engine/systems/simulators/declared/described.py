@@ -5,9 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field, field_validator
+import yaml
+from pydantic import Field
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import SimulatorEntry
@@ -41,14 +42,20 @@ class Basics(Strict):
     slots: Annotated[int, Field(ge=0, le=256)] = 0
     environment: dict[str, str] = Field(default_factory=dict)
 
-    @field_validator("environment", mode="before")
-    @classmethod
-    def _texts(cls, variables: object) -> object:
-        """A number is not written back as it was: 010, 1.10."""
-        for name, value in variables.items() if isinstance(variables, dict) else ():
-            if not isinstance(value, str):
-                raise ValueError(f"{name!s:.60}: {value!r:.60} is not text; put what the variable holds in quotes")
-        return variables
+
+def with_variables(document: Any, text: str, within: str = "") -> Any:
+    """What was read from this text, with the variables of its environment as they are written there: 010, 1.10 and no
+    are no numbers to a program. within: the key of the descriptor, if the text has more."""
+    written = yaml.load(text, Loader=yaml.BaseLoader)
+    if within:
+        has = isinstance(document, dict) and isinstance(document.get(within), dict)
+        return document | {within: _written(document[within], written[within])} if has else document
+    return _written(document, written)
+
+
+def _written(document: Any, written: Any) -> Any:
+    has = isinstance(document, dict) and isinstance(document.get("environment"), dict)
+    return document | {"environment": written["environment"]} if has else document
 
 
 @dataclass(frozen=True)

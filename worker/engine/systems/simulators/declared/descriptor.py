@@ -21,7 +21,7 @@ from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.results.scene import Scene
 from worker.engine.systems.simulators.declared import fmu
 from worker.engine.systems.simulators.declared.columns import Column
-from worker.engine.systems.simulators.declared.described import BadDescriptor, Basics, Described, Finite
+from worker.engine.systems.simulators.declared.described import BadDescriptor, Basics, Described, Finite, with_variables
 from worker.engine.systems.simulators.declared.fmu_descriptor import FmuDescriptor
 from worker.engine.systems.simulators.declared.fmu_model import Unusable
 from worker.engine.systems.simulators.declared.folder import FILE, FOLDERS, folders
@@ -200,7 +200,8 @@ def read(folder: Path) -> Described:
     try:
         if file.stat().st_size > LARGEST:
             raise BadDescriptor(f"{file}: a descriptor has at most {LARGEST:,} bytes")
-        document = parse(file.read_text(encoding="utf-8"))
+        text = file.read_text(encoding="utf-8")
+        document = with_variables(parse(text), text)
         if isinstance(document, dict) and "fmu" in document:
             return fmu.read(folder.resolve(), document)
         return DescribedProgram(folder.resolve(), Descriptor.model_validate(document))

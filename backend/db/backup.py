@@ -6,6 +6,7 @@ and so may never end). PostgreSQL: pg_dump and pg_restore of its own packages.
 
 from __future__ import annotations
 
+import itertools
 import os
 import secrets
 import shutil
@@ -19,10 +20,13 @@ from typing import NamedTuple
 
 import sqlalchemy as sa
 
-from backend.db import revision, workers
+from backend.db import beside, revision, workers
 from backend.db.damage import damage
 from backend.db.engine import connect, file_uri, now, read
 from backend.db.private import create_private
+
+_ENDINGS = ("", *beside.ENDINGS, "-journal")
+"""Of the files that SQLite takes for one database; the last is left by a crash while it is not in WAL mode."""
 
 
 class BackupError(ValueError):
@@ -56,7 +60,7 @@ def backup(url: str, file: Path) -> int:
 
 class Restored(NamedTuple):
     """Who may use the service as of the backup, the names of valid tokens and of users who are not disabled; and where
-    the former SQLite file is now, if there was one."""
+    the former SQLite file, or what was left of it, is now, if there was any."""
 
     tokens: list[str]
     users: list[str]
@@ -80,12 +84,14 @@ def restore(url: str, file: Path) -> Restored:
         return _prepared(connect(url))
     _refuse_unusable(file)
     target = _file_of(url)
+    if target.exists() and file.samefile(target):
+        raise BackupError(f"{file} is the database itself; give a file of `clearance backup`")
     fresh = target.with_name(f".{target.name}.restored")
     try:
         with _unused(target):
             fresh.unlink(missing_ok=True)
             create_private(fresh)
-            shutil.copyfile(file, fresh)
+            _copy_sqlite(file, fresh)  # with what its own -wal has, if it is no backup but a former database
             found = _prepared(sa.create_engine(f"sqlite:///{fresh}"))
             _on_disk(fresh)
             _give_to_owner(fresh, target)
@@ -191,18 +197,16 @@ def _refuse_used(url: str) -> None:
 
 
 def _set_aside(target: Path) -> Path | None:
-    if not target.exists():
-        return None
-    if target.stat().st_size == 0:
+    """Give the file another name, and all that SQLite would play back into the one that takes its place: such files
+    are there without it after a crash, when somebody moved or deleted the file alone."""
+    if target.exists() and target.stat().st_size == 0:
         target.unlink()
-        return None
-    former = target.with_name(f"{target.name}.{time.strftime('%Y%m%d-%H%M%S')}")
-    target.rename(former)
-    for ending in ("-wal", "-shm"):
-        left = target.with_name(target.name + ending)
-        if left.exists():
-            left.rename(former.with_name(former.name + ending))
-    return former
+    at = f"{target.name}.{time.strftime('%Y%m%d-%H%M%S')}"
+    names = (at if number == 1 else f"{at}.{number}" for number in itertools.count(1))
+    free = next(name for name in names if not any(target.with_name(name + ending).exists() for ending in _ENDINGS))
+    moves = {target.with_name(target.name + ending): target.with_name(free + ending) for ending in _ENDINGS}
+    moved = [file.rename(former) for file, former in moves.items() if file.exists()]
+    return moved[0] if moved else None
 
 
 def _give_to_owner(fresh: Path, target: Path) -> None:

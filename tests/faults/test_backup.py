@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable
+import sqlite3
+from collections.abc import Callable, Generator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -136,6 +138,94 @@ def test_a_damaged_database_is_replaced(stored: str, tmp_path: Path) -> None:
     overwritten(database)
     assert restore(stored, file).former is not None
     assert runs(stored) == 1
+
+
+def renamed(file: Path, *pragmas: str) -> Generator[None]:
+    """Writes another name of the run, and stops as a killed process does: what it left is of the moment."""
+    with closing(sqlite3.connect(file, isolation_level=None)) as connection:
+        for pragma in pragmas:
+            connection.execute(f"pragma {pragma}").fetchall()
+        connection.execute("begin immediate")
+        connection.execute("update runs set name = 'later'")
+        yield
+        connection.execute("commit")
+        yield
+
+
+def left_behind(file: Path, ending: str) -> bytes:
+    """What a killed process leaves next to a database: a log of what it wrote, or a journal of what was before."""
+    if ending == "-journal":
+        steps = renamed(file, "journal_mode=delete", "synchronous=off")
+    else:
+        steps = renamed(file, "journal_mode=wal", "wal_autocheckpoint=0")
+        next(steps)
+    next(steps)
+    left = file.with_name(file.name + ending).read_bytes()
+    for _ in steps:
+        pass
+    assert left
+    return left
+
+
+def names(file: Path) -> list[str]:
+    with closing(sqlite3.connect(file)) as connection:
+        return [name for (name,) in connection.execute("select name from runs")]
+
+
+@pytest.mark.parametrize("there", ["nothing", "empty", "damaged", "whole"])
+@pytest.mark.parametrize("ending", ["-wal", "-shm", "-journal"])
+def test_a_restored_database_is_the_backup_whatever_is_left_of_the_former_one(
+    stored: str, tmp_path: Path, ending: str, there: str
+) -> None:
+    database = tmp_path / "data" / "clearance.sqlite3"
+    with closing(sqlite3.connect(database)) as connection:
+        connection.execute("pragma wal_checkpoint(truncate)")
+        connection.execute("vacuum")  # so that page numbers are those of the backup, and what is played back fits it
+    left = left_behind(database, ending)
+    with closing(sqlite3.connect(database)) as connection:
+        connection.execute("update runs set name = 'of the backup'")
+        connection.commit()
+    backup(stored, tmp_path / "backup")
+    if there == "nothing":
+        database.unlink()
+    elif there == "empty":
+        database.write_bytes(b"")
+    elif there == "damaged":
+        overwritten(database)
+    database.with_name(database.name + ending).write_bytes(left)
+    former = restore(stored, tmp_path / "backup").former
+    assert names(database) == ["of the backup"]
+    assert damage(database) == ""
+    assert not database.with_name(database.name + ending).exists()
+    assert former is not None
+    assert former.exists()
+
+
+def test_restores_within_one_second_keep_every_former_database(
+    stored: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    backup(stored, tmp_path / "backup")
+    monkeypatch.setattr("time.strftime", lambda _: "20260101-000000")
+    former = {restore(stored, tmp_path / "backup").former for _ in range(3)}
+    assert len(former) == 3
+    assert all(file is not None and names(file) == ["long"] for file in former)
+
+
+def test_a_former_database_is_restored_with_what_its_log_has(stored: str, tmp_path: Path) -> None:
+    database, copy = tmp_path / "data" / "clearance.sqlite3", tmp_path / "copy"
+    steps = renamed(database, "journal_mode=wal", "wal_autocheckpoint=0")
+    next(steps)
+    next(steps)
+    for ending in ("", "-wal"):
+        shutil.copyfile(f"{database}{ending}", f"{copy}{ending}")
+    steps.close()
+    restore(stored, copy)
+    assert names(database) == ["later"]
+
+
+def test_the_database_is_not_restored_from_itself(stored: str, tmp_path: Path) -> None:
+    with pytest.raises(BackupError, match=r"the database itself"):
+        restore(stored, tmp_path / "data" / "clearance.sqlite3")
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="needs root")

@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import sqlalchemy as sa
+from pydantic import BaseModel
 
 from backend.db import snapshots
+from backend.db.rows import as_result
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
+from campaigns.results import Verdict
 
 _RUN = ("state", "verdict", "reason", "error", "summary", "nominal_cost", "worst_cost")
 _STAGE = ("position", "kind", "method", "state", "evaluations", "failed", "excluded", "best", "best_index", "result")
@@ -23,8 +27,11 @@ _FINDING = (
 )  # fmt: skip
 _TRACE = ("name", "columns", "rows", "meta")
 _BITS = ("points", "costs", "status")
-_NOT_REPEATED = {"result": "seconds", "summary": "provenance"}
-"""The key of a column that is left out: working time, and the machine. Below it a simulator may give such names."""
+NOT_REPEATED = {"seconds", "call_seconds", "start_seconds", "slots", "provenance"}
+"""The fields of results, at any depth, that are left out: working times, and the machine. A parameter or a result of a
+simulator with such a name is a key of a mapping, not a field, and is compared."""
+_TYPES: dict[str, Callable[[Any], Any]] = {"result": as_result, "summary": Verdict.model_validate}
+"""The columns that have such fields."""
 
 
 def repeat_digest(reader: sa.Connection, run_id: int) -> str:
@@ -72,8 +79,18 @@ def _columns(table: Any, names: tuple[str, ...]) -> list[Any]:
 
 def _repeated(row: Any) -> list[Any]:
     return [
-        {key: one for key, one in value.items() if key != _NOT_REPEATED[name]}
-        if name in _NOT_REPEATED and isinstance(value, dict)
-        else value
+        _without(value, _TYPES[name](value)) if name in _TYPES and value else value
         for name, value in row._mapping.items()
     ]
+
+
+def _without(stored: Any, typed: Any) -> Any:
+    """A stored value without the fields that are not repeated; typed: the same value as its type, which has them."""
+    if isinstance(typed, BaseModel):
+        left_out = NOT_REPEATED & type(typed).model_fields.keys()
+        return {key: _without(one, getattr(typed, key, None)) for key, one in stored.items() if key not in left_out}
+    if isinstance(typed, Mapping):
+        return {key: _without(one, typed.get(key)) for key, one in stored.items()}
+    if isinstance(typed, list):
+        return [_without(*pair) for pair in zip(stored, typed, strict=True)]
+    return stored

@@ -32,20 +32,19 @@ class Texts:
     def changes(
         self, run_id: int, key: str, signed: Mapping[str, str] | None = None, at: float | None = None
     ) -> Iterator[str]:
-        """What a run is evidence for is the text in its campaign; without one, the text when it was signed off.
+        """What a run is evidence for is the text in its campaign, and what was signed is the text when it was signed off.
 
         signed: the texts that were stored then, if they were; at: the time of the sign-off.
         """
         stated, now = self.stated.get(run_id, {}).get(key), self.now.get(key, "")
         if stated is None:
             return  # such a sign-off is of the run's results, and of no text
-        if stated:
-            if _plain(stated) != _plain(now):
-                yield OTHER_TEXT
-        elif signed is not None and key in signed:
+        if stated and _plain(stated) != _plain(now):
+            yield OTHER_TEXT
+        if signed is not None and key in signed:
             if _plain(signed[key]) != _plain(now):
                 yield CHANGED_TEXT
-        elif at is not None and self.changed.get(key, -1.0) >= at:
+        elif not stated and at is not None and self.changed.get(key, -1.0) >= at:
             yield LATER_TEXT
 
 

@@ -186,6 +186,20 @@ def test_a_text_that_is_changed_back_is_the_signed_one(service: Service, client:
     assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "suspect"
 
 
+def test_a_text_that_was_not_signed_is_suspect_though_the_campaign_states_it(
+    service: Service, client: httpx.Client
+) -> None:
+    """The registered text was another one when it was signed, and is that of the campaign since."""
+    word(client, "Keep 5 m.")
+    run = submit(client, criterion={"threshold": 0.5, "requirements": [{"id": REQUIREMENT, "text": "Keep 0.5 m."}]})
+    finish_fully(service)
+    sign(client, run)
+    assert f"{REQUIREMENT}: {OTHER_TEXT}" in _on_the_run(client, run)
+    word(client, "Keep 0.5 m.")
+    assert f"{REQUIREMENT}: {CHANGED_TEXT}" in _on_the_run(client, run)
+    assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "suspect"
+
+
 def test_a_sign_off_without_stored_texts_is_judged_by_its_time(
     service: Service, client: httpx.Client, signed: str
 ) -> None:

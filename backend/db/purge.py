@@ -209,15 +209,22 @@ def _kept() -> sa.ColumnElement[bool]:
 
 
 def _against() -> sa.ColumnElement[bool]:
-    """It found a violation, and a run asks the same question for a requirement."""
+    """It found a value that violates, and a run asks the same question for a requirement."""
     of = sa.select(RunRequirement.run_id).join(Campaign, Campaign.question == RunRequirement.question)
     return sa.and_(violates(), of.where(Campaign.digest == Run.campaign_digest).exists())
 
 
 def violates() -> sa.ColumnElement[bool]:
-    """Whether a run found a value at or below its threshold, whether it came to a verdict or not."""
-    best = sa.select(Stage.best).where(Stage.run_id == Run.id, own_question(), Stage.best <= Run.threshold).exists()
-    return sa.or_(Run.verdict == VerdictWord.VIOLATED, Run.worst_cost <= Run.threshold, best)
+    """Whether a run found a value at or below its threshold, or that of a listed run that asks the same for a
+    requirement, whether it came to a verdict or not: what it cleared may violate where the threshold was raised."""
+    other, asked = orm.aliased(Run), orm.aliased(Campaign)
+    of = sa.select(sa.func.max(other.threshold)).join(RunRequirement, RunRequirement.run_id == other.id)
+    of = of.join(asked, asked.question == RunRequirement.question)
+    of = of.where(asked.digest == Run.campaign_digest, other.removed.is_(None))
+    limits = (Run.threshold, of.correlate(Run).scalar_subquery())
+    stages = sa.select(Stage.best).where(Stage.run_id == Run.id, own_question())
+    best = (stages.where(Stage.best <= limit).exists() for limit in limits)
+    return sa.or_(Run.verdict == VerdictWord.VIOLATED, *(Run.worst_cost <= limit for limit in limits), *best)
 
 
 def own_question() -> sa.ColumnElement[bool]:

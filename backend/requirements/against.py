@@ -91,7 +91,7 @@ class Ignored:
     violated: tuple[int, ...] = ()
     """The removed ones that violated it, also those that asked the same without stating it."""
     found: tuple[int, ...] = ()
-    """Those that found a value at or below their threshold, without a verdict that confirms it."""
+    """Those that found a value at or below a threshold of that question, without a verdict that confirms it."""
 
 
 def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
@@ -137,7 +137,7 @@ def _named(runs: Sequence[int]) -> str:
 
 def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
     """Further notes for a reader of the status: exports have them as well."""
-    spoke = {"violated it": ignored.violated, "found a value at or below their threshold": ignored.found}
+    spoke = {"violated it": ignored.violated, "found a value at or below a threshold of that question": ignored.found}
     if clauses := [f"{_named(runs)} {what}" for what, runs in spoke.items() if runs]:
         yield f"Removed runs do not count; of those that asked the same, {', and '.join(clauses)}."
     if similar:

@@ -392,22 +392,25 @@ def test_a_run_that_was_purged_carries_nothing_and_the_one_before_does(
     assert (refused.status_code, "Grace Hopper" in refused.text) == (409, True)
 
 
-@pytest.mark.parametrize("found", ["verdict", "cancelled"])
+@pytest.mark.parametrize("found", ["verdict", "cancelled", "cleared at a lower threshold", "a stage"])
 def test_what_a_run_against_it_found_is_not_lost_with_the_run(
     service: Service, client: httpx.Client, found: str
 ) -> None:
     """It asks the same and states no requirement: nobody takes it by size, and once removed it is named."""
     word(client, "Keep 0.5 m.")
-    against = submit(client)
+    against = submit(client, criterion={"threshold": 0.5 if found in ("verdict", "cancelled") else 0.1})
     finish_fully(service)
     signed = ran(service, client)
     sign(client, signed)
     assert [one.id for one in purge.beyond(service.engine, 0).runs] == [1]
-    values: dict[str, object] = {"worst_cost": 0.3, "verdict": "violated"}
-    if found != "verdict":
-        values = {"worst_cost": 0.3, "verdict": None, "state": "cancelled"}
+    values: dict[str, object] = {"worst_cost": 0.3, "verdict": "violated" if found == "verdict" else "cleared"}
+    if found == "cancelled":
+        values |= {"verdict": None, "state": "cancelled"}
+    of = sa.update(Run).where(Run.id == 1).values(**values)
+    if found == "a stage":
+        of = sa.update(Stage).where(Stage.run_id == 1, Stage.kind == "search").values(best=0.3)
     with service.engine.begin() as writer:
-        writer.execute(sa.update(Run).where(Run.id == 1).values(**values))
+        writer.execute(of)
     (row,) = client.get(f"{API}/requirements").json()["items"]
     assert row["status"] == ("violated" if found == "verdict" else "inconclusive")
     assert purge.beyond(service.engine, 0).runs == []

@@ -13,7 +13,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db import snapshots
+from backend.db import revision, snapshots
 from backend.db.tables import Campaign, EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.documents import digest_of
 from campaigns.stored.digest import Rows, evidence_digest
@@ -22,6 +22,8 @@ EVIDENCE = "evidence"
 """Where the provenance of a verdict has it; runs of earlier versions have none, and a digest without evaluations."""
 _RUN = ("campaign_digest", "state", "verdict", "reason", "error", "summary", "nominal_cost", "worst_cost")
 _STAGE = ("position", "kind", "method", "state", "planned", "evaluations", "failed", "excluded", "best", "best_index")
+_COUNTED = "0031"
+"""The revision since which a stage has evaluations that are only counted."""
 _EVIDENCE = ("label", "slices", "boundary", "closest")
 _FINDING = ("label", "cost", "margin", "parameters", "point", "methods", "found", "at_bounds", "validation")
 
@@ -53,6 +55,8 @@ def _parts(reader: sa.Connection, run_id: int, evidence: bool = True) -> dict[st
         "findings": _rows(reader, Finding, _FINDING, Finding.run_id == run_id, Finding.label),
         "traces": _traces(reader, run_id),
     }
+    if apart := _apart(reader, run_id):
+        parts["counted"] = apart
     if evidence:
         shown = _rows(reader, Finding, _EVIDENCE, Finding.run_id == run_id, Finding.label)
         if any(value is not None for _, *values in shown for value in values):
@@ -61,6 +65,21 @@ def _parts(reader: sa.Connection, run_id: int, evidence: bool = True) -> dict[st
     if components is not None:  # runs without a snapshot keep the digest under which they were signed
         parts["components"] = [[components]]
     return parts
+
+
+def _apart(reader: sa.Connection, run_id: int) -> list[list[int]]:
+    """Position, counted and violations of the stages whose blocks do not give these numbers: a changed number changes
+    the digest, and whoever signed before it covered them signed the same digest."""
+    if (revision.stored(reader) or _COUNTED) < _COUNTED:
+        return []
+    columns = (Stage.position, Stage.evaluations, Stage.counted, Stage.violations, Stage.result["blocks"])
+    found = []
+    of = sa.select(*columns).where(Stage.run_id == run_id).order_by(Stage.position)
+    for position, evaluations, counted, violations, blocks in reader.execute(of):
+        follows = (sum(blocks["draws"]) - evaluations, sum(blocks["violations"])) if blocks else (0, 0)
+        if (counted, violations) != follows:
+            found.append([position, counted, violations])
+    return found
 
 
 def _evaluations(reader: sa.Connection, run_id: int) -> Iterator[Rows]:

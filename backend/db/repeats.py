@@ -20,7 +20,10 @@ from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.results import Verdict
 
 _RUN = ("state", "verdict", "reason", "error", "summary", "nominal_cost", "worst_cost")
-_STAGE = ("position", "kind", "method", "state", "evaluations", "failed", "excluded", "best", "best_index", "result")
+_STAGE = (
+    "position", "kind", "method", "state", "evaluations", "counted", "violations", "failed", "excluded", "best",
+    "best_index", "result",
+)  # fmt: skip
 _FINDING = (
     "label", "cost", "margin", "parameters", "point", "methods", "found", "at_bounds", "validation", "slices",
     "boundary", "closest",

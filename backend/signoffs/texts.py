@@ -32,7 +32,7 @@ class Texts:
     def changes(
         self, run_id: int, key: str, signed: Mapping[str, str] | None = None, at: float | None = None
     ) -> Iterator[str]:
-        """What a run is evidence for is the text in its campaign, and what was signed is the text when it was signed off.
+        """A run is evidence for the text in its campaign, and a sign-off is of the text when it was given.
 
         signed: the texts that were stored then, if they were; at: the time of the sign-off.
         """

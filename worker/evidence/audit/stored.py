@@ -44,10 +44,13 @@ def of_evaluations(run: Run) -> Tree:
     if "run" in run.claims:  # the columns of the database's table of runs
         expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.stated}
         expected["run"] |= {"evaluations": run.made["evaluations"], "failed_evaluations": run.made["failed"]}
-        for k, blocks in run.counted.items():  # of these a row has the stored ones, and how many there are beside them
-            stored = int((run.stage == k).sum())
-            expected["stages"][k] |= {"evaluations": stored, "counted": run.ended[k]["evaluations"] - stored}
-            expected["stages"][k] |= {"violations": sum(blocks["violations"])}
+        for k, stage in enumerate(run.claims["stages"]):
+            if blocks := run.counted.get(k):  # a row has the stored ones, and how many there are beside them
+                stored = int((run.stage == k).sum())
+                expected["stages"][k] |= {"evaluations": stored, "counted": run.ended[k]["evaluations"] - stored}
+                expected["stages"][k] |= {"violations": sum(blocks["violations"])}
+            elif "counted" in stage:  # tables of earlier versions have no such columns
+                expected["stages"][k] |= {"counted": 0, "violations": 0}
         expected["run"] |= {"worst_method": method, "upper_bound": run.bound}
         if run.sealed:
             expected["run"] |= {"planned": most(run.campaign), "state": "done", "error": None}

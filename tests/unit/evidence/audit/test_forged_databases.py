@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
-from backend.db.digest import EVIDENCE, current_digest
+from backend.db.digest import EVIDENCE, _parts, current_digest
 from backend.db.engine import connect, default_url
+from backend.db.repeats import repeat_digest
 from backend.db.tables import Campaign, EvaluationChunk, Finding, Run, Stage
 from campaigns import CampaignError
 from tests.audited import recorded
@@ -165,6 +166,41 @@ FORGERIES: dict[str, Forgery] = {
     "a value of an unknown name": Forgery(summary(lambda s: s.update(proved=True)), "unknown name"),
     "another question": Forgery(lambda writer: writer.execute(sa.update(Campaign).values(question="0" * 64))),
 }
+
+
+UNCOVERED = {"run_id", "position", "seconds", "started", "finished"}
+"""Which stage a row is, and times."""
+NUMBERS = [c.name for c in Stage.__table__.c if c.type.python_type in (int, float) and c.name not in UNCOVERED]
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_no_number_of_a_stage_is_free(name: str, database: sa.Engine) -> None:
+    """A change of it changes the digests, and is rejected by the audit though they were computed again."""
+
+    def digests() -> set[str]:
+        return {current_digest(writer, 1), repeat_digest(writer, 1)}
+
+    with database.begin() as writer:
+        before = digests()
+        of_stage(**{name: getattr(Stage, name) + 3})(writer)
+        assert len(before | digests()) == 4 - (name == "planned"), "a plan is none of the results"
+        seal(writer)
+    assert not accepted(database)
+
+
+def test_the_digest_of_a_counted_sample_covers_its_counts_and_is_as_before(database: sa.Engine) -> None:
+    of = sa.update(Stage).where(Stage.position == CERTIFY)
+    with database.begin() as writer:
+        stage = writer.execute(sa.select(Stage.evaluations, Stage.result).where(Stage.position == CERTIFY)).one()
+        blocks = {"draws": [stage.evaluations, 5], "violations": [0, 2]}
+        writer.execute(of.values(result={**(stage.result or {}), "blocks": blocks}, counted=5, violations=2))
+        assert "counted" not in _parts(writer, 1)
+        before = current_digest(writer, 1)
+        for name in ("counted", "violations"):
+            writer.execute(of.values({name: getattr(Stage, name) + 1}))
+            assert current_digest(writer, 1) != before
+            writer.execute(of.values({name: getattr(Stage, name) - 1}))
+        assert current_digest(writer, 1) == before
 
 
 def seal(writer: sa.Connection) -> None:

@@ -41,7 +41,7 @@ class Texts:
             return  # such a sign-off is of the run's results, and of no text
         if stated and _plain(stated) != _plain(now):
             yield OTHER_TEXT
-        if signed is not None and key in signed:
+        elif signed is not None and key in signed:
             if _plain(signed[key]) != _plain(now):
                 yield CHANGED_TEXT
         elif not stated and at is not None and self.changed.get(key, -1.0) >= at:

@@ -14,10 +14,12 @@ from backend.db.engine import read
 from backend.db.queue import Queue
 from backend.db.queue import submit as put
 from backend.db.store import RunStore
+from backend.db.sweeps import in_sweep
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun
 from backend.db.waiting import CONTINUED
 from backend.runs.quota import Quota
 from backend.runs.waiting import SOON
+from backend.signoffs.present import present
 from campaigns.runs import run_name
 from tests.given.code_versions import CODE, VERSIONS, edited
 from tests.given.service import Service
@@ -106,8 +108,23 @@ def test_what_is_continued_keeps_its_text_its_group_and_its_place_in_a_sweep(
     assert one(client, made)["group"] == "main"
     assert client.get(f"/api/v1/runs/{made}/campaign.yaml").text.partition("\n")[2].startswith("# kept\n")
     assert [member["run"] for member in client.get("/api/v1/sweeps/S-0001").json()["points"]] == [made]
+    with read(service.engine) as reader:
+        assert present(reader, [campaign()["name"]]).newest == {}, "neither is a run of the campaign itself"
     newer = client.post("/api/v1/runs", params={"group": "main"}, json={"campaign": campaign()}).json()
     assert newer["superseded"] == [made]
+
+
+@pytest.mark.parametrize("swept", [1, 2, 3, 4])
+def test_every_run_of_a_chain_is_a_variant_if_one_is(service: Service, client: httpx.Client, swept: int) -> None:
+    """Runs that gave their place in a sweep to the one that continues them, and those that extend a variant."""
+    ids = [int(submit(client)[2:]) for _ in range(5)]
+    with service.engine.begin() as writer:
+        for run_id in ids[1:4]:
+            writer.execute(sa.update(Run).where(Run.id == run_id).values(continues=run_id - 1))
+        named = dict.fromkeys(("name", "campaign_name", "path", "title", "unit", "owner"), "")
+        writer.execute(sa.insert(Sweep).values(id=1, created=0.0, **named))
+        writer.execute(sa.insert(SweepRun).values(sweep_id=1, position=0, value=1.0, run_id=swept))
+        assert set(writer.scalars(sa.select(Run.id).where(in_sweep()))) == {1, 2, 3, 4}
 
 
 @pytest.mark.parametrize("way", ["retry", "restart", "continuation"])

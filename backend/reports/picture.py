@@ -63,5 +63,5 @@ def _title(record: Record) -> str:
     worst = record.worst
     if worst is None:
         return f"{record.run.id}: {word}"
-    margin = f"{signed(worst.margin + (worst.granted - worst.cost))} {record.of.unit}".rstrip()
+    margin = f"{signed(worst.margin)} {record.of.unit}".rstrip()
     return f"{record.run.id}: {word}, worst case {worst.label} with a margin of {margin}"

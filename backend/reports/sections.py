@@ -203,7 +203,7 @@ def findings(record: Record) -> list[Row]:
             "label": f.label,
             "cost": numbers.fixed(f.granted, decimals),
             "evaluated": "" if f.granted == f.cost else numbers.fixed(f.cost, decimals),
-            "margin": numbers.margin(f.margin + (f.granted - f.cost), decimals),
+            "margin": numbers.margin(f.margin, decimals),
             "violates": f.margin <= 0,
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or unsearched(f.validation),
             "bounds": [(record.symbol_html(path), side) for path, side in f.at_bounds.items()],

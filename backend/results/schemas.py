@@ -76,6 +76,7 @@ class FindingDetail(Schema):
     label: str
     cost: float
     margin: float
+    """Of `granted`, the value to state for it."""
     parameters: dict[str, float]
     nominal: dict[str, float]
     low: dict[str, float]

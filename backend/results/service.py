@@ -8,7 +8,7 @@ import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
-from backend.db.tables import Finding, Trace
+from backend.db.tables import Finding, Run, Trace
 from backend.http.errors import not_found
 from backend.http.written import finite_all
 from backend.results import likely
@@ -34,7 +34,16 @@ def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
     traced = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}
     with readable(f"a finding of {run_name(run_id)}"):
         terms = terms_of(reader, run_id)
-        return [_finding(row, limits, of, traced.get(row.label), terms) for row in ordered]
+        found = [_finding(row, limits, of, traced.get(row.label), terms) for row in ordered]
+    threshold = reader.scalar(sa.select(Run.threshold).where(Run.id == run_id))
+    return [_stated(one, threshold) for one in found]
+
+
+def _stated(finding: FindingDetail, threshold: float | None) -> FindingDetail:
+    """With the margin of the value to state for it, as the list of runs has it of the worst case."""
+    if finding.granted == finding.cost or threshold is None:
+        return finding
+    return finding.model_copy(update={"margin": finding.granted - threshold})
 
 
 def _finding(row: Any, limits: Limits, of: Joint | None, head: TraceHead | None, terms: Terms) -> FindingDetail:

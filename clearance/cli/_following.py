@@ -155,8 +155,8 @@ def case(found: Finding) -> Case:
     stated = found.cost if found.granted is None else found.granted
     likely = "" if found.likelihood is None or found.likelihood.density is None else found.likelihood.text
     drawn = None if found.validation is None else found.validation.realisation
-    margin, confirmed = found.margin + (stated - found.cost), found.violates is not False
-    return Case(found.label, stated, margin, found.parameters, found.cost, likely, drawn, confirmed)
+    confirmed = found.violates is not False
+    return Case(found.label, stated, found.margin, found.parameters, found.cost, likely, drawn, confirmed)
 
 
 def _complete(service: Client, ended: EndedRun, launch: Launch, out: Path | None, source: Source | None) -> EndedRun:

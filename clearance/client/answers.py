@@ -341,6 +341,7 @@ class Finding(Answer):
     label: str
     cost: float
     margin: float
+    """Of `granted`, the value to state for it."""
     parameters: dict[str, float]
     nominal: dict[str, float]
     low: dict[str, float]

@@ -156,7 +156,7 @@ class Findings(list[answers.Finding]):
         paths = dict.fromkeys(path for finding in self for path in finding.parameters)
         stated = [f.cost if f.granted is None else f.granted for f in self]
         columns: dict[str, Any] = {"label": [f.label for f in self], "cost": stated}
-        columns["margin"] = [f.margin + (cost - f.cost) for f, cost in zip(self, stated, strict=True)]
+        columns["margin"] = [f.margin for f in self]
         columns["evaluated"] = [f.cost for f in self]
         columns["methods"] = [" ".join(f.methods) for f in self]
         for name in ("distance", "density", "tail"):

@@ -60,6 +60,7 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
         if finding and finding.granted != finding.cost:
             criterion_values[0] = finding.granted
         margin = None if criterion_values[0] is None or run.threshold is None else criterion_values[0] - run.threshold
+        margin = finding.margin if finding else margin
         by = (" ".join(finding.methods) or unsearched(finding.validation)) if finding else ""
         drawn = finding.validation.realisation if finding and finding.validation else None
         ok = finding.validation.ok if finding and finding.validation else None

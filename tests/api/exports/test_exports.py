@@ -23,12 +23,15 @@ from backend.http.naming import disposition, named
 from backend.http.written import lines
 from backend.runs.service import campaign
 from backend.scenes.recordings import recording
+from campaigns.results.finding import ReferenceCost
 from campaigns.stored.records import Columns, StagePlan, Trace
+from clearance.client import Client
 from tests import results
 from tests.api.conftest import running
 from tests.given.databases import AT_NIGHT, KINDS, Fresh
 from tests.given.finished_runs import Work, finish, flight, search
 from tests.given.problem_documents import problem
+from tests.given.reported_runs import finding, finish_fully
 from tests.given.service import Service
 from tests.given.submissions import submit
 
@@ -47,6 +50,26 @@ def table(answer: httpx.Response) -> list[list[str]]:
     assert answer.status_code == 200
     assert answer.headers["content-type"] == "text/csv; charset=utf-8"
     return list(csv.reader(io.StringIO(answer.text, newline="")))
+
+
+def test_a_finding_has_one_margin_wherever_it_is_stated(service: Service, client: httpx.Client) -> None:
+    """Of a violation whose values differ, that of the mildest."""
+    run = submit(client)
+    case = results.validation("F1", 0.2, violates=True, agrees=False)
+    case = case.model_copy(update={"integrator": ReferenceCost(name="DOP853", cost=0.3, difference=0.1)})
+    one = finding().model_copy(update={"cost": 0.2, "margin": 0.2 - 0.5, "validation": case})
+    finish_fully(service, "violated", found=[one])
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).values(worst_cost=one.granted))
+    (listed,) = client.get("/api/v1/runs").json()["items"]
+    (shown,) = client.get(f"/api/v1/runs/{run}/findings").json()
+    rows = client.get(f"/api/v1/runs/{run}/exports/findings.csv").text.splitlines()
+    table = {row["flight"]: row for row in csv.DictReader(rows)}
+    with Client(service.url, service.token("reader")) as reading:
+        known = reading.findings(run)
+    assert one.granted == 0.3
+    assert {listed["margin"], shown["margin"], float(table["F1"]["margin"]), known[0].margin} == {0.3 - 0.5}
+    assert known.to_dataframe()["margin"].tolist() == [0.3 - 0.5]
 
 
 def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch) -> None:

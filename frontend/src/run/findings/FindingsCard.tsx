@@ -104,8 +104,7 @@ interface RowProps {
 
 function Row({ data, decimals, choose, on, finding }: RowProps & { finding: FindingDetail }) {
   const { parameters } = data
-  const { label, cost, granted } = finding
-  const margin = finding.margin + (granted - cost)
+  const { label, cost, granted, margin } = finding
   return (
     <tr {...picking(label, on, choose)} data-finding={label}>
       <Name name={label} on={on} choose={choose} />

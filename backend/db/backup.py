@@ -1,7 +1,7 @@
 """Copies a database into one file while runs write to it, and puts such a file in its place again.
 
 SQLite: VACUUM INTO, which reads one snapshot and blocks no writer (its backup interface begins again with every write,
-and so may never end). PostgreSQL: pg_dump and pg_restore of its own packages.
+and so may never end). PostgreSQL: pg_dump, pg_restore and psql of its own packages.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ import secrets
 import shutil
 import sqlite3
 import subprocess
+import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,6 +28,19 @@ from backend.db.private import create_private
 
 _ENDINGS = ("", *beside.ENDINGS, "-journal")
 """Of the files that SQLite takes for one database; the last is left by a crash while it is not in WAL mode."""
+
+
+_EMPTY = b"""begin;
+do $$ declare one record; begin
+  for one in select format('%I.%I', schemaname, tablename) as name from pg_tables
+    where schemaname = current_schema() and tableowner = current_user
+  loop execute 'drop table if exists ' || one.name || ' cascade'; end loop;
+  for one in select p.oid::regprocedure as name from pg_proc p join pg_namespace n on n.oid = p.pronamespace
+    where n.nspname = current_schema() and p.prorettype = 'trigger'::regtype and p.proowner = current_user::regrole
+  loop execute 'drop function ' || one.name; end loop;
+end $$;
+"""
+"""Drops the tables and triggers of any version: those that a backup does not have would be in the way of its own."""
 
 
 class BackupError(ValueError):
@@ -47,7 +61,7 @@ def backup(url: str, file: Path) -> int:
         if url.startswith("sqlite"):
             _copy_sqlite(_file_of(url), part)
         else:
-            _tool(url, "pg_dump", "--format=custom", f"--file={part}")
+            _tool(url, "pg_dump", "--format=custom", f"--file={part}", "{}")
         _on_disk(part)
         part.replace(file)
         _on_disk(file.parent)
@@ -78,9 +92,7 @@ def restore(url: str, file: Path) -> Restored:
         raise BackupError(f"there is no file {file}")
     if not url.startswith("sqlite"):
         _refuse_used(url)
-        _tool(
-            url, "pg_restore", "--clean", "--if-exists", "--single-transaction", "--no-owner", "--dbname={}", str(file)
-        )
+        _replace_tables(url, file)
         return _prepared(connect(url))
     _refuse_unusable(file)
     target = _file_of(url)
@@ -216,22 +228,49 @@ def _give_to_owner(fresh: Path, target: Path) -> None:
         os.chown(fresh, owner.st_uid, owner.st_gid)
 
 
+def _replace_tables(url: str, file: Path) -> None:
+    """In one transaction, which is ended after a whole backup only: psql takes the end of one that is cut off for the
+    end of its input."""
+    read_out, _ = _command(url, "pg_restore", "--clean", "--if-exists", "--no-owner", "--file=-", str(file))
+    write_in, environment = _command(url, "psql", "--no-psqlrc", "--quiet", "--set=ON_ERROR_STOP=1", "--dbname={}")
+    with tempfile.TemporaryFile("w+") as errors:
+        reading = subprocess.Popen(read_out, stdout=subprocess.PIPE, stderr=errors)
+        writing = subprocess.Popen(write_in, env=environment, stdin=subprocess.PIPE, stdout=errors, stderr=errors)
+        with suppress(BrokenPipeError), reading, writing:  # psql ends at the first error, with its message
+            assert reading.stdout is not None
+            assert writing.stdin is not None
+            writing.stdin.write(_EMPTY)
+            shutil.copyfileobj(reading.stdout, writing.stdin)
+            if reading.wait() == 0:
+                writing.stdin.write(b"commit;\n")
+        errors.seek(0)
+        _refuse_failed("pg_restore", reading.returncode or writing.returncode, errors.read())
+
+
 def _tool(url: str, name: str, *words: str) -> None:
-    """Run a program of PostgreSQL's; the password is not on its command line."""
+    """Run a program of PostgreSQL's."""
+    command, environment = _command(url, name, *words)
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    _refuse_failed(name, done.returncode, done.stderr)
+
+
+def _refuse_failed(name: str, code: int, errors: str) -> None:
+    if code != 0:
+        lines = errors.strip().splitlines() or [f"it ended with exit code {code}"]
+        first = next((line for line in lines if "error:" in line.lower()), lines[-1])
+        raise BackupError(f"{name} failed: {first}")
+
+
+def _command(url: str, name: str, *words: str) -> tuple[list[str], Mapping[str, str]]:
+    """A command with the address for `{}`, and its environment: the password is not on the command line."""
     path = shutil.which(name)
     if path is None:
         raise BackupError(f"{name} was not found: install PostgreSQL's client programs (on Debian: postgresql-client)")
     address = sa.make_url(url).set(drivername="postgresql")
     password = address.password
     target = address.set(password=None).render_as_string()
-    arguments: Sequence[str] = [word.replace("{}", target) for word in words]
-    if name == "pg_dump":
-        arguments = [*arguments, target]
-    environment: Mapping[str, str] = os.environ | ({"PGPASSWORD": str(password)} if password else {})
-    done = subprocess.run([path, *arguments], env=environment, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        last = done.stderr.strip().splitlines()[-1:] or [f"it ended with exit code {done.returncode}"]
-        raise BackupError(f"{name} failed: {last[0]}")
+    environment = os.environ | ({"PGPASSWORD": str(password)} if password else {})
+    return [path, *(word.replace("{}", target) for word in words)], environment
 
 
 def _file_of(url: str) -> Path:

@@ -6,7 +6,7 @@ import json
 import os
 import shutil
 import sqlite3
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -26,9 +26,11 @@ from backend.db.tables import Run
 from campaigns.stages.plan import most
 from clearance.cli import WRONG_INPUT, invoke
 from tests.audited import audited
+from tests.faults import postgres
 from tests.faults.long import case
 from tests.faults.processes import until, worker
 from tests.faults.serving import state
+from tests.given.at_night import nightly_but
 from tests.given.databases import AT_NIGHT
 
 
@@ -340,6 +342,53 @@ def test_a_backup_of_before_users_is_restored(tmp_path: Path) -> None:
     engine.dispose()
     backup(url, file)
     assert restore(url, file)[:2] == (["ci"], [])
+
+
+@pytest.fixture
+def emptied(server: postgres.Server) -> Iterator[str]:
+    """An empty PostgreSQL database."""
+    engine = connect(server.url).execution_options(isolation_level="AUTOCOMMIT")
+    with engine.connect() as connection:
+        connection.exec_driver_sql("create database emptied")
+    yield sa.make_url(server.url).set(database="emptied").render_as_string(hide_password=False)
+    with engine.connect() as connection:
+        connection.exec_driver_sql("drop database emptied with (force)")
+    engine.dispose()
+
+
+@pytest.mark.parametrize("earlier", nightly_but(("0030",), ("0017", "0020", "0030")))
+def test_a_backup_of_before_an_update_is_restored_after_it(emptied: str, tmp_path: Path, earlier: str) -> None:
+    """Also by the earlier version, which does not know all tables of the later one."""
+    engine, file = connect(emptied), tmp_path / "backup"
+    with engine.begin() as connection:
+        command.upgrade(config(connection), earlier)
+        connection.exec_driver_sql("insert into tokens (name, hash, created) values ('ci', 'x', 0.0)")
+    backup(emptied, file)
+    migrate(emptied)
+    with engine.begin() as connection:
+        connection.exec_driver_sql("delete from tokens")
+        connection.exec_driver_sql("create table of_a_later_version (run integer references runs (id))")
+    assert restore(emptied, file).tokens == ["ci"]
+    with engine.begin() as connection:
+        assert revision.stored(connection) == earlier
+        assert not sa.inspect(connection).has_table("of_a_later_version")
+    migrate(emptied)
+    engine.dispose()
+
+
+@pytest.mark.parametrize("spoil", [cut_off, lambda file: file.write_text("hello")], ids=["cut off", "no backup"])
+def test_what_is_no_whole_backup_changes_nothing_on_postgresql(
+    emptied: str, tmp_path: Path, spoil: Callable[[Path], object]
+) -> None:
+    file = tmp_path / "backup"
+    migrate(emptied)
+    queued(engine := connect(emptied))
+    engine.dispose()
+    backup(emptied, file)
+    spoil(file)
+    with pytest.raises(BackupError, match=r"^pg_restore failed: pg_restore: error: "):
+        restore(emptied, file)
+    assert runs(emptied) == 1
 
 
 def test_a_worker_that_was_cut_off_does_not_hold_the_run_of_another_one_after_a_restore(

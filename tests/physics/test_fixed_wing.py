@@ -145,14 +145,11 @@ class TestWind:
 
     @pytest.mark.parametrize("vehicle", [fixed_wing, fixed_wing_linear])
     def test_carries_a_flight_along(self, vehicle: Any) -> None:
-        # The same motion through the air, seen from ground over which the air moves; the linear form's coupling of
-        # turn rates with the speed over ground makes it exact only for flight without turning.
+        # the same motion through the air, seen from ground over which the air moves
         p = aircraft() if vehicle is fixed_wing else linear(20.0)
         x = np.array(plain(vehicle.component.begin)(vehicle.component.start(psi=0.7), p))
-        u = (p.elevator, 0.0, 0.0, p.throttle)
-        if vehicle is fixed_wing:
-            x[9:12] += 0.2, -0.1, 0.15
-            u = (p.elevator - 0.02, 0.01, -0.03, p.throttle + 0.1)
+        x[9:12] += 0.2, -0.1, 0.15
+        u = (p.elevator - 0.02, 0.01, -0.03, p.throttle + 0.1)
         still = flown(p, x, u, 3.0, vehicle=vehicle)
         y = x.copy()
         y[6:9] += over_ground(x, self.WIND)

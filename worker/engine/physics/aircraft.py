@@ -103,6 +103,18 @@ def through_air(x: State, a: Attitude, env: Surroundings) -> Vector:
 
 @kernel
 def position(x: State, p: Any) -> Vector:
+@kernel
+def turned_wind(x: State, a: Attitude, env: Surroundings) -> Vector:
+    """-omega x W: how fast the wind W changes in the body's axes because these turn [m/s2]."""
+    wind = to_body(a, (env.wind_x, env.wind_y, env.wind_z))
+    calm = (env.wind_x == 0.0) & (env.wind_y == 0.0) & (env.wind_z == 0.0)  # as above
+    return (
+        0.0 if calm else x[11] * wind[1] - x[10] * wind[2],
+        0.0 if calm else x[9] * wind[2] - x[11] * wind[0],
+        0.0 if calm else x[10] * wind[0] - x[9] * wind[1],
+    )
+
+
     return x[0], x[1], x[2]
 
 

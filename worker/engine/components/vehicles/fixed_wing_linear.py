@@ -1,10 +1,10 @@
 """Fixed-wing aircraft, small disturbances about level flight at a reference speed; kinematics stay nonlinear.
 
     d(position)/dt = R (u, v, w)                         d(phi, theta, psi)/dt: Euler rates of (p, q, r)
-    du/dt = X_u u' + X_w w' + X_q q + X_theta theta' + X_de de' + X_dt dt'
-    dw/dt = Z_u u' + Z_w w' + Z_q q + Z_theta theta' + Z_de de' + Z_dt dt'
+    du/dt = X_u u' + X_w w' + X_q q + X_theta theta' + X_de de' + X_dt dt' - (omega x W)_x
+    dw/dt = Z_u u' + Z_w w' + Z_q q + Z_theta theta' + Z_de de' + Z_dt dt' - (omega x W)_z
     dq/dt = M_u u' + M_w w' + M_q q +                   M_de de' + M_dt dt'
-    dv/dt = Y_v v + Y_p p + Y_r r + Y_phi phi + Y_da da + Y_dr dr
+    dv/dt = Y_v v + Y_p p + Y_r r + Y_phi phi + Y_da da + Y_dr dr - (omega x W)_y
     dp/dt = L_v v + L_p p + L_r r +             L_da da + L_dr dr
     dr/dt = N_v v + N_p p + N_r r +             N_da da + N_dr dr
 
@@ -15,8 +15,10 @@ Only these depend on the mass and coefficients of each evaluation:
     X_u, X_w, Z_u, Z_w, X_dt, Z_de, Y_v, Y_da, Y_dr in proportion to 1 / m;  X_dt to C_dt;  M_de to C_mde
 
 All others keep their nominal values: making them uncertain has no effect. Weight does not change with the mass.
-Wind enters as the velocity through the air in u', v, w'. Inputs are limited by the aircraft's stops. The flight starts
-trimmed for level flight of the nonlinear aircraft at start.speed, which need not be the reference speed.
+On the left u, v, w are over ground, on the right through the air. W is the wind and omega the turn rate, in body axes:
+Z_q and Y_r turn the velocity through the air alone. Inputs are limited by the aircraft's stops. The flight starts level
+at start.speed over ground, as the nonlinear aircraft is trimmed in still air at that speed, which need not be the
+reference speed: what wind there is at t = 0 acts as a step gust.
 Source: Srikanthakumar, equations 3.38, 3.39 and 3.44 and the text below it; coefficients as for the nonlinear one.
 Limits: it underestimates the effect of the mass, and for large disturbances the effect may have the wrong sign: use it
 only for comparison.
@@ -35,7 +37,7 @@ from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.views import Surroundings
 from worker.engine.physics import trim
 from worker.engine.physics.aerodynamics import Airframe, Controls, stopped
-from worker.engine.physics.aircraft import State, kinematics, through_air
+from worker.engine.physics.aircraft import State, kinematics, through_air, turned_wind
 from worker.engine.physics.space import attitude
 
 
@@ -118,6 +120,7 @@ def derivative(t: float, x: State, u: Controls, env: Surroundings, p: Any) -> St
     a = attitude(x[3], x[4], x[5])
     motion, turning = kinematics(x, a)
     air = through_air(x, a, env)
+    wind = turned_wind(x, a, env)
     inputs = stopped(u, p.stop)
     de = inputs[0] - p.elevator_0
     dt = inputs[3] - p.throttle_0
@@ -128,9 +131,9 @@ def derivative(t: float, x: State, u: Controls, env: Surroundings, p: Any) -> St
     theta = x[4] - p.theta_0
     v, phi, roll, q, yaw = air[1], x[3], x[9], x[10], x[11]
     linear = (
-        p.X_u * u_p + p.X_w * w_p + p.X_q * q + p.X_theta * theta + p.X_de * de + p.X_dt * dt,
-        p.Y_v * v + p.Y_p * roll + p.Y_r * yaw + p.Y_phi * phi + p.Y_da * da + p.Y_dr * dr,
-        p.Z_u * u_p + p.Z_w * w_p + p.Z_q * q + p.Z_theta * theta + p.Z_de * de + p.Z_dt * dt,
+        p.X_u * u_p + p.X_w * w_p + p.X_q * q + p.X_theta * theta + p.X_de * de + p.X_dt * dt + wind[0],
+        p.Y_v * v + p.Y_p * roll + p.Y_r * yaw + p.Y_phi * phi + p.Y_da * da + p.Y_dr * dr + wind[1],
+        p.Z_u * u_p + p.Z_w * w_p + p.Z_q * q + p.Z_theta * theta + p.Z_de * de + p.Z_dt * dt + wind[2],
     )
     angular = (
         p.L_v * v + p.L_p * roll + p.L_r * yaw + p.L_da * da + p.L_dr * dr,

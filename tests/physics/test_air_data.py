@@ -5,6 +5,9 @@ Second formulation: velocities through the air by SciPy's rotations.
 
 from __future__ import annotations
 
+import math
+import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -59,6 +62,68 @@ def test_the_envelope_is_that_of_the_flow(vehicle: Vehicle) -> None:
         found.append(loop.part("envelope")(0.0, (*over_ground, *(0.0,) * (loop.n_state - 12)), p))
         assert found[-1] == still(tuple(x), ())
     assert {0.0, 3.0, 4.0, 5.0, 6.0} <= set(found)
+
+
+@EVERY
+def test_a_turn_in_wind_is_that_in_still_air_carried_along(vehicle: Vehicle) -> None:
+    """Galilean symmetry: a velocity over ground changes as that through the air, and by the turn of the wind."""
+    problem = in_wind(vehicle.name)
+    loop, random = problem.system.loop, np.random.default_rng(7)
+    calm = loop.extend(problem.vector({f"environment.0.{axis}": 0.0 for axis in "xyz"}))
+    for x in states(50):
+        wind = random.uniform(-30.0, 30.0, 3)
+        p = loop.extend(problem.vector({f"environment.0.{axis}": w for axis, w in zip("xyz", wind, strict=True)}))
+        over_ground, body_wind = x.copy(), turned(x, wind)
+        over_ground[6:9] += body_wind
+        rest, g = (0.0,) * (loop.n_state - 12), loop.part("initial_guidance")(p)
+        still, found = (
+            np.array(loop.part("closed_loop")(0.0, (*y, *rest), g, q)[0]) for y, q in ((x, calm), (over_ground, p))
+        )
+        still[:3] += wind
+        still[6:9] -= np.cross(x[9:12], body_wind)
+        assert found == pytest.approx(still, rel=1e-9, abs=1e-9)
+
+
+@EVERY
+def test_a_flight_starts_as_trimmed_in_still_air(vehicle: Vehicle) -> None:
+    windy, still = in_wind(vehicle.name), in_wind(vehicle.name, environment=[])
+    begun = [p.system.loop.part("initial")(p.system.loop.extend(p.system.nominal))[:12] for p in (windy, still)]
+    assert begun[0] == begun[1]
+    (speed,) = (p for p in windy.system.parameters if p.path == "start.speed")
+    assert "over ground" in speed.text
+
+
+REASONS: dict[str, Callable[[Any], float]] = {
+    "the pitch": lambda x: abs(x[4]),
+    "the bank": lambda x: abs(x[3]),
+    "the forward speed through the air is below": lambda x: -x[6],
+    "the forward speed through the air exceeds": lambda x: x[6],
+    "the sideways speed through the air exceeds the forward speed": lambda x: abs(x[7]) - x[6],
+    "the angle of attack through the air": lambda x: abs(math.degrees(math.atan2(x[8], x[6]))),
+    "the magnitudes of the turn rates p, q, r add up to": lambda x: np.abs(x[9:12]).sum(),
+    "the speed": lambda x: abs(x[3]),
+    "the turn rate": lambda x: abs(x[4]),
+}
+"""What a reason is about, which must be beyond the number in it, if there is one."""
+
+
+@pytest.mark.parametrize(
+    "vehicle", [c for c in components().values() if isinstance(c, Vehicle) and c.limits], ids=lambda v: v.name
+)
+def test_the_reason_of_a_failure_is_true(vehicle: Vehicle) -> None:
+    random, found, size = np.random.default_rng(8), set(), 12 if vehicle in AIRBORNE else 5
+    for _ in range(4000):
+        x = random.uniform(-1.0, 1.0, size) * random.choice([0.01, 1.0, 30.0, 120.0, 2000.0], size)
+        number = int(plain(vehicle.outside)(tuple(x.tolist()), ()))
+        if number:
+            found.add(number)
+            reason = vehicle.limits[number - 1].text
+            about = max((text for text in REASONS if reason.startswith(text)), key=len)
+            limit = re.search(r"[\d.]+", reason)
+            assert REASONS[about](x) > (float(limit[0]) * (-1.0 if "below" in reason else 1.0) if limit else 0.0), (
+                reason
+            )
+    assert found == set(range(1, len(vehicle.limits) + 1))
 
 
 @EVERY

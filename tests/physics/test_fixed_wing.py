@@ -198,7 +198,7 @@ class TestIntegrator:
             ({"vehicle.m": math.nan}, "the simulation diverged"),
             ({"vehicle.C_mde": 5.0}, "the pitch exceeds|angle of attack|turn rate"),
             ({"start.speed": 2.0}, "the forward speed through the air is below 3 m/s"),
-            ({"vehicle.C_lda": -2.0}, "the bank exceeds 2 rad|turn rate|sideslip"),
+            ({"vehicle.C_lda": -2.0}, "the bank exceeds 2 rad|turn rate|sideways speed"),
         ],
     )
     def test_leaving_the_envelope_is_a_failure_with_a_reason(self, values: dict[str, float], statement: str) -> None:

@@ -45,21 +45,23 @@ LIMITS = (
     Limit(f"the pitch exceeds {STEEPEST:g} rad"),
     Limit(f"the bank exceeds {LARGEST_BANK:g} rad"),
     Limit(f"the forward speed through the air is below {SLOWEST:g} m/s"),
-    Limit("the sideslip through the air exceeds 45 degrees"),
+    Limit("the sideways speed through the air exceeds the forward speed"),
     Limit("the angle of attack through the air exceeds 45 degrees"),
     Limit(f"the forward speed through the air exceeds {FASTEST:g} m/s"),
-    Limit(f"a turn rate exceeds {FASTEST_TURN:g} rad/s"),
+    Limit(f"the magnitudes of the turn rates p, q, r add up to more than {FASTEST_TURN:g} rad/s"),
 )
 
 
 class Start(NamedTuple):
-    """Trimmed level flight on a heading."""
+    """Level flight on a heading, trimmed in still air: what wind there is at t = 0 acts as a step gust."""
 
     x: Annotated[float, Parameter("m", "Start position, north", -1e6, 1e6)] = 0.0
     y: Annotated[float, Parameter("m", "Start position, east", -1e6, 1e6)] = 0.0
     z: Annotated[float, Parameter("m", "Start position, down", -1e6, 1e6)] = 0.0
     psi: Annotated[float, Parameter("rad", "Start heading, from north over east", -6.4, 6.4, symbol="ψ")] = 0.0
-    speed: Annotated[float, Parameter("m/s", "Start speed, level and trimmed", 3.0, 100.0, symbol="V")] = 20.0
+    speed: Annotated[
+        float, Parameter("m/s", "Start speed over ground, trimmed in still air", 3.0, 100.0, symbol="V")
+    ] = 20.0
 
 
 @kernel
@@ -102,8 +104,6 @@ def through_air(x: State, a: Attitude, env: Surroundings) -> Vector:
 
 
 @kernel
-def position(x: State, p: Any) -> Vector:
-@kernel
 def turned_wind(x: State, a: Attitude, env: Surroundings) -> Vector:
     """-omega x W: how fast the wind W changes in the body's axes because these turn [m/s2]."""
     wind = to_body(a, (env.wind_x, env.wind_y, env.wind_z))
@@ -115,6 +115,8 @@ def turned_wind(x: State, a: Attitude, env: Surroundings) -> Vector:
     )
 
 
+@kernel
+def position(x: State, p: Any) -> Vector:
     return x[0], x[1], x[2]
 
 

@@ -13,7 +13,8 @@ filters as states, driven by white noise, with n held for `period` and of unit i
 
 With n held, the deviation of g is s sqrt(tanh(x) / x) at its ends and less in between, x = period / (2 T) (g_u). A
 period above 0.1 h / V is refused: up to there it is at least 0.963 s at any time, and 0.975 s on average.
-They start in their stationary state, so the statistics are the same from the first second on. n comes from a hash of
+They start in their stationary state, so the statistics are the same from the first second on; on aircraft, which start
+trimmed in still air, the first gust acts as a step. n comes from a hash of
 (seed, axis, number of the sample). Height and airspeed are constants of the flight, not the vehicle's present ones.
 u is along the vehicle's horizontal velocity over ground, v to the side of the y axis from there, w along z; MIL-F-8785C
 takes the horizontal airspeed instead. Turbulent rotation (p, q, r) is ignored. W = 7.7, 15.4 and 23.2 m/s (15, 30,

@@ -3,7 +3,8 @@
     W = (x, y, z) + (shear_x, shear_y) (q_z - reference)
 
 W is the velocity of the air in the world frame [m/s], q_z the vehicle's position on the world's z axis (down in NED, so
-that a wind that grows with height has a shear against it). It has no effect on ground robots.
+that a wind that grows with height has a shear against it). Aircraft start trimmed in still air, so it acts as a step
+gust at t = 0. It has no effect on ground robots.
 Source: Etkin, Dynamics of Atmospheric Flight (1972); Srikanthakumar, section 1.2 (wind as a change of the operation
 environment).
 """

@@ -18,7 +18,8 @@
 
 World axes north, east, down; body axes forward, right, down. u, v, w are over ground; V, alpha and beta are through the
 air: wind enters there and affects what the controller measures. Inputs are limited by the aircraft's own stops. The
-flight starts trimmed for level flight at the nominal parameters and start.speed.
+flight starts level at start.speed over ground, as it is trimmed in still air at that speed and the nominal parameters:
+what wind there is at t = 0 acts as a step gust.
 
 Source: Srikanthakumar, 3.38 to 3.43. Gravity in dv/dt and dw/dt has the sign for z down (printed: the
 opposite, with which no level flight exists); the propeller's signs are as printed. Source of the coefficients:

@@ -99,6 +99,12 @@ def clip(x: float, low: float, high: float) -> float:
 
 
 @kernel
+def whole(x: float) -> float:
+    """The nearest whole number; NaN stays NaN."""
+    return np.floor(x + 0.5)  # type: ignore[no-any-return]
+
+
+@kernel
 def wrap(angle: float) -> float:
     """The angle in [-pi, pi) [rad]."""
     return angle - TWO_PI * np.floor((angle + PI) / TWO_PI)  # type: ignore[no-any-return]

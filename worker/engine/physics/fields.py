@@ -6,7 +6,7 @@ Motion (2005), section 4.1, conic-quadratic attraction. All forces are finite, b
 
 from __future__ import annotations
 
-from worker.engine.kernels.maths import kernel
+from worker.engine.kernels.maths import kernel, whole
 
 NEAREST = 1e-3
 """Below this distance from a surface a repulsion keeps its value at this distance [m]."""
@@ -38,8 +38,10 @@ def firas(gap: float, k: float, d_0: float) -> float:
 def gnron(gap: float, goal: float, k: float, d_0: float, n: float) -> tuple[float, float]:
     """Forces away from the surface [N] and per displacement to the goal [N/m].
 
-    The potential is 1/2 k (1/gap - 1/d_0)^2 goal^n within d_0; goal: distance to the goal [m]; n: 0 (FIRAS), 1, 2, 3.
+    The potential is 1/2 k (1/gap - 1/d_0)^2 goal^n within d_0; goal: distance to the goal [m]; n: 0 (FIRAS) to 3,
+    rounded.
     """
+    n = whole(n)
     d = NEAREST if gap < NEAREST else gap
     steep = (d_0 - d) / (d_0 * d)
     once = 1.0 / (goal + 1e-12)

@@ -40,7 +40,8 @@ class Sensing(NamedTuple):
         float, Parameter("rad", "Error of the intruder's track reading, anticlockwise", -3.2, 3.2, symbol="Δψ_0")
     ] = 0.0
     instant: Annotated[
-        float, Parameter("", "Own velocity: 0 as planned (readings at the nominal case), 1 of the moment", 0.0, 1.0)
+        float,
+        Parameter("", "Own velocity, rounded: 0 as planned (readings at the nominal case), 1 of the moment", 0.0, 1.0),
     ] = 0.0
 
 

@@ -13,7 +13,7 @@ from worker.engine.kernels import maths
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.maths import FLAGS
 
-sincos, atan2, clip, wrap = maths.sincos, maths.atan2, maths.clip, maths.wrap
+sincos, atan2, clip, wrap, whole = maths.sincos, maths.atan2, maths.clip, maths.wrap, maths.whole
 
 
 @njit(**FLAGS)
@@ -29,8 +29,8 @@ def all_atan2(y: Any, x: Any, out: Any) -> None:
 
 
 @njit(**FLAGS)
-def held(x: float) -> tuple[float, float]:
-    return clip(x, -1.0, 2.0), wrap(x)
+def held(x: float) -> tuple[float, float, float]:
+    return clip(x, -1.0, 2.0), wrap(x), whole(x)
 
 
 @pytest.mark.parametrize(("reach", "error"), [(30.0, 2e-15), (1e5, 5e-12)])
@@ -73,6 +73,13 @@ def test_nan_is_propagated() -> None:
 @pytest.mark.parametrize(("x", "clipped"), [(-3.0, -1.0), (0.5, 0.5), (7.0, 2.0)])
 def test_clip(x: float, clipped: float) -> None:
     assert held(x)[0] == clipped
+
+
+@pytest.mark.parametrize(
+    ("x", "nearest"), [(-1.0, -1.0), (-0.51, -1.0), (-0.49, 0.0), (0.0, 0.0), (2.49, 2.0), (2.51, 3.0)]
+)
+def test_whole(x: float, nearest: float) -> None:
+    assert held(x)[2] == nearest
 
 
 @pytest.mark.parametrize("turns", [-3, -1, 0, 2, 50])

@@ -8,7 +8,7 @@ d is the distance from the obstacle's surface, normal the unit vector away from 
 shape. Farther from the goal than s the attraction is conic: its force stays k_att s (2.7). Below d = 1 mm the
 repulsion keeps its value at 1 mm.
 Source: Ge and Cui, New potential functions for mobile robot path planning (2000); Srikanthakumar, equations 2.7 and
-2.9. n is 0, 1, 2 or 3 (rounded); 0 is FIRAS (2.8). With n >= 1 the repulsion vanishes at the goal, which FIRAS does not
+2.9. n is 0, 1, 2 or 3; 0 is FIRAS (2.8). With n >= 1 the repulsion vanishes at the goal, which FIRAS does not
 do; local minima remain.
 """
 
@@ -26,7 +26,7 @@ class Gnron(NamedTuple):
     k_att: Annotated[float, Parameter("N/m", "Attraction per distance to the goal", 0.0, 1e6)] = 5.0
     k_rep: Annotated[float, Parameter("N m3/(m^n)", "Strength of the repulsion", 0.0, 1e12)] = 4.0
     d_0: Annotated[float, Parameter("m", "Distance from the surface at which repulsion begins", 1e-2, 1e5)] = 2.0
-    n: Annotated[float, Parameter("", "Power of the distance to the goal: 0, 1, 2 or 3", 0.0, 3.0)] = 2.0
+    n: Annotated[float, Parameter("", "Power of the distance to the goal: 0, 1, 2 or 3, rounded", 0.0, 3.0)] = 2.0
     s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
 
 

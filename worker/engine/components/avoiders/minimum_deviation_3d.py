@@ -28,7 +28,7 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Avoider, Parameter, extended
-from worker.engine.kernels.maths import kernel
+from worker.engine.kernels.maths import kernel, whole
 from worker.engine.physics.resolution import (
     NEVER,
     Plan,
@@ -44,8 +44,10 @@ from worker.engine.physics.space import Vector, dot3
 
 
 class Choice(NamedTuple):
-    side: Annotated[float, Parameter("", "Side taken: -1 left, 1 right, 0 free, 2 as at first", -1.0, 2.0)] = -1.0
-    gate: Annotated[float, Parameter("", "When it acts: 0 to 4, see above", 0.0, 4.0)] = 4.0
+    side: Annotated[
+        float, Parameter("", "Side taken, rounded: -1 left, 1 right, 0 free, 2 as at first", -1.0, 2.0)
+    ] = -1.0
+    gate: Annotated[float, Parameter("", "When it acts: 0 to 4, rounded, see above", 0.0, 4.0)] = 4.0
 
 
 MinimumDeviation = extended("MinimumDeviation", Sensing, Choice)
@@ -82,13 +84,14 @@ def weigh(
     latched = (m[0] > 0.5) | within
     points_to = 1.0 if dot3(e.relative, e.right) >= 0.0 else -1.0
     at_first = points_to if m[1] == 0.0 else m[1]
-    side = at_first if p.side > 1.5 else p.side
+    side, gate = whole(p.side), whole(p.gate)
+    side = at_first if side == 2.0 else side
     h, xi = aside(e, side)
     demand = resolve(e, h, xi)
-    acts = (p.gate < 0.5) | (p.gate > 2.5)
-    acts = within if (p.gate > 0.5) & (p.gate < 1.5) else acts
-    acts = latched if (p.gate > 1.5) & (p.gate < 2.5) else acts
-    passed = 1.0 if (p.gate > 2.5) & (xi >= e.turn) else 0.0
+    acts = (gate == 0.0) | (gate > 2.0)
+    acts = within if gate == 1.0 else acts
+    acts = latched if gate == 2.0 else acts
+    passed = 1.0 if (gate > 2.0) & (xi >= e.turn) else 0.0
     wait = e.wait + 0.5 * NEVER * passed  # an intruder in conflict takes precedence over one that is already clear
     sooner = acts & near & (wait < s.wait)
     return Soonest(
@@ -109,7 +112,7 @@ def steer(t: float, q: Vector, v: Vector, goal: Plan, s: Soonest, m: Memory, p: 
     plan = planned(goal)
     acting = s.wait < NEVER
     now = acting & (s.passed < 0.5)
-    hold = acting & (s.passed > 0.5) & (p.gate < 3.5) & (m[5] > 0.5)
+    hold = acting & (s.passed > 0.5) & (whole(p.gate) < 4.0) & (m[5] > 0.5)
     last = (s.x if now else m[2], s.y if now else m[3], s.z if now else m[4])
     flies = now | hold
     out = (

@@ -17,6 +17,7 @@ from campaigns.asked.values import MAX_EVALUATIONS
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.checked import (
     attracted,
+    delays,
     effort,
     estimated,
     extents,
@@ -152,7 +153,9 @@ def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from extents.centres(campaign, catalogue, known)
     found = list(installed(campaign, catalogue))
     yield from frames.mismatched(campaign, catalogue, [(field, entry) for _, field, entry, _ in found])
-    yield from orders.broken(found, {path: _bounds(campaign, path, nominal) for path, (_, nominal) in known.items()})
+    bounds = {path: _bounds(campaign, path, nominal) for path, (_, nominal) in known.items()}
+    yield from orders.broken(found, bounds)
+    yield from delays.excessive(found, bounds)
 
 
 def _bounds(campaign: Campaign, path: str, nominal: float) -> tuple[float, float]:

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from campaigns.results.base import FAILED, OK
 from clearance.testing.problems import Problem
-from tests.physics.conditions import FAULTS, loop_with, parameters
-from tests.physics.scenes import flight
+from tests.physics.conditions import CASE, FAULTS, loop_with, parameters
+from tests.physics.scenes import changed, flight, uncompiled
 from worker.engine.kernels.bind import plain
 
 
@@ -157,3 +158,11 @@ class TestGuidance:
     def test_it_needs_sampled_guidance(self) -> None:
         with pytest.raises(ValueError, match=r"only sampled guidance can be delayed"):
             loop_with("guidance_delay", periods=1.0)
+    def test_a_demand_that_is_not_stored_any_more_is_no_number(self) -> None:
+        """What the check of a campaign cannot see, such as the delay of a component of one's own, fails."""
+        for periods, status in ((1.0, OK), (2.5, FAILED)):
+            delay = {"component": "guidance_delay", "parameters": {"periods": periods}}
+            problem = uncompiled(changed(CASE, faults=[delay, delay], guidance={"period": 0.1}, horizon=1.0))
+            batch, _ = problem.system.simulate_vectors(problem.vector({})[None])
+            assert batch.status[0] == status
+

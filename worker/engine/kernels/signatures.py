@@ -88,7 +88,7 @@ Delay = Callable[[Time, Own], Seen]
 Mistake = Callable[[Time, Own], Errors]
 """navigation"""
 Wait = Callable[[Own], float]
-"""guidance: the delay of the demand in guidance periods, at most guidance.KEPT."""
+"""guidance: the delay of the demand in guidance periods, at most guidance.KEPT in sum: beyond, the flight fails."""
 Act = Callable[[Time, float, Inner, Own], tuple[float, Inner]]
 """actuator: the input as it reaches the vehicle, and the derivative of the fault's state."""
 Rest = Callable[[float, Own], Inner]

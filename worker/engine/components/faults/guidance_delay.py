@@ -5,7 +5,8 @@
 D[k] is the demand of the latest sample before t. Exact for whole periods; between them it is interpolated linearly
 (first-order Lagrange fractional delay: Laakso et al., IEEE Signal Processing Magazine 13, 1996), so that the cost is
 continuous in the delay. Before the first demand takes effect, it also stands for all earlier ones. Only
-for sampled guidance; up to 4 periods. The inner loops are not delayed: `control_delay` does that.
+for sampled guidance; several delays add up, to 4 periods at most. The inner loops are not delayed: `control_delay` does
+that.
 Source: Srikanthakumar, step 3 of section 1.3 (hardware: computing delays).
 """
 

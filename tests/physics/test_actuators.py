@@ -124,6 +124,16 @@ class TestActuators:
         assert output("hard_over", 2.5, 5.0, at=2.0, over=1.0, value=-3.0) == pytest.approx(1.0)
         assert output("hard_over", 3.0, 5.0, at=2.0, over=1.0, value=-3.0) == pytest.approx(-3.0)
 
+    @pytest.mark.parametrize("name", [name for name, fault in FAULTS.items() if fault.rest is not None])
+    def test_before_the_start_there_is_no_fault(self, name: str) -> None:
+        """A bias from t = 0 acts as one from just after it: what follows it rests on the controller's command."""
+        bias = {"component": "actuator_bias", "on": "force", "parameters": {"bias": 3.0}}
+        begun = []
+        for before in ([], [bias]):
+            problem = uncompiled(changed(CASE, faults=[*before, {"component": name, "on": "force"}]))
+            begun.append(problem.system.loop.part("initial")(problem.system.loop.extend(problem.system.nominal)))
+        assert begun[0] == begun[1]
+
     def test_in_the_loop_a_constant_force_accelerates_evenly(self) -> None:
         problem = loop_with("hard_over", "force", {"horizon": 1.0}, at=0.0, value=2.0)
         assert flight(problem)[:, 3] == pytest.approx(2.0 / 5.0 * 0.005 * np.arange(201), abs=1e-12)
@@ -155,9 +165,6 @@ class TestGuidance:
         p = problem.system.loop.extend(problem.system.nominal)
         assert waited(0.0, (), (), (), g, p) == pytest.approx((2 * periods, 2 * periods + 1))
 
-    def test_it_needs_sampled_guidance(self) -> None:
-        with pytest.raises(ValueError, match=r"only sampled guidance can be delayed"):
-            loop_with("guidance_delay", periods=1.0)
     def test_a_demand_that_is_not_stored_any_more_is_no_number(self) -> None:
         """What the check of a campaign cannot see, such as the delay of a component of one's own, fails."""
         for periods, status in ((1.0, OK), (2.5, FAILED)):
@@ -166,3 +173,6 @@ class TestGuidance:
             batch, _ = problem.system.simulate_vectors(problem.vector({})[None])
             assert batch.status[0] == status
 
+    def test_it_needs_sampled_guidance(self) -> None:
+        with pytest.raises(ValueError, match=r"only sampled guidance can be delayed"):
+            loop_with("guidance_delay", periods=1.0)

@@ -2,7 +2,8 @@
 
     tau dy/dt = u - y
 
-u is the command, y what acts on the vehicle, tau the time constant. The lag starts settled on the first command.
+u is the command, y what acts on the vehicle, tau the time constant. It starts settled on the
+controller's first command, as before any fault.
 Below the time constant `shortest` the integrator's step could not follow: there y = (1 - s) u + s a with a lagging by
 `shortest` and s = tau / shortest, which delays slow commands by the same tau and is continuous down to tau = 0.
 Keep `shortest` above the step: Runge-Kutta is stable for steps below 2.7 tau.

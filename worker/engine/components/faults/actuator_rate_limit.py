@@ -4,7 +4,7 @@
 
 u is the command, y what acts on the vehicle, R the rate in the input's own unit per second. While |du/dt| < R, y = u
 exactly; beyond, y moves at R until it meets the command again. K sets how sharp that is: a jump of up to R/K passes.
-It starts at the first command. Keep K below 2.7 divided by the step.
+It starts at the controller's first command, as before any fault. Keep K below 2.7 divided by the step.
 Source: Srikanthakumar, step 3 of section 1.3 (hardware: actuator dynamics); Duda, Prediction of pilot-in-the-loop
 oscillations due to rate saturation (J. Guidance, Control and Dynamics 20, 1997).
 """

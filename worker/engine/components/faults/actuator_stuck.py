@@ -4,8 +4,9 @@
 
 u is the command, y what acts on the vehicle, a the recorded position of the actuator, which lags the command by 1/K: it
 sticks where a servo with that lag would be. With over = 0 it jumps there, at an instant that the integrator resolves to
-half a step; two steps or more make the cost smooth in `at`. It starts at the first command. Keep K below 2.7 divided
-by the step, below 0.5 for accuracy. A surface that runs to its stop instead is `hard_over`.
+half a step; two steps or more make the cost smooth in `at`. It starts at the controller's first command, as before
+any fault. Keep K below 2.7 divided by the step, below 0.5 for accuracy. A surface that runs to its stop instead is
+`hard_over`.
 Source: Srikanthakumar, step 3 of section 1.3 (failure conditions); Boskovic and Mehra, Multiple-model adaptive flight
 control scheme for accommodation of actuator failures (J. Guidance, Control and Dynamics 25, 2002): lock in place.
 """

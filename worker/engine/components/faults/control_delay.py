@@ -5,11 +5,12 @@
 u is the command, y what acts on the vehicle, s the Laplace variable. Second order: the gain is exactly 1 at every
 frequency, the phase lag short of omega tau by 0.13 % at omega tau = 1, 1.7 % at 2, 6.3 % at 3. After a jump of the
 command it responds at once, undershoots and settles within about 2 tau, whereas a true delay would wait: valid for
-loops whose bandwidth stays below about 2/tau, stability margins included. It starts settled on the first command. Below
-the delay `shortest` the integrator's step could not follow: there y = (1 - s) u + s d with d delayed by `shortest` and
-s = tau / shortest, which delays slow commands by the same tau and is continuous down to tau = 0. Keep `shortest` above
-1.4 steps (3 in a fast loop, whose poles it speeds up) and below 0.5 divided by the loop's bandwidth [rad/s], beyond
-which the blend is not a delay. Sampled guidance has its own, exact model, `guidance_delay`.
+loops whose bandwidth stays below about 2/tau, stability margins included. It starts settled on the controller's first
+command, as before any fault.
+Below the delay `shortest` the integrator's step could not follow: there y = (1 - s) u + s d with d delayed by
+`shortest` and s = tau / shortest, which delays slow commands by the same tau and is continuous down to tau = 0. Keep
+`shortest` above 1.4 steps (3 in a fast loop, whose poles it speeds up) and below 0.5 divided by the loop's bandwidth
+[rad/s], beyond which the blend is not a delay. Sampled guidance has its own, exact model, `guidance_delay`.
 Source: Golub and Van Loan, Matrix Computations (2013): diagonal Pade approximants of exp; Srikanthakumar, step 3 of
 section 1.3 (hardware: computing delays).
 """

@@ -117,7 +117,8 @@ def violates(margin: float, case: Validation | None) -> bool:
 
 
 class Ray(Result):
-    """The first evaluation beyond the boundary along one line from nominal; null fields where none was seen."""
+    """The first violation along one line from nominal, the first failure where nothing violates; null fields where
+    neither was seen."""
 
     path: str
     """The parameter that varies; empty on the line to the worst case."""

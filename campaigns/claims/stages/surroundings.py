@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from campaigns.claims.say import Part, count, listed, number, percent, say, symbol
 from campaigns.claims.spans import Spans
@@ -11,19 +12,32 @@ NOMINAL_BEYOND = say("the nominal case itself violates the criterion or fails")
 NO_VARIANCE = say("not computed: all evaluations have the same value, so there is no variance to explain")
 
 
-def boundary(steps: int, nearest: tuple[float, Part, float] | None, crossed: float | None) -> Spans:
-    """nearest: fraction of its range from nominal, parameter and value; crossed: fraction of the way to the worst."""
+class Along(NamedTuple):
+    """An evaluation along one parameter: fraction of its range from nominal, parameter and value; or, without these, on
+    the line from nominal to the finding: fraction of the line."""
+
+    fraction: float
+    parameter: Part | None = None
+    value: float = 0.0
+
+
+def boundary(steps: int, violated: Along | None, crossed: float | None, failed: Along | None) -> Spans:
+    """violated: the nearest along a parameter; crossed: fraction of the line to the finding; failed: the nearest."""
     statement = say("no parameter violates the criterion when varied alone, in ", count(steps), " steps")
-    if nearest is not None:
-        fraction, parameter, value = nearest
-        statement = say(
-            *("varying one parameter alone, the criterion is first violated at ", parameter, " = ", number(value)),
-            *(", ", percent(fraction), " of its range from nominal"),
-        )
-    if crossed is None:
+    if violated is not None:
+        statement = say("varying one parameter alone, the criterion is first violated at ", _along(violated))
+    if crossed is not None:
+        line = "; on the line from nominal to this finding the criterion is first violated at "
+        statement = say(statement, line, percent(crossed))
+    if failed is None:
         return statement
-    line = "; on the line from nominal to this finding the criterion is first violated at "
-    return say(statement, line, percent(crossed))
+    return say(statement, "; the nearest evaluation that failed is at ", _along(failed))
+
+
+def _along(at: Along) -> Spans:
+    if at.parameter is None:
+        return say(percent(at.fraction), " of the line from nominal to this finding")
+    return say(at.parameter, " = ", number(at.value), ", ", percent(at.fraction), " of its range from nominal")
 
 
 def effects(leading: Sequence[tuple[Part, float]]) -> Spans:
@@ -46,13 +60,22 @@ def no_index(missing: int, evaluations: int) -> Spans:
     )
 
 
+def no_base_variance(evaluations: int) -> Spans:
+    """The variance is estimated from the base sample, although other evaluations of the design vary."""
+    return say(
+        *("not computed: the variance is estimated from ", count(evaluations), " evaluations of the design"),
+        ", whose values do not differ enough; request more samples",
+    )
+
+
 def possible_gain(rectangles: int, lost: int, quantity: str, lowest: float, best: float, unit: str) -> Spans:
-    """The estimate of how far below DIRECT's best the criterion may be; lost: rectangles without a value."""
+    """The estimate of how far below the best of DIRECT's search the criterion may be; lost: rectangles without a
+    value."""
     without = say("; ", count(lost), " rectangles without a value are ignored") if lost else ()
     return say(
         *("estimated minimum of ", symbol(quantity), ": ", number(lowest, unit), ", ", number(best - lowest, unit)),
-        *(" below the lowest centre; not a bound, it assumes the steepest slope observed between the centres of "),
-        *(count(rectangles), " rectangles", without),
+        " below the lowest value of this search; not a bound, it assumes in ",
+        *(count(rectangles), " rectangles the steepest slope observed", without),
     )
 
 

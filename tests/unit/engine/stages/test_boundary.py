@@ -45,6 +45,11 @@ def steep(u: Floats) -> Floats:
     return np.asarray(THRESHOLD + np.minimum(u[:, 0] - 0.2, 0.9 - u[:, 1]))
 
 
+def near(value: float) -> Any:
+    """Within the tolerance of a boundary."""
+    return pytest.approx(value, abs=1e-4)
+
+
 def flown(function: Any, status: Any = None) -> Any:
     def evaluated(points: Floats) -> tuple[Batch, dict[int, str]]:
         codes = np.full(len(points), OK, dtype=np.uint8) if status is None else status(points).astype(np.uint8)
@@ -106,6 +111,50 @@ def test_a_failed_flight_ends_a_ray_and_an_excluded_one_does_not() -> None:
     assert rays["vehicle.m", "high"].share == pytest.approx(0.3, abs=1e-5)
     assert rays["vehicle.m", "high"].cost is None
     assert rays["vehicle.m", "low"].share == pytest.approx(0.3, abs=1e-5)
+    assert facts(result.statement) == ["vehicle.m", near(4.4), 0.3, 0.6, "vehicle.m", near(5.6), 0.3]
+
+
+@pytest.mark.parametrize(
+    ("everywhere", "violated", "crossed", "stated"),
+    [
+        (True, 0.2, 0.6, ["vehicle.m", near(4.4), 0.3, 0.6, "vehicle.m", 4.75, 0.125]),
+        (False, 0.2, 0.6, ["vehicle.m", near(4.4), 0.3, 0.6, 0.25]),
+        (True, -1.0, None, [boundary.SAMPLES, "vehicle.m", near(4.78), 0.11]),
+    ],
+    ids=["along a parameter", "on the line alone", "without a violation"],
+)
+def test_failures_before_a_violation_are_not_its_boundary(
+    everywhere: bool, violated: float, crossed: float | None, stated: list[Any]
+) -> None:
+    """Evaluations fail in a slab, through which every ray to the violation goes, or the line alone."""
+
+    def status(u: Floats) -> Floats:
+        return np.where((u[:, 0] < 0.39) & (u[:, 0] > 0.31) & (everywhere | (u[:, 1] < 0.45)), FAILED, OK)
+
+    result, evaluations = driven(
+        boundary.boundary(case1(), WORST), flown(lambda u: THRESHOLD + u[:, 0] - violated, status)
+    )
+    low, line = next(ray for ray in result.rays if (ray.path, ray.towards) == ("vehicle.m", "low")), result.line
+    assert line is not None
+    for ray in (low, line):
+        assert ray.kind == ("failure" if crossed is None else "violation")
+        assert (ray.cost is None) is (crossed is None)
+    assert line.way == pytest.approx(crossed or 0.22, abs=1e-4)
+    assert facts(result.statement) == stated
+    assert evaluations <= MOST
+
+
+def test_a_violation_between_the_samples_of_a_ray_that_fails_is_its_boundary() -> None:
+    def status(u: Floats) -> Floats:
+        return np.where(u[:, 0] < 0.376, FAILED, OK)
+
+    result, _ = driven(
+        boundary.boundary(case1(), np.array([0.3, 0.5])), flown(lambda u: THRESHOLD + u[:, 0] - 0.39, status)
+    )
+    low = next(ray for ray in result.rays if (ray.path, ray.towards) == ("vehicle.m", "low"))
+    assert (low.kind, low.share) == ("violation", near(0.11))
+    assert low.cost is not None
+    assert low.cost <= THRESHOLD
 
 
 def test_a_nominal_flight_that_violates_has_no_distance() -> None:

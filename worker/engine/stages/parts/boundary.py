@@ -1,14 +1,14 @@
 """The distance from nominal to the boundary of a violation: along each parameter, and straight to the worst case.
 
-Every ray is sampled in equal steps; the interval between the last clear evaluation and the first violation is then
-bisected. A violation between two samples may be missed; the result states the number of steps. `after` requests all
-evaluations around a finding.
+Every ray is sampled in equal steps; the interval before the first violation is then bisected, or before the first
+failure on a ray without a violation. What is between two samples may be missed; the result states the number of steps.
+`after` requests all evaluations around a finding.
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,11 @@ TOLERANCE = 1e-5
 
 @dataclass
 class _Ray:
-    """From the nominal point to `end`; the boundary is between the fractions `clear` and `beyond` of the ray."""
+    """From the nominal point to `end`; the boundary is between the fractions `clear` and `beyond` of the ray.
+
+    cost: at `beyond`; NaN if no evaluation violates and the boundary is that of a failure. failed: the first fraction
+    at which an evaluation failed.
+    """
 
     end: Floats
     path: str
@@ -39,6 +43,21 @@ class _Ray:
     clear: float = 0.0
     beyond: float = np.inf
     cost: float = np.nan
+    failed: float = np.inf
+
+    @property
+    def violates(self) -> bool:
+        """Whether an evaluation violates: then failures before it are no boundary."""
+        return bool(np.isfinite(self.cost))
+
+    def see(self, fraction: float, failed: bool, cost: float, threshold: float) -> None:
+        """Narrow the interval by one evaluation inside it."""
+        if failed:
+            self.failed = min(self.failed, fraction)
+        if cost <= threshold or (failed and not self.violates):
+            self.beyond, self.cost = fraction, cost
+        else:
+            self.clear = fraction
 
 
 Around = tuple[Slices, Boundary | None]
@@ -58,15 +77,18 @@ def boundary(problem: Problem, worst: Floats) -> Generator[Floats, Batch, Bounda
     fractions = np.arange(1, SAMPLES + 1) / SAMPLES
     points = np.concatenate([nominal[None, :], *(_at(nominal, ray, fractions) for ray in rays)])
     batch = yield points
-    beyond = _beyond(batch, problem.threshold)
-    if beyond[0]:
+    costs, failed = batch.costs[:, 0], _failed(batch)
+    if failed[0] or costs[0] <= problem.threshold:
         statement = sentences.NOMINAL_BEYOND
         return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=[], line=None, statement=statement)
-    costs = batch.costs[1:, 0].reshape(len(rays), SAMPLES)
-    for ray, hit, values in zip(rays, beyond[1:].reshape(len(rays), SAMPLES), costs, strict=True):
-        if hit.any():
+    parts = (values[1:].reshape(len(rays), SAMPLES) for values in (costs, failed))
+    for ray, values, without in zip(rays, *parts, strict=True):
+        violates = values <= problem.threshold
+        if (hit := violates if violates.any() else without).any():
             first = int(np.argmax(hit))
             ray.beyond, ray.clear, ray.cost = float(fractions[first]), first / SAMPLES, float(values[first])
+        if without.any():
+            ray.failed = float(fractions[np.argmax(without)])
     yield from _halved(problem, nominal, [ray for ray in rays if np.isfinite(ray.beyond)])
     return _described(problem, nominal, rays)
 
@@ -86,10 +108,9 @@ def _at(nominal: Floats, ray: _Ray, fractions: Floats) -> Floats:
     return np.asarray(nominal + fractions[:, None] * (ray.end - nominal))
 
 
-def _beyond(batch: Batch, threshold: float) -> NDArray[np.bool_]:
-    """Violated or failed; an excluded evaluation is neither."""
-    known = (batch.status == EXCLUDED) | (batch.status == OK)
-    return np.asarray(~known | (batch.costs[:, 0] <= threshold))
+def _failed(batch: Batch) -> NDArray[np.bool_]:
+    """Without a value; an excluded evaluation did not fail."""
+    return np.asarray((batch.status != EXCLUDED) & (batch.status != OK))
 
 
 def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Floats, Batch, None]:
@@ -97,38 +118,43 @@ def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Fl
     while wide := [ray for ray in rays if (ray.beyond - ray.clear) * np.abs(ray.end - nominal).max() > TOLERANCE]:
         middles = [(ray.clear + ray.beyond) / 2 for ray in wide]
         batch = yield np.concatenate([_at(nominal, ray, np.array([m])) for ray, m in zip(wide, middles, strict=True)])
-        beyond = _beyond(batch, problem.threshold)
-        for i, (ray, middle) in enumerate(zip(wide, middles, strict=True)):
-            if beyond[i]:
-                ray.beyond, ray.cost = middle, float(batch.costs[i, 0])
-            else:
-                ray.clear = middle
+        for ray, middle, failed, cost in zip(wide, middles, _failed(batch), batch.costs[:, 0], strict=True):
+            ray.see(middle, bool(failed), float(cost), problem.threshold)
 
 
 def _described(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Boundary:
     *single, line = [_ray(problem, nominal, ray) for ray in rays]
-    hits = [(r.share, problem.symbols[r.path], r.value) for r in single if r.share is not None and r.value is not None]
-    nearest = min(hits, key=lambda hit: hit[0], default=None)
-    statement = sentences.boundary(SAMPLES, nearest, line.way)
+    failures = [_ray(problem, nominal, replace(ray, beyond=ray.failed, cost=np.nan)) for ray in rays]
+    violated = _nearest(problem, [ray for ray in single if ray.kind == "violation"])
+    crossed = line.way if line.kind == "violation" else None
+    statement = sentences.boundary(SAMPLES, violated, crossed, _nearest(problem, failures))
     return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=single, line=line, statement=statement)
 
 
+def _nearest(problem: Problem, rays: list[Ray]) -> sentences.Along | None:
+    """Where the nearest of these is, if there is one: along a parameter, or on the line to the worst case."""
+    near = min((ray for ray in rays if ray.share is not None), key=lambda ray: ray.share or 0.0, default=None)
+    if near is None:
+        return None
+    if near.value is None:
+        return sentences.Along(near.way or 0.0)
+    return sentences.Along(near.share or 0.0, problem.symbols[near.path], near.value)
+
+
 def _ray(problem: Problem, nominal: Floats, ray: _Ray) -> Ray:
-    """The first evaluation beyond the boundary: `share` of the range, `way` along the ray, value, cost (None if it
-    failed)."""
+    """The evaluation at the boundary: `share` of the range, `way` along the ray, value, cost (None if it failed)."""
     if not np.isfinite(ray.beyond):
         return Ray(path=ray.path, towards=ray.towards)
     point = _at(nominal, ray, np.array([ray.beyond]))[0]
     named, before = problem.named(point), problem.named(nominal)
-    failed = not np.isfinite(ray.cost)
     value = named.get(ray.path)
     return Ray(
         path=ray.path,
         towards=ray.towards,
-        kind="failure" if failed else "violation",
+        kind="violation" if ray.violates else "failure",
         way=ray.beyond,
         share=float(np.abs(point - nominal).max()),
-        cost=None if failed else ray.cost,
+        cost=ray.cost if ray.violates else None,
         value=value,
         distance=None if value is None else abs(value - before[ray.path]),
         parameters=named,

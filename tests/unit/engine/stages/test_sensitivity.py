@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from campaigns import CampaignError
-from campaigns.claims.stages.surroundings import NO_VARIANCE, no_index
+from campaigns.claims.stages.surroundings import NO_VARIANCE, no_base_variance, no_index
 from campaigns.results.base import OK
 from campaigns.results.indices import MorrisStudy, SobolStudy
 from campaigns.stages.plan import plan
@@ -110,7 +110,22 @@ def test_the_indices_depend_on_no_unit() -> None:
         assert found.indices is not None
         return [row.first for row in found.indices]
 
-    assert scaled(1e-13) == pytest.approx(scaled(1.0), rel=1e-6)
+    for scale in (1e-300, 1e-13, 1e200):
+        assert scaled(scale) == pytest.approx(scaled(1.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("beside", [0.0, 1e-9], ids=["constant", "lost in rounding"])
+def test_a_base_sample_that_does_not_vary_has_no_indices(beside: float) -> None:
+    """A corner that evaluations of some designs meet, but not of their base sample; never is every index zero."""
+    total = 0
+    for seed in range(8):
+        found = ran(
+            lambda u: ((u[:, 0] > 0.93) & (u[:, 1] > 0.93)) + beside * u[:, 2], {"sobol": {"samples": 64}}, seed=seed
+        )
+        study = shares_of(found)
+        assert study.indices is None or any(row.total for row in study.indices)
+        total += study.statement == no_base_variance(2 * 64)
+    assert total
 
 
 def test_a_constant_has_no_indices() -> None:

@@ -72,10 +72,12 @@ def sobol(
     def study(rows: list[SobolRow] | None, statement: Spans) -> SobolStudy:
         return SobolStudy(**_counts(batch, confidence), samples=request.samples, indices=rows, statement=statement)
 
-    values = batch.costs[:, 0]
     reason = _unusable(batch)
-    if reason is None and np.ptp(values) <= 1e-12 * float(np.abs(values).max()):
-        reason = sentences.NO_VARIANCE
+    if reason is not None:
+        return study(None, reason)
+    _, exponent = np.frexp(np.abs(batch.costs[:, 0]).max())
+    values = np.ldexp(batch.costs[:, 0], -exponent)  # the indices are of no unit, and squares must be finite
+    reason = _no_variance(values, box["num_vars"])
     if reason is not None:
         return study(None, reason)
     found = analysis.analyze(
@@ -116,6 +118,20 @@ def _unusable(batch: Batch) -> Spans | None:
     """Why no index is computed; None if the design has every value."""
     missing = int(np.count_nonzero(batch.status != OK))
     return sentences.no_index(missing, len(batch.status)) if missing else None
+
+
+def _no_variance(values: Floats, parameters: int) -> Spans | None:
+    """Why there is no variance to split; None if there is. Its estimate has the values of the base sample alone."""
+    base = np.concatenate([values[:: parameters + 2], values[parameters + 1 :: parameters + 2]])
+    if _constant(values):
+        return sentences.NO_VARIANCE
+    if _constant(base) or base.var() <= np.finfo(float).eps * values.var():
+        return sentences.no_base_variance(len(base))
+    return None
+
+
+def _constant(values: Floats) -> bool:
+    return bool(np.ptp(values) <= 1e-12 * np.abs(values).max())
 
 
 def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[str, dict[str, float | None]]]:

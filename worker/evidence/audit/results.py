@@ -198,16 +198,19 @@ def _charts(run: Run, k: int) -> Tree:
 
 
 def _gap(run: Run, k: int, gap: Tree) -> Tree:
-    """The sentence on DIRECT's possible gain; its lower bound and gap must end at the value of an evaluation."""
+    """The sentence on DIRECT's possible gain; its lower bound and gap must end at the lowest value of the search, of
+    earlier versions at that of some evaluation, and the gap is not negative."""
     _, raw, status = run.rows(k)
-    best = gap["lower_bound"] + gap["gap"]  # of the centres alone, as taken; the sum has lost digits
+    best = gap["lower_bound"] + gap["gap"]  # the sum has lost digits
     known = raw[status == OK]
+    if run.wording >= limits.LOWEST:
+        known = np.array([run.best[k]])
     nearest = float(known[np.argmin(np.abs(known - best))]) if len(known) else math.nan
     lost = 4 * np.finfo(float).eps * max(abs(gap["lower_bound"]), abs(gap["gap"]))
     numbers = (gap["rectangles"], gap["without_value"], run.quantity, gap["lower_bound"], nearest, run.unit)
     found: Tree = {} if run.reworded else {"statement": possible_gain(*numbers)}
     found["rectangles"] = min(gap["rectangles"], run.ended[k]["evaluations"])
-    return found if abs(nearest - best) <= lost else found | {"lower_bound": math.nan}
+    return found if abs(nearest - best) <= lost and gap["gap"] >= 0.0 else found | {"lower_bound": math.nan}
 
 
 def _found(run: Run, made: Tree, finding: Tree) -> Tree:

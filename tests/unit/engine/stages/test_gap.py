@@ -54,6 +54,30 @@ def test_of_a_bowl_it_is_below_the_minimum_and_approaches_it() -> None:
     assert gaps[0] > gaps[1] > gaps[2]
 
 
+@pytest.mark.parametrize("method", [direct.method, direct_l.method], ids=lambda m: m.name)
+@pytest.mark.parametrize("failing", [False, True], ids=["every value", "failing region"])
+def test_it_is_never_above_what_the_search_has_evaluated(method: Method, failing: bool) -> None:
+    """A deep hole that the last evaluations of many budgets meet, in an iteration that the budget ends."""
+
+    def holed(x: Floats) -> Floats:
+        hole = (np.abs(x[:, 0] - 0.3) < 0.02) & (np.abs(x[:, 1] - 0.77) < 0.03)
+        values = (x[:, 0] - 0.31) ** 2 + (x[:, 1] - 0.77) ** 2 - 3.0 * hole
+        return np.where(failing & (np.sin(40 * x[:, 0]) < -0.3) & ~hole, np.nan, values)
+
+    whole, estimated = stored(holed, 200, method=method), 0
+    for budget in range(9, 200, 2):
+        columns = Columns(*(part[:budget] for part in whole[:4]), {})
+        found = gap.estimate(case1(), method, direct.Options(), columns)
+        best = float(np.nanmin(columns.costs))
+        if found is None:
+            assert failing
+            continue
+        estimated += 1
+        assert found.lower_bound <= best
+        assert found.gap == best - found.lower_bound
+    assert estimated > 80
+
+
 def test_the_rectangles_are_those_of_the_search() -> None:
     columns = stored(plane, 400)
     boxes, search = direct.divide(2, direct.Options())

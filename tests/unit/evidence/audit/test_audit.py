@@ -286,9 +286,16 @@ def test_its_order_is_wilks(samples: int, share: float) -> None:
 @pytest.mark.parametrize(("best", "lowest"), [(2.0675210081688604e-09, -0.12), (0.5, 0.5 - 1e-13), (3.0, -1e6)])
 def test_the_gap_of_direct_ends_at_an_evaluation_whatever_digits_the_sum_loses(best: float, lowest: float) -> None:
     rows = (np.zeros((3, 1)), np.array([best, best + 1.0, 7.0]), np.zeros(3, dtype=np.uint8))
-    run: Any = SimpleNamespace(rows=lambda _: rows, quantity="d", unit="m", ended=[{"evaluations": 3}], reworded="")
+    common = {"quantity": "d", "unit": "m", "ended": [{"evaluations": 3}], "reworded": "", "best": [best]}
+    runs: list[Any] = [SimpleNamespace(rows=lambda _: rows, wording=wording, **common) for wording in (9, 8)]
+    run, earlier = runs
     gap = {"lower_bound": lowest, "gap": best - lowest, "rectangles": 3, "without_value": 0}
     found = results._gap(run, 0, gap)
     assert found["statement"] == possible_gain(3, 0, "d", lowest, best, "m")
     assert "lower_bound" not in found
-    assert "lower_bound" in results._gap(run, 0, gap | {"gap": best - lowest + 0.25})
+    for other, known in ((best - lowest + 0.25, False), (best + 1.0 - lowest, True)):
+        wrong = gap | {"gap": other}
+        assert "lower_bound" in results._gap(run, 0, wrong)
+        assert ("lower_bound" in results._gap(earlier, 0, wrong)) is not known
+    above = {"lower_bound": best + 0.5, "gap": -0.5}
+    assert all("lower_bound" in results._gap(one, 0, gap | above) for one in runs)

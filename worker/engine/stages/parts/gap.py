@@ -22,7 +22,8 @@ DIGITS = 12
 
 
 def estimate(problem: Problem, method: Method, options: Any, columns: Columns) -> Gap | None:
-    """The estimate from these stored evaluations; None if the method has no rectangles or none has a value."""
+    """The estimate from these stored evaluations; None if the method has no rectangles or none has a value, or if an
+    evaluation beside a rectangle without a value is lower."""
     if method.divide is None:
         return None
     boxes, search = method.divide(columns.points.shape[1], options)
@@ -32,7 +33,9 @@ def estimate(problem: Problem, method: Method, options: Any, columns: Columns) -
         return None
     half = 0.5 * 3.0 ** -boxes.depth[: boxes.count][kept].astype(np.float64)
     lowest = float((boxes.value[: boxes.count][kept] - half @ slopes).min())
-    best = float(boxes.value[: boxes.count][kept].min())
+    best = float(Batch(columns.costs, columns.status).ranked().min())
+    if best < lowest:
+        return None
     lost = int(np.count_nonzero(~kept))
     return Gap(
         rectangles=boxes.count,
@@ -45,18 +48,22 @@ def estimate(problem: Problem, method: Method, options: Any, columns: Columns) -
 
 
 def _replayed(search: Search, columns: Columns) -> Floats:
-    """Replay the search up to its last complete iteration; the largest slope observed along each side of the cube."""
+    """Replay the search up to its last complete iteration; the largest slope observed along each side of the cube, also
+    by the evaluations of an incomplete one."""
     known: dict[bytes, float] = {}
     slopes = np.zeros(columns.points.shape[1])
     points, done = next(search), 0
     try:
-        while done + len(points) <= len(columns.status):
+        while done < len(columns.status):
             batch = Batch(columns.costs[done : done + len(points)], columns.status[done : done + len(points)])
             done += len(points)
-            values = np.where(np.isfinite(batch.ranked()), batch.ranked(), np.nan)
+            values, ranked = np.full(len(points), np.nan), batch.ranked()
+            values[: len(ranked)] = np.where(np.isfinite(ranked), ranked, np.nan)
             known |= {key.tobytes(): float(v) for key, v in zip(_keys(points), values, strict=True)}
             if len(points) > 1:
                 _steepest(slopes, points, values, known)
+            if len(ranked) < len(points):
+                break
             points = search.send(batch)
     except StopIteration:
         pass

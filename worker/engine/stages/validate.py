@@ -23,7 +23,7 @@ from campaigns.results.validate import CaseBasin, Downhill, Gathered
 from campaigns.stored.records import Trace
 from worker.engine.stages.parts import findings, incumbents, modes, noise, offered, seeds
 from worker.engine.stages.parts.base import all_columns, drive
-from worker.engine.stages.parts.comparison import compare
+from worker.engine.stages.parts.comparison import compare, reached
 from worker.engine.stages.parts.confirm import Case, cases
 from worker.engine.stages.parts.context import Context, Driven
 from worker.engine.stages.parts.encounter import encounter
@@ -195,7 +195,7 @@ def _finding(context: Context, i: int, found: findings.Found, case: Validation) 
     known = [
         FoundBy(position=at, method=searched[at].method, evaluations=needed)
         for at, columns in all_columns(context, list(searched))
-        if (needed := findings.reached(context, columns, basin)) is not None
+        if (needed := reached(context, found, at, columns, i)) is not None
     ]
     slices, beyond = evidence.after or (None, None)
     found_here = _described(context, basin.point, basin.cost, known, case)

@@ -18,8 +18,8 @@ from worker.evidence.audit.sentences import SPANS, alike, budget
 
 
 def found_by(run: Run, finding: Tree) -> list[Tree]:
-    """The searches that came close to a finding, with the evaluations that they needed; of one that is a stored
-    evaluation as it was, which has no slices, the search that made it."""
+    """The searches that came close to a finding, or had a result of their own in its basin, with the evaluations that
+    they needed; of one that is a stored evaluation as it was, which has no slices, the search that made it."""
     stated = [one | {"method": run.plan[one["position"]].method} for one in finding["found"]]
     if run.reworded:
         return stated
@@ -33,12 +33,27 @@ def found_by(run: Run, finding: Tree) -> list[Tree]:
     for k in run.searches:
         points, raw, status = run.rows(k)
         low = (status == OK) & (raw <= worst + near)
-        close = low & (np.abs(points - point) <= limits.SAME_PLACE).all(axis=1)
+        close = (np.abs(points - point) <= limits.SAME_PLACE).all(axis=1)
+        close[_own(run, k, finding["label"])] = True
+        close &= low
         if close.any():
             every.append(_entry(run, k, close))
         here = exact[run.stage == k]
         own += [[_entry(run, k, here)]] if here.any() else []
     return stated if not finding.get("slices") and stated in own else every
+
+
+def _own(run: Run, k: int, label: str) -> list[int]:
+    """The rows of a search's best, of its parts and of its minima that are in the basin of a finding, as taken."""
+    result, row = run.claims["results"][k], run.claims["comparison"][run.searches.index(k)]
+    points, raw, status = run.rows(k)
+    rows = [int(np.argmin(np.where(status == OK, raw, np.inf)))] if row["basin"] == label else []
+    parts = zip(result.get("apart") or (), row.get("apart") or (), strict=True)
+    rows += [part["index"] for part, basin in parts if basin == label]
+    for minimum, basin in zip(result["minima"], row.get("minima") or (), strict=True):
+        here = (points == np.array(minimum["point"])).all(axis=1)
+        rows += np.flatnonzero(here)[:1].tolist() if basin == label else []
+    return rows
 
 
 def noise(run: Run, finding: Tree) -> Tree:

@@ -16,7 +16,7 @@ from worker.engine.search.parts.basin import Basin
 from worker.engine.stages import search
 from worker.engine.stages.parts import candidates, findings
 from worker.engine.stages.parts.base import drive
-from worker.engine.stages.parts.comparison import compare
+from worker.engine.stages.parts.comparison import compare, reached
 from worker.engine.stages.parts.context import Context, Driven
 from worker.engine.stages.parts.findings import Found
 from worker.engine.stages.parts.left import Left
@@ -82,7 +82,7 @@ def test_two_symmetric_failures_are_exactly_two_findings(method: str) -> None:
     assert all(b.cost < 0.5 for b in found.basins)
     columns = made.store.evaluations(1)
     assert columns is not None
-    counts = [findings.reached(made, columns, b) for b in found.basins]
+    counts = [reached(made, found, 1, columns, i) for i in range(2)]
     assert any(c is not None for c in counts), "the method came to neither by itself"
 
 
@@ -91,8 +91,8 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
     made, found, _ = found_by(campaign, two_failures)
     columns = made.store.evaluations(1)
     assert columns is not None
-    for basin in found.basins:
-        needed = findings.reached(made, columns, basin)
+    for i, basin in enumerate(found.basins):
+        needed = reached(made, found, 1, columns, i)
         assert needed is not None
         near = basin.cost + 0.01 * findings.scale(made, basin.cost)
         close = [
@@ -117,6 +117,30 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
     assert (direct.findings, sample.findings) == (["F1", "F2"], [])
     assert direct.best == columns.costs[:, 0].min()
     assert direct.basin == min(named, key=lambda f: f.cost).label
+
+
+@pytest.mark.parametrize(
+    ("function", "count"),
+    [
+        (lambda x: 1.0 - x[:, 0], 1),
+        (lambda x: np.maximum(0.0, x[:, 0] - 0.3), 1),
+        (lambda x: np.cos(14.0 * x[:, 0]) + 0.002 * x[:, 0], 2),
+    ],
+    ids=["parameter that does not matter", "plateau", "two valleys"],
+)
+def test_a_search_with_a_result_of_its_own_in_a_basin_has_reached_its_worst_case(
+    function: Function, count: int
+) -> None:
+    """Two searches end far from each other in the parameter that does not matter, at the same cost."""
+    starts = [[{"vehicle.m": m, "vehicle.J": j} for m in (4.35, 5.35)] for j in (0.042, 0.058)]
+    made, found, _ = found_by(
+        searching(*({"method": "sqp", "evaluations": 300, "starts": s} for s in starts)), function
+    )
+    for at in (1, 2):
+        columns = made.store.evaluations(at)
+        assert columns is not None
+        needed = [reached(made, found, at, columns, i) for i in range(count)]
+        assert None not in needed
 
 
 def test_each_minimum_of_a_search_is_in_the_basin_of_the_finding_that_it_ended_in() -> None:

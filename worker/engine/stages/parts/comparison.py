@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from campaigns.limits import SAME_COST
+from campaigns.limits import SAME_COST, SAME_PLACE
 from campaigns.results import Finding
 from campaigns.results.base import OK
 from campaigns.results.validate import Compared
+from campaigns.stored.records import Columns
 from worker.engine.stages.parts.base import all_columns
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.findings import Found, scale
@@ -50,3 +51,24 @@ def compare(context: Context, findings: Sequence[Finding], found: Found, labels:
             )
         )
     return rows
+
+
+def reached(context: Context, found: Found, at: int, columns: Columns, i: int) -> int | None:
+    """The evaluations that a stage needed to reach worst case `i`: to nearly its cost, close to it or with a result of
+    its own in its basin, which is far where a parameter does not matter; None if it never did."""
+    basin = found.basins[i]
+    close = np.asarray((np.abs(columns.points - basin.point) <= SAME_PLACE).all(axis=1))
+    close[[row for row, ended in _own(context, found, at, columns) if ended == i]] = True
+    low = (columns.status == OK) & (columns.costs[:, 0] <= basin.cost + SAME_COST * scale(context, basin.cost))
+    return int(np.argmax(low & close)) + 1 if (low & close).any() else None
+
+
+def _own(context: Context, found: Found, at: int, columns: Columns) -> Iterator[tuple[int, int | None]]:
+    """The rows of a search's best, of those of its parts and of its minima, and the basin in which each is."""
+    result = context.searched[at]
+    if result.best is not None and result.best.index is not None:
+        yield result.best.index, found.basin_of(at, result.best.cost)
+    yield from ((part.index, found.basin_of(at, part.best)) for part in result.apart)
+    for m, basin in found.minima_of(at).items():
+        here = (columns.points == np.array(result.minima[m].point)).all(axis=1)
+        yield from ((int(row), basin) for row in np.flatnonzero(here)[:1])

@@ -14,10 +14,9 @@ import numpy as np
 
 from campaigns.asked.allowance import USUAL, evidence, validation
 from campaigns.claims.stages import ends
-from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
+from campaigns.limits import ROUNDING, SAME_COST
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.finding import Neighbours
-from campaigns.stored.records import Columns
 from worker.engine.search.base import Batch, Search
 from worker.engine.search.parts.basin import ROUGH, Basin, Rules, close, lower
 from worker.engine.search.parts.basins import added, distinct
@@ -215,14 +214,6 @@ def _polished(context: Context, position: int, found: Found, random: np.random.G
         fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
         yield from _distinguished(context, found, [*found.basins, fresh], random)
         yield from _evidence(context, found, random)
-
-
-def reached(context: Context, columns: Columns, basin: Basin) -> int | None:
-    """The evaluations that a stage needed to come close to this worst case; None if it never did."""
-    near = SAME_COST * scale(context, basin.cost)
-    low = (columns.status == OK) & (columns.costs[:, 0] <= basin.cost + near)
-    close = low & (np.abs(columns.points - basin.point) <= SAME_PLACE).all(axis=1)
-    return int(np.argmax(close)) + 1 if close.any() else None
 
 
 def scale(context: Context, worst: float) -> float:

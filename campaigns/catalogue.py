@@ -174,7 +174,8 @@ class MethodEntry(Entry):
     whole_budget: Annotated[bool, UNSTATED] = False
     """Whether it uses its whole budget; omitted if it may end by its own rule."""
     own_rule: Annotated[str, UNSTATED] = ""
-    """The option with which it may end by its own rule all the same; omitted if it has none."""
+    """The options, separated by spaces, with which it may end by its own rule all the same, unless they have their
+    defaults; omitted if it has none."""
     effort: Annotated[Iterations | Descents | None, UNSTATED] = None
     """How many evaluations it takes until its own rule ends it; omitted if not declared."""
     parallel: Annotated[str, UNSTATED] = ""

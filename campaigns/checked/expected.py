@@ -119,11 +119,17 @@ def _search(campaign: Campaign, search: Search, catalogue: Catalogue) -> Range:
         ends = _iterations(effort, stated, len(campaign.uncertain)) or ends
     elif isinstance(effort, Descents):
         ends = _descents(effort, _starts(search, effort.option, entry), len(campaign.uncertain))
-    elif entry is None or not entry.whole_budget or search.options.get(entry.own_rule):
+    elif entry is None or not entry.whole_budget or _own_rule(search, entry):
         least = FEWEST * (len(campaign.uncertain) + 1)
         ends = least, round(math.sqrt(min(least, limit) * limit))
     least, usual = (max(1, min(limit, end)) for end in ends)
     return least, usual
+
+
+def _own_rule(search: Search, entry: MethodEntry) -> bool:
+    """Whether an option that lets the method end by its own rule has another value than its default."""
+    usual = {name: entry.options["properties"][name]["default"] for name in entry.own_rule.split()}
+    return any(search.options.get(name, value) != value for name, value in usual.items())
 
 
 def _iterations(effort: Iterations, stated: object, dimension: int) -> Range | None:

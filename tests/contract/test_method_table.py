@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import fields
 from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
 
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from clearance.testing.searching import BUDGET, Answer, answering, at_most, batch, driven, rough
@@ -106,3 +110,41 @@ def test_one_that_can_be_extended_begins_with_the_same_points(method: Method, na
     assert after is not None
     assert len(after.points) == count + more
     assert np.array_equal(after.points[:count], before.points)
+
+
+def stated(method: Method) -> Iterator[Any]:
+    """Its options with each switch turned, and each whole number small."""
+    known: TypeAdapter[Any] = TypeAdapter(method.options)
+    for field in fields(method.options):
+        usual = getattr(method.options(), field.name)
+        for value in (not usual,) if isinstance(usual, bool) else (0, 1, 2) if isinstance(usual, int) else ():
+            with suppress(ValidationError):
+                yield known.validate_python({field.name: value})
+
+
+@pytest.mark.parametrize(
+    "method",
+    [
+        pytest.param(m, id=m.name, marks=pytest.mark.nightly if m.name == "genetic" else ())
+        for m in methods().values()
+        if m.extend is not None and not m.costly
+    ],
+)
+def test_a_search_that_an_option_ended_takes_what_an_extension_adds(method: Method) -> None:
+    """Of a bowl, which is soon solved; its first points are the same."""
+    assert method.extend is not None
+    answer, budget = answering(lambda x: ((x - 0.37) ** 2).sum(axis=1), EXCLUDED), 2500
+    for options in stated(method):
+        before = driven(method, answer, budget, options=options)
+        count = before.tally.evaluations
+        if before.stop != "rule":
+            continue
+        try:
+            longer = method.extend(options, budget)
+        except ValueError:  # it is refused, with the reason
+            continue
+        after = driven(method, answer, count + budget, options=longer)
+        assert after.tally.evaluations == count + budget, options
+        assert before.columns is not None
+        assert after.columns is not None
+        assert np.array_equal(after.columns.points[:count], before.columns.points)

@@ -106,7 +106,10 @@ def test_a_ray_and_a_slice_take_what_the_allowance_counts() -> None:
 def test_a_method_that_may_end_by_its_own_rule_has_a_range() -> None:
     for method, options, whole in (
         ("genetic", {"as_published": True}, False), ("of_another_package", {}, False), ("genetic", {}, True),
-        ("mlsl", {"as_published": True}, True),
+        ("mlsl", {"as_published": True}, True), ("differential_evolution", {}, True), ("global_clustering", {}, True),
+        *(("differential_evolution", given, False) for given in ({"restarts": 0}, {"as_published": True})),
+        *(("global_clustering", given, False) for given in ({"minima": 1}, {"as_published": True})),
+        ("differential_evolution", {"restarts": 1_000_000, "as_published": False}, True),
         ("cma_es", {}, True),
     ):  # fmt: skip
         search = {"method": method, "evaluations": 4000, "options": options}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -96,7 +97,7 @@ def test_extended_it_repeats_its_first_points() -> None:
     short = run(method, bowl, 2, 100_000)
     assert method.extend is not None
     extended = method.extend(method.options(as_published=True), 1000)
-    long = run(method, bowl, 2, len(short.points) + 1000, options={"restarts": extended.restarts})
+    long = run(method, bowl, 2, len(short.points) + 1000, options=asdict(extended))
     assert len(long.points) >= len(short.points) + 1000
     assert long.minima[0].text == short.text
     assert len(long.minima) == 2

@@ -134,6 +134,12 @@ def _run(ask: Ask, space: Space, options: Options, best: Lowest) -> str:
     return _ending(done.nit)
 
 
+def _unending(options: Options) -> Options:
+    """Options whose first populations are the same, and that restart until the budget ends."""
+    settled = options.settled
+    return options if settled.restarts == ALWAYS else replace(settled, restarts=ALWAYS, as_published=False)
+
+
 method = Method(
     name="differential_evolution",
     title="Differential evolution",
@@ -143,10 +149,10 @@ method = Method(
     evaluations=5000,
     options=Options,
     search=search,
-    extend=lambda options, more: replace(options, restarts=ALWAYS - 1) if options.as_published else options,
+    extend=lambda options, more: _unending(options),
     family="population",
     whole_budget=True,
-    own_rule="as_published",
+    own_rule="as_published restarts",
     parallel="a generation",
     suits="rough criteria and bent valleys, some thousand evaluations",
     look=MethodLook(colour="#8379ea", dark="#7470e6", marker="down", short="DE"),

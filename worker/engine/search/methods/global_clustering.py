@@ -11,7 +11,7 @@ begins again with a new sample until the budget ends; the published one stops (`
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -256,8 +256,8 @@ method = Method(
     repeats=True,
     family="multistart",
     whole_budget=True,
-    own_rule="as_published",
-    extend=lambda options, more: options,
+    own_rule="as_published minima",
+    extend=lambda options, more: replace(options, minima=0, as_published=False),
     parallel="every local search on its own",
     suits="a list of all valleys",
     drawback="Of the targets of BBOB in 5 dimensions it reaches 0.32 at 1,000 n, CMA-ES 0.68",

@@ -31,14 +31,30 @@ def agreement(run: Run) -> bool:
         searched = spent >= least and not (kind == "local" and spent >= run.plan[k].planned)
         came[k] = searched and run.best[k] - worst <= within and row["basin"] in labels
         parts = run.claims["results"][k].get("apart") or []
-        if came[k] and not parts:
+        if came[k] and not parts and not _started(run, k, row["basin"]):
             by.add(family(run, k))
         for part, basin in zip(parts, row.get("apart") or [], strict=True):
-            if came[k] and part["evaluations"] >= least and part["best"] - worst <= within and basin in labels:
+            reached = part["evaluations"] >= least and part["best"] - worst <= within and basin in labels
+            if came[k] and reached and not _started(run, k, basin):
                 by.add(run.methods[k].apart.get(part["member"], part["family"]))
     globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
     several = len(by) >= limits.METHODS
     return bool(globally) and all(globally) and several and (not run.varies or worst < run.nominal)
+
+
+def _started(run: Run, k: int, label: str) -> bool:
+    """Whether the campaign started a search at the worst case of this label; earlier versions let it agree."""
+    if run.wording < limits.LOWEST:
+        return False
+    for start in run.campaign.stages.search[run.searches.index(k)].starts:
+        for found in (f for f in run.findings if f["label"] == label):
+            apart = [
+                abs(start.get(path, run.known[path][1]) - found["parameters"][path]) / (high - low)
+                for path, (low, high) in run.bounds.items()
+            ]
+            if max(apart) <= limits.SAME_PLACE:
+                return True
+    return False
 
 
 def _rounding(run: Run, worst: float) -> float:

@@ -32,7 +32,8 @@ BASELINES, BESIDE, ROUNDED, TAILS, LOWEST = 5, 6, 7, 8, 9
 thresholds of both runs, and how many evaluations failed for each reason; since which a policy accepts known violations
 only where nothing beside them is wrong; since which costs agree within rounding only if they differ by that of their
 own digits; since which an estimate counts what is beyond the bounds relative to what is not excluded; since which
-DIRECT's possible gain is measured from the lowest evaluation of its search."""
+DIRECT's possible gain is measured from the lowest evaluation of its search, and a search that started at a worst case
+does not confirm it."""
 
 
 def draws(requested: int, drawn: int) -> int:

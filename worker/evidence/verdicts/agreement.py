@@ -3,9 +3,9 @@
 A method's own best counts if it is in the basin of a listed finding (by the findings' own test) and its cost is within
 the campaign's `agreement` and a tenth of the margin of the worst; so mirrored worst cases agree. A method counts only
 if it really searched: with a minimum budget, until its own stopping rule or the end of its budget, and to a best below
-nominal. Methods of one family search by the same principle and miss the same cases: they count once. A search of
-several parts that were told nothing of each other's evaluations counts as so many methods; parts that shared what they
-knew are one.
+nominal. Methods of one family search by the same principle and miss the same cases: they count once. A search that the
+campaign started at the worst case is no witness of it. A search of several parts that were told nothing of each other's
+evaluations counts as so many methods; parts that shared what they knew are one.
 """
 
 from __future__ import annotations
@@ -14,11 +14,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from campaigns import rules
 from campaigns.claims.say import Part as Said
 from campaigns.claims.say import count, finding, joined, listed, method, number, say
 from campaigns.claims.spans import Span, Spans
 from campaigns.codes import CheckCode
+from campaigns.limits import SAME_PLACE
 from campaigns.results import SearchResult
 from campaigns.results.validate import Compared
 from campaigns.results.verdict import Check
@@ -51,8 +54,22 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
     counted = [
         part for s in aiming if not _not_searched(s, problem.dimension) for part in _parts(s, evidence)
         if part.evaluations >= _least(s, problem.dimension) and part.best - worst <= within and part.finding is not None
+        and not _given(s, part, problem, evidence)
     ]  # fmt: skip
-    return _agreed(counted, evidence, flat, worst, nominal, unit)
+    found = _agreed(counted, evidence, flat, worst, nominal, unit)
+    given = [_titled(s) for s in aiming if any(_given(s, part, problem, evidence) for part in _parts(s, evidence))]
+    if found.ok or not given:
+        return found
+    started = say(listed(given), " started at it, as the campaign states, and does not confirm it")
+    return _check(False, found.statement if counted else "no other search reached the worst case", "; ", started)
+
+
+def _given(search: SearchResult, part: Part, problem: Problem, evidence: Evidence) -> bool:
+    """Whether a start of the campaign is where the worst case is in whose basin this part ended."""
+    requested = problem.campaign.stages.search[_index(search, evidence)].starts
+    places = [np.array(f.point) for f in evidence.findings if f.label == part.finding]
+    starts = [problem.point(start) for start in requested] if places else []
+    return any(np.abs(start - place).max() <= SAME_PLACE for start in starts for place in places)
 
 
 @dataclass(frozen=True)
@@ -165,6 +182,9 @@ def _finding_of(search: SearchResult, evidence: Evidence) -> str | None:
     return _row(search, evidence).basin
 
 
+def _index(search: SearchResult, evidence: Evidence) -> int:
+    return next(i for i, s in enumerate(evidence.searches) if s is search)
+
+
 def _row(search: SearchResult, evidence: Evidence) -> Compared:
-    at = next(i for i, s in enumerate(evidence.searches) if s is search)
-    return evidence.validation.comparison[at]
+    return evidence.validation.comparison[_index(search, evidence)]

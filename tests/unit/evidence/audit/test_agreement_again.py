@@ -11,14 +11,14 @@ import pytest
 from worker.evidence.audit.agreement import agreement
 
 
-def run(first: float, second: float, nominal: float, varies: bool = True, older: bool = False) -> Any:
+def run(first: float, second: float, nominal: float, varies: bool = True, older: bool = False, **more: Any) -> Any:
     """What `agreement` reads of a run in which two global methods of different families searched."""
     methods = {
         k: SimpleNamespace(name=name, kind="global", family=name, families={}, apart={}, options={})
         for k, name in enumerate(("direct", "genetic"))
     }
     finding = {"label": "F1", "cost": min(first, second), "validation": {"realisation": None}}
-    search = [SimpleNamespace(options={}) for _ in methods]
+    search = [SimpleNamespace(options={}, starts=more.get("starts", [])) for _ in methods]
     return SimpleNamespace(
         claims={
             "findings": [finding], "comparison": [{"basin": "F1"}] * 2, "results": [{}, {}], "verdict": "inconclusive",
@@ -26,7 +26,8 @@ def run(first: float, second: float, nominal: float, varies: bool = True, older:
         campaign=SimpleNamespace(agreement=0.05, stages=SimpleNamespace(search=search)),
         nominal=nominal, threshold=0.0, searches=[0, 1], methods=methods, bounds={"a": (0.0, 1.0)},
         ended=[{"evaluations": 100}] * 2, plan=[SimpleNamespace(planned=1000)] * 2, best=[first, second],
-        varies=varies, older=older,
+        varies=varies, older=older, wording=more.get("wording", 9), known={"a": ("", 0.5)},
+        findings=[finding | {"parameters": {"a": 0.1}}],
     )  # fmt: skip
 
 
@@ -50,3 +51,9 @@ def test_a_flat_criterion_agrees_but_of_earlier_versions_only_within_their_rule(
 def test_a_difference_of_rounding_is_compared_as_the_verdict_compares_it() -> None:
     best = 1.0 + 5 * math.ulp(1.0)
     assert not agreement(run(1.0, best, 1.0 + 1e-14))
+
+
+def test_searches_that_started_at_the_worst_case_do_not_confirm_it_but_in_earlier_versions() -> None:
+    assert agreement(run(0.43, 0.43, 1.4, starts=[{"a": 0.2}, {}]))
+    assert not agreement(run(0.43, 0.43, 1.4, starts=[{"a": 0.2}, {"a": 0.12}]))
+    assert agreement(run(0.43, 0.43, 1.4, starts=[{"a": 0.12}], wording=8))

@@ -511,6 +511,25 @@ def test_a_portfolio_is_a_global_method() -> None:
     assert concluded(searches=[search("portfolio"), search("sqp")]).verdict == "cleared"
 
 
+@pytest.mark.parametrize(
+    ("started", "agreed"),
+    [({"vehicle.m": 5.0}, True), ({"vehicle.m": 5.95}, False), ({"vehicle.m": 6.0, "vehicle.J": 0.06}, True)],
+    ids=["nominal", "close", "at one parameter of it"],
+)
+@pytest.mark.parametrize("both", [True, False])
+def test_a_search_that_the_campaign_started_at_the_worst_case_does_not_confirm_it(
+    started: dict[str, float], agreed: bool, both: bool
+) -> None:
+    requests = [
+        {"method": "genetic", "evaluations": 2000} | ({"starts": [started]} if both else {}),
+        {"method": "sqp", "evaluations": 1000, "starts": [{"vehicle.m": 4.5}, started]},
+    ]
+    found = concluded(
+        campaign(stages__search=requests), finding=finding(point=[1.0, 0.5]), searches=[search("direct"), search("sqp")]
+    )
+    assert check_of("agreement", found).ok is agreed
+
+
 APART = [part_apart("sqp", "gradients"), part_apart("contrast_racing", "racing of descents")]
 
 

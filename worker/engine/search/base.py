@@ -164,7 +164,7 @@ class Method:
     `apart`: families of its members, by method, that are told nothing of the others' evaluations: what such a member
     reaches, it confirms.
     `whole_budget`: it uses its whole budget; others may end by their own rule, after their `effort` if it is known.
-    `own_rule`: the option with which it may end by its own rule all the same.
+    `own_rule`: the options with which it may end by its own rule all the same, at other values than their defaults.
     `parallel`, `at_once`: how many points it requests at a time, in a few words; the option that states this number.
     `takes`: the option that states the time of an evaluation [s].
     `suits`: what it is for, in a few words.

@@ -5,7 +5,7 @@ An id names a requirement in the tool that it was written in.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -20,11 +20,16 @@ MOST = 200
 LONGEST_ID = 120
 """Characters."""
 
-_ASKED = ("scenario", "simulator", "uncertain", "correlations", "criterion")
-"""What a violation depends on. Seed, methods and budgets decide whether it is found, not whether it is there."""
+_ASKED = ("scenario", "simulator", "uncertain", "criterion")
+"""What a violation depends on. Seed, methods, budgets and correlations decide whether it is found and how often, not
+whether it is there."""
 
-_STATED = ("requirements", "threshold", "from_centre")
-"""Of the criterion; no value of an evaluation depends on them."""
+_UNASKED = {
+    "scenario": ("realisations",),
+    "simulator": ("repeats", "retries"),
+    "criterion": ("requirements", "threshold", "from_centre"),
+}
+"""Of these, what removes no case: what an evaluation draws, calls and combines, and what is stated of its value."""
 
 
 def _id(text: str) -> str:
@@ -63,13 +68,19 @@ Requirements = Annotated[
 
 
 def question(document: Mapping[str, Any]) -> str:
-    """SHA-256 of what a stored campaign asks: system, bounds and criterion, without seed, methods and budgets.
+    """SHA-256 of what a stored campaign asks: system, bounds and criterion, without all that removes no violation.
 
     Without the threshold as well: a value that violates a threshold violates every higher one.
     """
-    content = {key: document[key] for key in _ASKED if document.get(key)}
-    content["criterion"] = {k: v for k, v in (document.get("criterion") or {}).items() if k not in _STATED}
+    content = {key: _without(document[key], _UNASKED.get(key, ())) for key in _ASKED if document.get(key)}
+    content["uncertain"] = {
+        path: _without(one, ("distribution",)) for path, one in content.get("uncertain", {}).items()
+    }
     return digest_of(content)
+
+
+def _without(part: Mapping[str, Any], names: Collection[str]) -> Mapping[str, Any]:
+    return {name: value for name, value in part.items() if name not in names}
 
 
 def definition(document: Mapping[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""A database that revision 0018 wrote: after the migration its runs state no requirement, and their digests stand.
+"""Stored requirements of earlier revisions: what their runs state, and which question they ask, after the migration.
 
 `stored/revision-0018.sqlite3.gz` was written by the code of that revision: R-0001 is cleared and signed off, R-0002 is
 violated.
@@ -9,6 +9,8 @@ from __future__ import annotations
 import gzip
 from pathlib import Path
 
+import httpx
+import pytest
 import sqlalchemy as sa
 
 from backend.db.digest import results_digest
@@ -17,6 +19,10 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Requirement, Run, RunRequirement, Signoff
 from backend.requirements import matrix
 from campaigns.asked.load import load_document
+from campaigns.asked.requirements import question
+from tests.given.databases import KINDS
+from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 
 STORED = Path(__file__).parents[1] / "stored" / "revision-0018.sqlite3.gz"
 
@@ -34,3 +40,22 @@ def test_stored_runs_keep_their_digests_and_sign_offs(tmp_path: Path) -> None:
         assert matrix.page(reader, "", None, 10, 1).items == []
         assert reader.scalar(sa.select(sa.func.count()).select_from(Run)) == 2
     engine.dispose()
+
+
+@pytest.mark.parametrize("database", KINDS, indirect=True)
+def test_stored_questions_are_those_of_this_version(service: Service, client: httpx.Client) -> None:
+    stated = {"criterion": {"threshold": 0.5, "requirements": ["SYS-1"]}}
+    masses = {"low": 4.0, "high": 5.0, "distribution": {"kind": "triangular", "mode": 4.5}}
+    for changes in (stated, stated | {"uncertain": {"vehicle.m": masses}}, {"seed": 7}):
+        assert client.post("/api/v1/runs", json={"campaign": campaign(**changes)}).status_code == 201
+    with service.engine.begin() as writer:
+        for table in (CampaignRow, RunRequirement):
+            writer.execute(sa.update(table).values(question="of an earlier version"))
+        writer.execute(sa.text("update alembic_version set version_num = '0031'"))
+    migrate(service.engine.url.render_as_string(hide_password=False))
+    with read(service.engine) as reader:
+        rows = reader.execute(sa.select(CampaignRow.question, CampaignRow.document)).all()
+        assert [asked for asked, _ in rows] == [question(document) for _, document in rows]
+        required = reader.scalars(sa.select(RunRequirement.question).order_by(RunRequirement.run_id)).all()
+        of = {asked for asked, document in rows if "requirements" in document["criterion"]}
+        assert (len(required), set(required)) == (2, of)

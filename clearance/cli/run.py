@@ -102,9 +102,11 @@ def run(
         from clearance.cli._capsule import write_capsules
         from clearance.local.results import write_results
 
-        result["evidence_digest"] = write_results(out, campaign, store, result)
-        write_capsules(out, campaign, store, code.program_of(campaign))
-        code.write_description(out, campaign)
+        def others(folder: Path) -> None:
+            write_capsules(folder, campaign, store, code.program_of(campaign))
+            code.write_description(folder, campaign)
+
+        result["evidence_digest"] = write_results(out, campaign, store, result, others=others)
     if as_json:
         typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -31,6 +31,7 @@ from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions, short
 from worker.engine.problem.problem import Problem
 from worker.engine.systems.base import in_own_sign
+from worker.engine.systems.simulators.declared.folder import FILE
 from worker.running.catalogue.installed import catalogue
 from worker.running.opening import opened
 from worker.running.runs.continuation import CannotContinue
@@ -41,22 +42,31 @@ ARRAYS, TABLE, RESULT = "evaluations.npz", "evaluations.csv", "result.json"
 
 def write_results(
     folder: Path, campaign: Campaign, store: MemoryStore, result: dict[str, object], problem: Problem | None = None,
-    known: Catalogue | None = None,
+    known: Catalogue | None = None, others: Callable[[Path], None] = lambda folder: None,
 ) -> str:  # fmt: skip
     """Write everything into the folder, numbers with all their digits; returns the evidence digest.
 
     What an earlier run left there is replaced when all is written; until then nothing of it is changed.
-    problem, known: the campaign's problem and the catalogue, if its system is not one of this installation.
+    problem, known: the campaign's problem and the catalogue, if its system is not one of this installation; others:
+    writes what else belongs to these results into a folder.
     """
     with TemporaryDirectory(prefix=".results-", dir=folder) as beside:
         part = Path(beside)
         digest = _written(part, campaign, store, result, problem, known)
+        others(part)
+        earlier = _of_some(folder)
         (folder / RESULT).unlink(missing_ok=True)  # without it the folder is no result, whatever interrupts the rest
-        for trace in folder.glob("trace-*.csv"):
-            trace.unlink()
+        for file in earlier:
+            file.unlink(missing_ok=True)
         for file in sorted(part.iterdir(), key=lambda file: file.name == RESULT):
             file.replace(folder / file.name)
     return digest
+
+
+def _of_some(folder: Path) -> list[Path]:
+    """The files of an earlier run that not every run has. A simulator.yaml that it did not write is the user's."""
+    described = [folder / FILE] if versions_of(folder).command else []
+    return [*folder.glob("trace-*.csv"), *folder.glob("capsule-F*.zip"), *described]
 
 
 def _written(

@@ -19,6 +19,7 @@ from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from clearance.cli import _code as code
 from clearance.cli._code import HOW
 from clearance.local.results import read_folder
+from tests.given.case_campaigns import campaign
 from tests.given.refused_commands import fields, refusal, refused
 from tests.simulators import package
 from tests.simulators.adversaries import adversary
@@ -127,6 +128,20 @@ def test_a_run_whose_simulator_gives_no_value_fails_with_the_files_of_the_job(
     assert "no licence" in summary
     [result] = json.loads(found.read_text(encoding="utf-8"))["runs"][0]["results"]
     assert result["ruleId"] == "no-verdict"
+
+
+def test_no_description_of_an_earlier_run_stays_among_the_results(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    invoke(["run", str(written(tmp_path)), "--allow-code", "--out", str(out)])
+    assert (out / "simulator.yaml").exists()
+    short = tmp_path / "short.json"
+    searches = {"sensitivity": None, "search": [{"method": "direct", "evaluations": 5}], "validate": {"neighbours": 0}}
+    short.write_text(campaign(stages=searches).model_dump_json(by_alias=True), encoding="utf-8")
+    invoke(["run", str(short), "--out", str(out)])
+    assert not (out / "simulator.yaml").exists()
+    (out / "simulator.yaml").write_text("name: own", encoding="utf-8")
+    invoke(["run", str(short), "--out", str(out)])
+    assert (out / "simulator.yaml").read_text(encoding="utf-8") == "name: own", "no run wrote it"
 
 
 def test_a_run_in_other_units_is_no_baseline(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

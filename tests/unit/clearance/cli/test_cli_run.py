@@ -270,6 +270,9 @@ def test_the_report_when_no_flight_is_possible(file: Write, capsys: pytest.Captu
 
 def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     asked, folder = searching(DIRECT, SQP, SAMPLE, **SHORT), tmp_path / "deep" / "out"
+    folder.mkdir(parents=True)
+    for earlier in ("trace-F9.csv", "capsule-F9.zip"):
+        (folder / earlier).touch()
     _, printed = result(capsys, file(asked), "--out", str(folder))
     assert {p.name for p in folder.iterdir()} == {
         "result.json", "campaign.json", "evaluations.csv", "evaluations.npz", "evidence.json", "trace-nominal.csv",

@@ -31,7 +31,8 @@ class Row:
 
     model: the known value of the reconstructed model; tolerance: for the difference of ours to it, in `unit`, or None.
     place: fraction of each range within which `ours_at` must be of `model_at`, or None. agrees: whether both hold; None
-    if neither is stated or, with `available` false, nothing was computed. must: whether a disagreement is an error.
+    if neither is stated or, with `available` false, nothing was computed. must: whether it is an error that it
+    does not agree, also where it is not available.
     The `..._at` are parameter values by path.
     """
 
@@ -66,8 +67,8 @@ class Row:
 
     @property
     def broken(self) -> bool:
-        """Whether the row must agree and does not."""
-        return self.must and self.agrees is False
+        """Whether the row must agree and does not, also where nothing was computed."""
+        return self.must and self.agrees is not True
 
 
 @dataclass(frozen=True)

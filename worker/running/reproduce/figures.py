@@ -109,6 +109,7 @@ def write(folder: Path, flights: Flights, cases: Collection[int]) -> tuple[list[
             headings, rows = make(flights)
         except NotAvailable as error:
             missing.append(f"figure {figure}: not available: {error}")
+            path.unlink(missing_ok=True)  # of an earlier command
             continue
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = Writer(file)

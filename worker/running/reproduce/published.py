@@ -82,7 +82,7 @@ Trend = Literal["rises", "falls"]
 class Model:
     """The known result of the reconstructed model: value and tolerance, point and allowed fraction of each range.
 
-    None means not stated. must: whether a disagreement is an error.
+    None means not stated. must: whether it is an error that a row does not agree.
     """
 
     value: float | Trend | None = None

@@ -31,8 +31,9 @@ DECLARED = re.compile(r"Step adequacy: up to (\d+) of (\d+) random points exceed
 class Adequacy:
     """Differences between simulations at half the step and at the step.
 
-    largest, median: [unit of the criterion]; at: the point of the largest, by path; exceeding: number of points beyond
-    the tolerance; differing: number of points ok at one step only; declared: fraction of points allowed by the notes.
+    largest, median: [unit of the criterion]; at: the point of the largest, by path; compared: number of points ok at
+    both steps; exceeding: of those beyond the tolerance; differing: number of points ok at one step only; declared:
+    fraction of points allowed by the notes.
     """
 
     campaign: str
@@ -42,14 +43,15 @@ class Adequacy:
     largest: float
     median: float
     at: dict[str, float]
+    compared: int
     exceeding: int
     differing: int
     declared: float | None
 
     @property
     def ok(self) -> bool:
-        """Whether no more points exceed the tolerance than the notes allow."""
-        return self.exceeding + self.differing <= (self.declared or 0.0) * self.points
+        """Whether points were compared and no more of them exceed the tolerance than the notes allow."""
+        return self.compared > 0 and self.exceeding + self.differing <= (self.declared or 0.0) * self.points
 
 
 def adequacy(name: str, loop: ClosedLoop, points: int = POINTS) -> Adequacy:
@@ -71,6 +73,7 @@ def adequacy(name: str, loop: ClosedLoop, points: int = POINTS) -> Adequacy:
         largest=float(apart[worst]),
         median=float(np.median(apart[both])) if both.any() else 0.0,
         at=problem.named(unit[worst]),
+        compared=int(np.count_nonzero(both)),
         exceeding=int(np.count_nonzero(apart > _allowed(problem, costs))),
         differing=int(np.count_nonzero((whole.status == OK) != (half.status == OK))),
         declared=declared(campaign),
@@ -97,6 +100,7 @@ def sentence(found: Adequacy) -> str:
     """The result as a sentence."""
     allowed = "" if found.declared is None else f" (its notes allow {100 * found.declared:g} %)"
     apart = f"; {found.differing} succeed at one of the two steps only" if found.differing else ""
+    apart += "" if found.compared else "; no point has a value at both"
     return (
         f"{'ok ' if found.ok else 'NOT'} {found.campaign}: at half its step of {found.step:g} s, {found.exceeding} of "
         f"{found.points} random points exceed the tolerance{allowed}{apart}; largest {found.largest:.3g}, "

@@ -6,6 +6,7 @@ import io
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from rich.console import Console
 
 from campaigns import library, load_file
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from worker.running.opening.opened import closed_loop
 from worker.running.reproduce import compare, figures, ours, render, steps
 from worker.running.reproduce.compare import RESULTS, Reproduction, chosen, reproduce, tables
 from worker.running.reproduce.published import PLACE, Fly, Model, Result, Search, at, direct
@@ -106,7 +108,7 @@ class TestMissing:
     def test_a_method_that_is_not_there(self) -> None:
         asked = Search("Augury", ("augury",), 100)
         [row] = reproduce(published=[Result("5.1", "augury", UNICYCLE, asked, 0.9, model=Model(0.94, 0.1))]).rows
-        assert (row.ours, row.agrees, row.available, row.broken) == (None, None, False, False)
+        assert (row.ours, row.agrees, row.available, row.broken) == (None, None, False, True)
         assert " method Augury" in row.note
         assert row.unit == "m"
 
@@ -223,6 +225,26 @@ class TestCommand:
         assert invoke(["reproduce", "--json"]) == VIOLATED
         assert json.loads(capsys.readouterr().out)["counts"]["broken"] == 1
 
+    @pytest.mark.parametrize("options", [[], ["--table", "5.3"], ["--steps"]])
+    def test_nothing_computed_is_no_agreement(self, options: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+        for module in (ours, steps):
+            monkeypatch.setattr(module, "library", dict)
+        assert invoke(["reproduce", "--json", *options]) == VIOLATED
+
+    def test_a_figure_that_is_not_there_is_the_exit_code(
+        self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        def lacking(flights: ours.Flights) -> tuple[list[str], figures.Rows]:
+            raise ours.NotAvailable("no such method")
+
+        nominal = Result("5.1", "nominal", UNICYCLE, Fly(), 0.9436)
+        monkeypatch.setattr(compare, "RESULTS", (nominal,))
+        monkeypatch.setattr(figures, "_figures", lambda cases: {"9.9": lacking})
+        (tmp_path / "figure-9.9.csv").touch()
+        assert invoke(["reproduce", "--json", "--out", str(tmp_path)]) == VIOLATED
+        assert "figure 9.9" in capsys.readouterr().err
+        assert not (tmp_path / "figure-9.9.csv").exists(), "of an earlier command"
+
 
 def test_every_figure_asked_for_is_written() -> None:
     asked = {"3.7", "3.8", *(f"3.{n}" for n in range(20, 28)), "3.32", "3.34", "7.8", "7.9", "7.10"}
@@ -238,6 +260,14 @@ class TestSteps:
             "One thing.\nStep adequacy: up to 12 of\n200 random points exceed the tolerance, because the force jumps.\n"
         )
         assert steps.declared(campaign.model_copy(update={"notes": notes})) == 0.06
+
+    def test_a_campaign_of_which_no_point_has_a_value_is_not_adequate(self) -> None:
+        campaign = load_file(library()["unicycle_static"])
+        start = {"x": 4.0, "y": 4.1}  # within the threshold of the obstacle: excluded
+        inside = campaign.model_copy(update={"scenario": campaign.given_scenario.model_copy(update={"start": start})})
+        assert steps.adequacy("inside", closed_loop(campaign), points=3).ok
+        found = steps.adequacy("inside", closed_loop(inside), points=3)
+        assert (found.compared, found.ok) == (0, False)
 
 
 @pytest.mark.parametrize("name", dict.fromkeys(r.case.campaign for r in RESULTS))

@@ -11,16 +11,18 @@ from fastapi.concurrency import run_in_threadpool
 from backend.catalog.service import published
 from backend.db import workers
 from backend.db.engine import now, read
+from backend.db.purge import violates
 from backend.db.tables import Run
 from backend.runs import identity
 from backend.runs.components import components
 from campaigns import Campaign
 from campaigns.identity.identity import UNSTORED, same
+from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 from campaigns.versions import Versions, short
 
 LOOKED_AT = 20
-"""Runs of the campaign that are examined, the newest first."""
+"""Runs of the campaign that are examined: those that violate first, then the newest."""
 PATIENCE = 10.0
 """Time for the workers to compare their files with what they have published [s]; an idle one needs about 2 s."""
 PAUSE = 0.05
@@ -62,20 +64,25 @@ def reusable(reader: sa.Connection, campaign: Campaign, sample_seed: int | None 
     """The newest run of the campaign that the installed code ran to a verdict; None if there is none.
 
     Its identity and its descriptions must be the installed ones, as far as workers publish them; what is not
-    identified is not taken for equal. Any sample seed will do if none is stated.
+    identified is not taken for equal. Any sample seed will do if none is stated. A run that violates comes before all
+    newer ones, which missed a case that exists; one without a verdict, or with another sample than the stated, leaves
+    none to reuse.
     """
-    ended = (Run.state == RunState.DONE, Run.verdict.is_not(None), Run.removed.is_(None), Run.purged.is_(None))
-    query = sa.select(Run.id, Run.flown).where(Run.campaign_digest == campaign.digest, *ended)
+    usable = sa.and_(Run.state == RunState.DONE, Run.verdict.is_not(None))
     if sample_seed is not None:
-        query = query.where(Run.sample_seed == sample_seed)
-    for run_id, flown in reader.execute(query.order_by(Run.id.desc()).limit(LOOKED_AT)).all():
+        usable = sa.and_(usable, Run.sample_seed == sample_seed)
+    first = sa.case((Run.verdict == VerdictWord.VIOLATED, 0), (violates(), 1), else_=2)
+    query = sa.select(Run.id, Run.flown, usable.label("usable")).where(
+        Run.campaign_digest == campaign.digest, Run.removed.is_(None), Run.purged.is_(None), sa.or_(usable, first < 2)
+    )
+    for run_id, flown, answers in reader.execute(query.order_by(first, Run.id.desc()).limit(LOOKED_AT)).all():
         then = identity.of_run(reader, run_id)
         now = None if then is None else identity.of_installed(reader, campaign, then)
         if then is None or now is None or not same(then, now) or Versions.of(flown).command:
             continue
         descriptions = components(reader, run_id)
         if descriptions.digest is not None and not descriptions.changes:
-            return int(run_id)
+            return int(run_id) if answers else None
     return None
 
 

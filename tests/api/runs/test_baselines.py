@@ -189,6 +189,28 @@ def test_a_verdict_on_anything_else_is_not_reused(service: Service, client: http
     assert (found["id"], found["reused"], found["state"]) == ("R-0002", None, "queued")
 
 
+@pytest.mark.parametrize("newer", ["cleared", "inconclusive"])
+def test_no_newer_verdict_is_reused_in_place_of_a_violation(service: Service, client: httpx.Client, newer: str) -> None:
+    service.compare()
+    violated = finished(service, client, "violated")
+    cleared = finished(service, client, newer)
+    assert launched(client, reuse=True)["id"] == violated
+    with service.engine.begin() as writer:
+        seed = writer.scalar(sa.select(Run.sample_seed).where(Run.id == int(cleared[2:])))
+    assert launched(client, reuse=True, sample_seed=seed)["reused"] is None, "the violation has another sample"
+    assert client.delete(f"/api/v1/runs/{violated}", params={"reason": "wrong"}).is_success
+    assert launched(client, reuse=True)["id"] == cleared
+
+
+def test_nothing_is_reused_if_a_run_without_a_verdict_found_a_violation(service: Service, client: httpx.Client) -> None:
+    service.compare()
+    found, _ = finished(service, client), finished(service, client)
+    with service.engine.begin() as writer:
+        lower = {"state": "cancelled", "verdict": None, "worst_cost": Run.threshold}
+        writer.execute(sa.update(Run).where(Run.id == int(found[2:])).values(lower))
+    assert launched(client, reuse=True)["reused"] is None
+
+
 @pytest.mark.parametrize("workers", [(), (0.0,), (4e9, 0.0)], ids=["none", "one that has not", "one of two"])
 def test_nothing_is_reused_until_every_worker_has_compared_its_files(
     service: Service, client: httpx.Client, workers: tuple[float, ...], monkeypatch: pytest.MonkeyPatch

@@ -143,9 +143,11 @@ class EndedRun:
 
     @property
     def outcome(self) -> str:
-        """The exit code and its meaning, without a full stop: the first words of a summary."""
+        """The exit code and its meaning, without a full stop: the first words of a summary; empty until then."""
         from campaigns.results.verdict import headline
 
+        if self.state == RunState.RUNNING:
+            return ""
         meaning = OUTCOMES[self.code]
         if self.verdict is not None:
             meaning = by_policy(self.verdict) or headline(meaning, self.verdict.not_sampled)

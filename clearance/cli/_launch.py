@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, NamedTuple, TypeAlias
 
@@ -34,18 +35,62 @@ SampleSeed: TypeAlias = Annotated[
         "that no earlier run drew.",
     ),
 ]  # fmt: skip
+
+
+def _begun(option: str, mark: str) -> Callable[[Path | None], Path | None]:
+    """What makes the file of a job state that there is no verdict, before the other options are read.
+
+    Whatever ends the command then, no file of an earlier build is taken for its result. A file with other content, such
+    as a campaign that was given as FILE by mistake, is refused: one that is replaced is empty or contains `mark`.
+    """
+
+    def begun(file: Path | None) -> Path | None:
+        if file is None:
+            return None
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            if file.exists() and not file.is_file():  # such as /dev/stdout
+                return file
+            if file.exists() and file.stat().st_size and mark not in file.read_text("utf-8", "replace"):
+                raise WrongInputError(f"--{option} {file}: the file is none of a job; give another name, or delete it")
+            _write_begun(option, file)
+        except OSError as error:
+            raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
+        return file
+
+    return begun
+
+
+def _write_begun(option: str, file: Path) -> None:
+    from campaigns.runs import RunState
+    from clearance.cli import _junit, _sarif
+    from clearance.cli._ended import EndedRun
+
+    module = {"junit": _junit, "sarif": _sarif}[option]
+    module.write(file, EndedRun("", "clearance", RunState.RUNNING, None, UNENDED))
+
+
 Junit: TypeAlias = Annotated[
-    Path | None, typer.Option("--junit", metavar="FILE", help="Write the result as JUnit XML.", dir_okay=False)
-]
+    Path | None,
+    typer.Option(
+        "--junit", metavar="FILE", help="Write the result as JUnit XML.", dir_okay=False, is_eager=True,
+        callback=_begun("junit", "<testsuite"),
+    ),
+]  # fmt: skip
 Summary: TypeAlias = Annotated[
     Path | None, typer.Option("--summary", metavar="FILE", help="Write a summary as Markdown.", dir_okay=False)
 ]
 
 
 Sarif: TypeAlias = Annotated[
-    Path | None, typer.Option("--sarif", metavar="FILE", help="Write violations and failed checks as SARIF 2.1.0.",
-                              dir_okay=False)
+    Path | None,
+    typer.Option(
+        "--sarif", metavar="FILE", help="Write violations and failed checks as SARIF 2.1.0.", dir_okay=False,
+        is_eager=True, callback=_begun("sarif", "sarif"),
+    ),
 ]  # fmt: skip
+UNENDED = "the command that writes this file has not ended; if it has, its output states why there is no verdict"
+"""What a file of a job states until there is a verdict."""
 
 
 class Launch(NamedTuple):
@@ -79,8 +124,7 @@ class Launch(NamedTuple):
             raise WrongInputError(f"{error}") from None
         if baseline is not None and not baseline.strip():  # an unset variable of a CI job would compare with nothing
             raise WrongInputError("--baseline is empty: give a run (R-0001) or label:KEY=VALUE, or leave it out")
-        for file in (junit, summary, sarif):
-            _writable(file)
+        _writable(summary)
         return Launch(labels, (baseline or "").strip(), junit, summary, sarif)
 
 

@@ -82,7 +82,9 @@ def _named(check: DescribedCheck) -> str:
 
 def _invocation(ended: EndedRun) -> dict[str, object]:
     """Whether there is a verdict: a run without one is no evidence that anything was fixed."""
-    found: dict[str, object] = {"executionSuccessful": ended.verdict is not None, "exitCode": ended.code}
+    found: dict[str, object] = {"executionSuccessful": ended.verdict is not None}
+    if ended.outcome:
+        found["exitCode"] = ended.code
     if ended.verdict is None:
         message = {"text": f"no verdict: {ended.state}{': ' + ended.error if ended.error else ''}"}
         found["toolExecutionNotifications"] = [{"level": "error", "message": message}]

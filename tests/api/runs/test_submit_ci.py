@@ -99,7 +99,10 @@ def test_what_cannot_be_done_is_refused_before_a_run_is_queued(
     options: list[str],
     statement: str,
     capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.chdir(tmp_path)
     assert command("submit", str(file), *options).result(30) == WRONG_INPUT
     assert statement in capsys.readouterr().err
     assert service.rows()["runs"] == 0

@@ -15,6 +15,7 @@ import pytest
 from campaigns.results import Verdict
 from campaigns.results.verdict import Check
 from campaigns.rules import RULES
+from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from clearance.cli._ended import OUTCOMES, Case, EndedRun, Source
 from clearance.cli._junit import junit
 from clearance.cli._lines import lines
@@ -72,6 +73,48 @@ def test_the_criterion_fails_with_parameters_link_and_replay_command() -> None:
         "http://x/runs/R-0007",
     ]
     assert (case[0].tag, case[0].get("message")) == ("failure", "F1 violates the criterion")
+
+
+NOWHERE = ["--service", "http://127.0.0.1:9", "--patience", "0"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run"],
+        ["run", "no_such_campaign"],
+        ["run", "unicycle_static", "--threads", "many"],
+        ["run", "unicycle_static", "--label", "none"],
+        ["run", "--continue", "no_such_folder", "--budget", "+10"],
+        ["submit"],
+        ["submit", "unicycle_static", "--no-wait"],
+        ["submit", "unicycle_static", *NOWHERE],
+        ["follow", "R-0001", *NOWHERE],
+        ["follow", "first"],
+    ],
+    ids=" ".join,
+)
+def test_no_file_of_an_earlier_build_survives_an_end_without_a_verdict(words: list[str], tmp_path: Path) -> None:
+    cases, found = tmp_path / "j.xml", tmp_path / "s.sarif"
+    cases.write_text(junit(ended("cleared")), encoding="utf-8")
+    found.write_text(json.dumps(sarif(ended("cleared"))), encoding="utf-8")
+    assert invoke([*words, "--junit", str(cases), "--sarif", str(found)]) in (WRONG_INPUT, INTERNAL)
+    suite = Xml.parse(cases).getroot()[0]
+    assert [suite.get(kind) for kind in ("tests", "errors", "failures", "skipped")] == ["1", "1", "0", "0"]
+    assert suite.find(".//property[@name='outcome']") is None, "how it ends is not known"
+    [run] = json.loads(found.read_text(encoding="utf-8"))["runs"]
+    assert [(result["ruleId"], result["level"]) for result in run["results"]] == [("no-verdict", "error")]
+    assert (run["invocations"][0]["executionSuccessful"], "exitCode" in run["invocations"][0]) == (False, False)
+
+
+@pytest.mark.parametrize("option", ["--junit", "--sarif"])
+def test_a_file_with_other_content_is_not_replaced(
+    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "campaign.yaml").write_text(TEXT, encoding="utf-8")
+    assert invoke(["run", option, str(tmp_path / "campaign.yaml")]) == WRONG_INPUT
+    assert f"{option} {tmp_path}" in capsys.readouterr().err
+    assert (tmp_path / "campaign.yaml").read_text(encoding="utf-8") == TEXT
 
 
 @pytest.mark.parametrize(

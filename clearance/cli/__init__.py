@@ -26,12 +26,15 @@ from backend.db.engine import NewerSchemaError
 from backend.db.outages import DatabaseOutage
 from campaigns import CampaignError
 from campaigns.refusals import Refusal
+from clearance.cli import _witness
 from worker.engine.kernels.jit import JitDisabledError
 
 CLEARED, VIOLATED, INCONCLUSIVE, WRONG_INPUT, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 4, 130
 """Exit codes: the verdicts, wrong input or usage, a failure of Clearance itself, interrupted."""
 CODES = {"cleared": CLEARED, "violated": VIOLATED, "inconclusive": INCONCLUSIVE}
 """Those of the verdicts."""
+ENDLESS = (["serve"], ["worker"])
+"""Commands that run until they are ended: no exit code of theirs is a result."""
 NOT_A_RESULT = "Internal error in Clearance; this is not a result of your campaign."
 
 
@@ -86,21 +89,32 @@ class _Output(io.TextIOWrapper):
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line and exit."""
-    given = sys.argv[1:] if arguments is None else arguments
+    """Run the command line and exit; without arguments those of this process, in a child of it."""
+    if arguments is not None:
+        sys.exit(_written(arguments))
+    given = sys.argv[1:]
+    witness = None if given[:1] in ENDLESS else _witness.witnessed(INTERNAL)
+    code = _written(given)
+    if witness is not None:
+        witness.report(code)
+    sys.exit(code)
+
+
+def _written(arguments: Sequence[str]) -> int:
+    """The exit code of a command, the output of which is written."""
     plain = sys.stdout
     if not isinstance(plain, io.TextIOWrapper):  # closed, or replaced by the program that called
-        sys.exit(invoke(given))
+        return invoke(arguments)
     output = _Output(plain.buffer, plain.encoding, plain.errors, None, plain.line_buffering, plain.write_through)
     sys.stdout = output
-    code = invoke(given)
+    code = invoke(arguments)
     try:
         output.flush()
     except WrongInputError as error:
         _explain(error)
         output.drop()
-        code = WRONG_INPUT
-    sys.exit(code)
+        return WRONG_INPUT
+    return code
 
 
 def invoke(arguments: Sequence[str]) -> int:
@@ -122,7 +136,7 @@ def invoke(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, _Interrupted, typer.Abort) as error:
         typer.echo(f"interrupted: {error}" if f"{error}" else "interrupted", err=True)
         return INTERRUPTED
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # also code that ends the process, with whatever code
         sentence = _of_a_component(error)
         if sentence:
             typer.echo(f"Error: a component failed: {sentence}", err=True)
@@ -175,7 +189,7 @@ def _of_the_database(error: sa.exc.OperationalError) -> str:
     return f"{error} ({why})" if isinstance(error, DatabaseOutage) else f"the database cannot be used: {why}"
 
 
-def _of_a_component(error: Exception) -> str:
+def _of_a_component(error: BaseException) -> str:
     """What went wrong in one of the operator's own components; empty if the error is another one."""
     if "worker.engine.components.own" not in sys.modules:
         return ""

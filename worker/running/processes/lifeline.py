@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Sequence
+from functools import partial
 from types import FrameType
 from typing import Any, Self
 
@@ -26,15 +27,16 @@ def start(command: Sequence[str], *, when_orphaned: signal.Signals, **options: A
 
     `options` are those of `subprocess.Popen`. The signal is sent only on Linux.
     """
-    parent = os.getpid()
+    orphaned = partial(die_with_parent, os.getpid(), when_orphaned)
+    return subprocess.Popen(command, process_group=0, preexec_fn=orphaned, **options)
 
-    def die_with_parent() -> None:
-        if _LIBC is not None:
-            _LIBC.prctl(_PR_SET_PDEATHSIG, int(when_orphaned))
-            if os.getppid() != parent:  # the parent ended before the call
-                os._exit(1)
 
-    return subprocess.Popen(command, process_group=0, preexec_fn=die_with_parent, **options)
+def die_with_parent(parent: int, when_orphaned: signal.Signals) -> None:
+    """In a process that has just begun: it gets the signal when the process of this number, its parent, ends."""
+    if _LIBC is not None:
+        _LIBC.prctl(_PR_SET_PDEATHSIG, int(when_orphaned))
+        if os.getppid() != parent:  # the parent ended before the call
+            os._exit(1)
 
 
 class Wakeup:

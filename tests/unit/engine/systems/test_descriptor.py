@@ -144,6 +144,12 @@ def test_a_variable_of_the_environment_is_passed_on_as_it_is_written(tmp_path: P
         assert read(tmp_path).descriptor.environment == {"DOMAIN": value}
 
 
+def test_what_only_libyaml_reads_is_read(tmp_path: Path) -> None:
+    text = text_of(PROGRAM, variables="DOMAIN: 010", more="title: a\tb\n")
+    (tmp_path / "simulator.yaml").write_text(text, encoding="utf-8")
+    assert read(tmp_path).descriptor.environment == {"DOMAIN": "010"}
+
+
 @pytest.mark.parametrize("value", ["[a]", "{a: b}"])
 def test_a_variable_of_the_environment_is_text(tmp_path: Path, value: str) -> None:
     (tmp_path / "simulator.yaml").write_text(text_of(PROGRAM, variables=f"DOMAIN: {value}"), encoding="utf-8")

@@ -46,16 +46,21 @@ class Basics(Strict):
 def with_variables(document: Any, text: str, within: str = "") -> Any:
     """What was read from this text, with the variables of its environment as they are written there: 010, 1.10 and no
     are no numbers to a program. within: the key of the descriptor, if the text has more."""
-    written = yaml.load(text, Loader=yaml.BaseLoader)
-    if within:
-        has = isinstance(document, dict) and isinstance(document.get(within), dict)
-        return document | {within: _written(document[within], written[within])} if has else document
-    return _written(document, written)
+    found: Any = document.get(within) if within and isinstance(document, dict) else document
+    variables = found.get("environment") if isinstance(found, dict) else None
+    if not isinstance(variables, dict) or all(isinstance(value, str) for value in variables.values()):
+        return document
+    written = _as_written(text)
+    inner = found | {"environment": (written[within] if within else written)["environment"]}
+    return document | {within: inner} if within else inner
 
 
-def _written(document: Any, written: Any) -> Any:
-    has = isinstance(document, dict) and isinstance(document.get("environment"), dict)
-    return document | {"environment": written["environment"]} if has else document
+def _as_written(text: str) -> Any:
+    """A text that has been read as YAML, with every scalar as text; libyaml reads some texts that PyYAML does not."""
+    try:
+        return yaml.load(text, Loader=yaml.CBaseLoader)
+    except yaml.YAMLError:
+        return yaml.load(text, Loader=yaml.BaseLoader)
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ class Cluster:
     def work(self, count: int = 1) -> None:
         """Start workers of one thread."""
         for _ in range(count):
-            to = [f"tcp://127.0.0.1:{self.port}", "--nthreads", "1", "--no-nanny", "--death-timeout", "20"]
+            to = [f"tcp://127.0.0.1:{self.port}", "--nthreads", "1", "--no-nanny", "--death-timeout", "60"]
             self.workers.append(self._start("worker", *to, "--local-directory", str(self.folder)))
 
     def _start(self, what: str, *options: str) -> Started:

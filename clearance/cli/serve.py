@@ -57,11 +57,11 @@ def serve(
     """Start the service and its workers, print a login link, and stop everything on Ctrl-C."""
     jit.refuse(jit.by_environment())
     if not data.exists():
-        _free_port(host, port)  # before anything is made
+        _free_port(host, port).close()  # before anything is made
     _closed_to_others(data, database)
     url = url_of(data, database)
-    with alone(data):
-        port = _free_port(host, port)
+    with alone(data), _free_port(host, port) as reserved:
+        port = reserved.getsockname()[1]
         if away := awaited(url):
             _say(f"The service and its workers start, {sentence(away)}")
         with Wakeup() as wakeup:
@@ -160,14 +160,22 @@ def _closed_to_others(data: Path, database: str) -> None:
         raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
 
 
-def _free_port(host: str, port: int) -> int:
-    """The port, or a free one for 0; `WrongInputError` if it is not available."""
+def _free_port(host: str, port: int) -> socket.socket:
+    """A socket at the port, or at a free one for 0; `WrongInputError` if it is not available.
+
+    While it is open, the system gives the port to nobody who asks for any; the backend can listen on it, as it reuses
+    addresses, too.
+    """
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-        with socket.socket(family, kind, protocol) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        probe = socket.socket(family, kind, protocol)
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
             probe.bind(address)
-            return int(probe.getsockname()[1])
+        except OSError:
+            probe.close()
+            raise
+        return probe
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             hint = (

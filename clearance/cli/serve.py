@@ -57,10 +57,10 @@ def serve(
     """Start the service and its workers, print a login link, and stop everything on Ctrl-C."""
     jit.refuse(jit.by_environment())
     if not data.exists():
-        _free_port(host, port).close()  # before anything is made
+        _reserved(host, port).close()  # before anything is made
     _closed_to_others(data, database)
     url = url_of(data, database)
-    with alone(data), _free_port(host, port) as reserved:
+    with alone(data), _reserved(host, port) as reserved:
         port = reserved.getsockname()[1]
         if away := awaited(url):
             _say(f"The service and its workers start, {sentence(away)}")
@@ -160,7 +160,7 @@ def _closed_to_others(data: Path, database: str) -> None:
         raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
 
 
-def _free_port(host: str, port: int) -> socket.socket:
+def _reserved(host: str, port: int) -> socket.socket:
     """A socket at the port, or at a free one for 0; `WrongInputError` if it is not available.
 
     While it is open, the system gives the port to nobody who asks for any; the backend can listen on it, as it reuses

@@ -59,8 +59,9 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
         evaluated = finding.cost if finding else None
         if finding and finding.granted != finding.cost:
             criterion_values[0] = finding.granted
-        margin = None if criterion_values[0] is None or run.threshold is None else criterion_values[0] - run.threshold
-        margin = finding.margin if finding else margin
+        value = criterion_values[0]
+        known = None if value is None or run.threshold is None else value - run.threshold
+        margin = finding.margin if finding else known
         by = (" ".join(finding.methods) or unsearched(finding.validation)) if finding else ""
         drawn = finding.validation.realisation if finding and finding.validation else None
         ok = finding.validation.ok if finding and finding.validation else None

@@ -9,11 +9,11 @@ import pytest
 
 from backend.__main__ import _listen
 from backend.settings import Settings
-from clearance.cli.serve import _free_port
+from clearance.cli.serve import _reserved
 
 
 def test_a_port_that_is_chosen_is_taken_by_nobody_before_the_backend_listens(tmp_path: Path) -> None:
-    with _free_port("127.0.0.1", 0) as reserved:
+    with _reserved("127.0.0.1", 0) as reserved:
         address = reserved.getsockname()
         with socket.socket() as other, pytest.raises(OSError, match="in use"):
             other.bind(address)

@@ -34,7 +34,7 @@ def verdicts(browser: Browser) -> dict[str, float]:
             blank(context)  # drawing in software would take the processor from the worker
             page = context.new_page()
             page.goto(service.link())
-            address = service.link().partition("/login")[0]
+            address = service.address()
             cold = _run(page, address)
             assert any(kernels.rglob("*.nbi")), f"nothing was compiled into {kernels}: {os.listdir(kernels)}"
             warm = [_run(page, address) for _ in range(WARM_RUNS)]

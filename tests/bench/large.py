@@ -25,7 +25,7 @@ from campaigns.stored.records import Columns, StagePlan
 from tests import results
 from tests.bench import page_data
 from tests.bench.page_loads import seconds
-from tests.bench.pages import LISTS, RUNS, link, service
+from tests.bench.pages import LISTS, RUNS, service
 from tests.faults.processes import Started
 
 EVALUATIONS, CHUNK = 1_000_000, 4096
@@ -44,7 +44,7 @@ def main() -> None:
         page_data.copies(engine, page_data.flown(engine, BUDGETS), RUNS - 1)
         run = f"R-{million(engine):04d}"
         with httpx.Client(trust_env=False, timeout=600, follow_redirects=False) as client:
-            client.get(link(running))
+            client.get(running.link())
             client.base_url = httpx.URL(f"{address}/api/v1")
             for measure in (lists, evaluations, export):
                 measure(client, running, run)

@@ -114,16 +114,9 @@ def service(folder: Path) -> Iterator[tuple[Started, str, Path]]:
     data = folder / "data"
     command = [sys.executable, "-m", "backend"]
     with started(command, folder, "backend", CLEARANCE_DATA=str(data), CLEARANCE_PORT="0") as running:
-        until(lambda: "Open http" in running.text() or running.process.poll() is not None, "ready", 60)
+        until(lambda: running.link() or running.process.poll() is not None, "ready", 60)
         assert running.process.poll() is None, running.text()
-        yield running, link(running).partition("/login")[0], data
-
-
-def link(running: Started) -> str:
-    """The login link that the service printed."""
-    found = re.search(r"http://\S+/login\?code=\S+", running.text())
-    assert found, running.text()
-    return found[0]
+        yield running, running.address(), data
 
 
 def listed(address: str, cookies: dict[str, str], given: dict[str, str | int]) -> float:
@@ -163,7 +156,7 @@ class Visitor:
     def __init__(self, browser: Browser, address: str, running: Started) -> None:
         self.browser, self.address, self.running = browser, address, running
         context = browser.new_context()
-        context.new_page().goto(link(running))
+        context.new_page().goto(running.link())
         self.state = context.storage_state()
         self.cookies = {cookie["name"]: cookie["value"] for cookie in context.cookies()}
         context.close()

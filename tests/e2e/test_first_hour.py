@@ -83,7 +83,7 @@ def test_from_an_empty_folder_to_two_verdicts(
     assert invoke(["component", "check", "my_way.py"]) == 0
     with (
         serving(tmp_path, CLEARANCE_COMPONENTS=str(folder)) as service,
-        visiting(browser, service.link().partition("/login")[0], moving=True) as visit,
+        visiting(browser, service.address(), moving=True) as visit,
     ):
         visit.page.goto(service.link())
         in_the_browser(visit, folder)

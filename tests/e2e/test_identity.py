@@ -339,7 +339,7 @@ def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
         patch.setenv(variable, value)
     try:
         with serving(place, **environment) as service:
-            address = service.link().partition("/login")[0]
+            address = service.address()
             token = _printed(place / "token", ("token", "create", "ci", "--data", str(service.data))).split()[-1]
             patch.setenv("CLEARANCE_SERVICE", address)
             patch.setenv("CLEARANCE_TOKEN", token)
@@ -384,7 +384,7 @@ def test_the_trend_names_the_file_where_it_changed(home: Home) -> None:
 def test_the_pages_name_the_file(home: Home, browser: Browser) -> None:
     kind, (first, second), name = "-".join(Path(home.case.file).with_suffix("").parts[-2:]), home.runs, home.case.name
     digest = home.get(f"/runs/{first}").json()["campaign_digest"]
-    with visiting(browser, home.service.link().partition("/login")[0]) as visit:
+    with visiting(browser, home.service.address()) as visit:
         page = visit.page
         made = home.said("login-link", "--data", str(home.service.data))
         visit.sign_in(made.strip().rpartition("code=")[2])

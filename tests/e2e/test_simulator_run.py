@@ -112,7 +112,7 @@ def test_repeats_are_shown_as_calls(tmp_path: Path, browser: Browser) -> None:
     folder = dropped.install(tmp_path / "simulators")
     with (
         serving(tmp_path, CLEARANCE_SIMULATORS=str(folder)) as service,
-        visiting(browser, service.link().partition("/login")[0]) as visit,
+        visiting(browser, service.address()) as visit,
     ):
         page = visit.page
         page.goto(service.link())

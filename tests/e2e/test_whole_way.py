@@ -54,7 +54,7 @@ def drawing(signed_in: Visit, browser: Browser) -> Iterator[Visit]:
 
 
 def test_an_unauthenticated_client_sees_how_to_sign_in(service: Service, browser: Browser) -> None:
-    with visiting(browser, service.link().partition("/login")[0]) as stranger:
+    with visiting(browser, service.address()) as stranger:
         stranger.go("/runs")
         expect(stranger.page.locator("body")).to_contain_text("clearance login-link")
         stranger.shot("sign-in", full=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -38,6 +39,15 @@ class Started:
     def text(self) -> str:
         """What it printed so far."""
         return self.output.read_text(errors="replace")
+
+    def link(self) -> str:
+        """The login link that it printed; empty before the whole line is there."""
+        found = re.search(r"(http://\S+/login\?code=\S+)\n", self.text())
+        return found[1] if found else ""
+
+    def address(self) -> str:
+        """Where the service of its login link is."""
+        return self.link().partition("/login")[0]
 
     def family(self) -> list[int]:
         """A process and all that it started, directly or not, as long as they are alive."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -26,13 +25,8 @@ class Service(Started):
     began: float
     """When it was started, by the monotonic clock."""
 
-    def link(self) -> str:
-        found = re.search(r"http://\S+/login\?code=\S+", self.text())
-        assert found, self.text()
-        return found[0]
-
     def healthy(self) -> bool:
-        return get(self.link().partition("/login")[0] + "/api/v1/health") == 200
+        return get(self.address() + "/api/v1/health") == 200
 
     def part(self, words: str) -> int:
         """The process with that command line; 0 if there is none."""
@@ -46,7 +40,7 @@ def serving(folder: Path, **environment: str) -> Iterator[Service]:
         running.__class__ = Service
         assert isinstance(running, Service)
         running.data, running.began = data, began
-        until(lambda: "Clearance is ready" in running.text() or running.process.poll() is not None, "ready", 120)
+        until(lambda: running.link() or running.process.poll() is not None, "ready", 120)
         assert running.process.poll() is None, running.text()
         yield running
 

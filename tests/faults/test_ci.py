@@ -52,7 +52,7 @@ class Job:
     """What a CI job has: the service's address, a token, a folder for its files."""
 
     def __init__(self, service: Service, folder: Path, token: str, shown: pytest.CaptureFixture[str]) -> None:
-        self.address, self.folder, self._shown = service.link().partition("/login")[0], folder, shown
+        self.address, self.folder, self._shown = service.address(), folder, shown
         self.environment = {"CLEARANCE_SERVICE": self.address, "CLEARANCE_TOKEN": token}
 
     def submit(self, file: Path, *options: str) -> tuple[int, str]:

@@ -80,16 +80,15 @@ def test_it_serves_the_dashboard_from_any_folder(wheel: Path, minor: int, tmp_pa
         "0",
     ]
     with started(command, tmp_path, "serve", PYTHONPATH="", CLEARANCE_THREADS="1") as service:
-        until(lambda: "Clearance is ready" in service.text() or service.process.poll() is not None, "ready", 120)
-        found = re.search(r"(http://\S+)/login\?code=\S+", service.text())
-        assert found, service.text()
+        until(lambda: service.link() or service.process.poll() is not None, "ready", 120)
+        assert service.link(), service.text()
         assert "no built pages" not in service.text()
-        with httpx.Client(base_url=found[1], trust_env=False, timeout=20) as client:
-            assert client.get(found[0]).status_code == 303
+        with httpx.Client(base_url=service.address(), trust_env=False, timeout=20) as client:
+            assert client.get(service.link()).status_code == 303
             page = client.get("/runs", headers={"accept": "text/html"}).text
             scripts = re.findall(r'(?:src|href)="[./]*(assets/[^"]+)"', page)
             assert scripts
-            assert all(get(f"{found[1]}/{name}") == 200 for name in scripts)
+            assert all(get(f"{service.address()}/{name}") == 200 for name in scripts)
             assert client.get("/api/v1/runs").json()["items"] == []
         kill(service.pid)
     subprocess.run([home / "bin/clearance", "examples"], cwd=elsewhere, env=clean, check=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import signal
 import socket
 import sys
@@ -32,11 +31,9 @@ class Service:
     def __init__(self, site: Site) -> None:
         self.site, self.port, self.number = site, _free_port(), 0
         self.running = self.start()
-        link = re.search(r"http://\S+/login\?code=\S+", self.running.text())
-        assert link is not None
-        client = httpx.Client(base_url=link[0].partition("/login")[0], trust_env=False, timeout=20)
+        client = httpx.Client(base_url=self.running.address(), trust_env=False, timeout=20)
         self.client = site.stack.enter_context(client)
-        assert self.client.get(link[0]).status_code == 303
+        assert self.client.get(self.running.link()).status_code == 303
 
     def start(self) -> Started:
         """Once it answers."""
@@ -49,7 +46,7 @@ class Service:
         environment = self.site.environment | {f"CLEARANCE_{name}": value for name, value in own.items()}
         command, name = [sys.executable, "-m", "backend"], f"service{self.number}"
         self.running = self.site.stack.enter_context(started(command, self.site.folder, name, **environment))
-        until(lambda: "login?code=" in self.running.text(), "the service is there", 60)
+        until(self.running.link, "the service is there", 60)
         return self.running
 
     def post(self, name: str) -> str | None:

@@ -17,7 +17,12 @@ from clearance.cli import INTERNAL, VIOLATED, invoke
 from tests.simulators import package
 from worker.running.catalogue import installed
 
-BEGIN = "import ctypes, os, signal, sys\nfrom clearance.cli._witness import witnessed\nwitness = witnessed(4)\n"
+BEGIN = """
+import ctypes, os, signal, sys
+signal.signal(signal.SIGHUP, signal.SIG_{})
+from clearance.cli._witness import witnessed
+witness = witnessed(4)
+"""
 REPORT = "witness.report({0}); sys.exit({0})"
 ENDINGS = {
     "os._exit(0)": INTERNAL,
@@ -54,14 +59,22 @@ def stops(a):
 
 @pytest.mark.parametrize(("body", "code"), ENDINGS.items())
 def test_only_a_reported_code_is_that_of_the_command(body: str, code: int) -> None:
-    ended = subprocess.run([sys.executable, "-c", BEGIN + body], capture_output=True, text=True, check=False)
+    command = [sys.executable, "-c", BEGIN.format("DFL") + body]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == code
     assert bool(ended.stderr) == (code == INTERNAL), ended.stderr
 
 
+def test_under_nohup_a_closed_terminal_ends_nothing() -> None:
+    body = "os.kill(os.getppid(), signal.SIGHUP); " + REPORT.format(VIOLATED)
+    assert subprocess.run([sys.executable, "-c", BEGIN.format("IGN") + body], check=False).returncode == VIOLATED
+
+
 def test_the_child_ends_with_its_parent() -> None:
     body = "print(os.getpid(), flush=True); signal.pause()"
-    with subprocess.Popen([sys.executable, "-c", BEGIN + body], stdout=subprocess.PIPE, text=True) as parent:
+    with subprocess.Popen(
+        [sys.executable, "-c", BEGIN.format("DFL") + body], stdout=subprocess.PIPE, text=True
+    ) as parent:
         assert parent.stdout is not None
         child = os.pidfd_open(int(parent.stdout.readline()))
         parent.kill()

@@ -13,6 +13,7 @@ import sqlalchemy as sa
 
 from backend.db import labels, sizes
 from backend.db.engine import now
+from backend.db.lowest import lowered
 from backend.db.queue import Claim, submit
 from backend.db.rows import as_columns, as_finding, as_result, chunk_rows, failed, lowest
 from backend.db.tables import Campaign as CampaignRow
@@ -115,6 +116,9 @@ def begin(
         row = {"run_id": run_id, "position": position, **vars(stage)}
         connection.execute(sa.insert(Stage).values(**row, **({} if columns is None else _counts(columns))))
         if columns is not None:
+            best, index = lowest(columns)
+            if index is not None:
+                lowered(connection, run_id, stage.kind, stage.method, best)
             for chunk in chunk_rows(run_id, position, 0, columns):
                 connection.execute(sa.insert(EvaluationChunk).values(**chunk))
                 sizes.grow(connection, run_id, sizes.of_chunk(chunk))

@@ -20,6 +20,7 @@ from sqlalchemy import orm
 from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
+from backend.db.lowest import own_question
 from backend.db.reset import RESULTS
 from backend.db.tables import (
     Campaign,
@@ -36,7 +37,6 @@ from backend.db.tables import (
 )
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import ACTIVE, ENDED, RunState, run_name
-from campaigns.stages.found import declared
 
 _EMPTY: dict[str, object] = {
     "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
@@ -225,11 +225,6 @@ def violates() -> sa.ColumnElement[bool]:
     stages = sa.select(Stage.best).where(Stage.run_id == Run.id, own_question())
     best = (stages.where(Stage.best <= limit).exists() for limit in limits)
     return sa.or_(Run.verdict == VerdictWord.VIOLATED, *(Run.worst_cost <= limit for limit in limits), *best)
-
-
-def own_question() -> sa.ColumnElement[bool]:
-    """Whether a stage evaluates the question of its campaign."""
-    return Stage.kind.in_([stage.kind for stage in declared().values() if stage.against])
 
 
 def _pragma(reader: sa.Connection, name: str) -> int:

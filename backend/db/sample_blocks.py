@@ -11,6 +11,7 @@ import sqlalchemy as sa
 
 from backend.db import sizes
 from backend.db.engine import now
+from backend.db.lowest import lowered
 from backend.db.rows import chunk_rows, lowest
 from backend.db.tables import EvaluationChunk, SampleBlock, SampleShare, Stage, Worker
 from backend.db.workers import SEEN
@@ -61,7 +62,7 @@ def add(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[
     rows = [{"run_id": run_id, "position": position, "first": b.first, "data": packed(b)} for b in blocks]
     connection.execute(sa.insert(SampleBlock), rows)
     mine = (Stage.run_id == run_id, Stage.position == position)
-    best = connection.execute(sa.select(Stage.best).where(*mine)).scalar_one()
+    stage = connection.execute(sa.select(Stage.best, Stage.kind, Stage.method).where(*mine)).one()
     counts = {
         "counted": Stage.counted + sum(b.draws for b in blocks),
         "violations": Stage.violations + sum(b.violations for b in blocks),
@@ -69,9 +70,10 @@ def add(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[
         "excluded": Stage.excluded + sum(b.excluded for b in blocks),
         "seconds": max(b.seconds for b in blocks),
     }
-    lowest_known = [value for value in (best, *(b.lowest for b in blocks)) if value is not None]
-    known = {"best": min(lowest_known)} if lowest_known else {}
-    connection.execute(sa.update(Stage).where(*mine).values(**counts, **known))
+    best = min((value for value in (stage.best, *(b.lowest for b in blocks)) if value is not None), default=None)
+    connection.execute(sa.update(Stage).where(*mine).values(**counts, best=best))
+    if best is not None:
+        lowered(connection, run_id, stage.kind, stage.method, best)
 
 
 def keep(connection: sa.Connection, run_id: int, position: int, columns: Columns) -> int | None:

@@ -16,6 +16,7 @@ from backend.db import codes, continuation, evaluations_ahead, sample_blocks, si
 from backend.db.convergence import extended
 from backend.db.digest import current_digest
 from backend.db.engine import Result, clock, now, read, write
+from backend.db.lowest import lowered
 from backend.db.queue import Claim, LostLease, fenced
 from backend.db.rows import chunk_rows, failed, finding_row, lowest, plain, stored_columns, trace_row
 from backend.db.tables import EvaluationChunk, Run, Stage
@@ -306,16 +307,10 @@ class RunStore:
         best, index = lowest(columns)
         if index is not None and (stage.best is None or best < stage.best):
             values |= {"best": best, "best_index": first + index}
+            lowered(connection, self._run, stage.kind, stage.method, best)
             if stage.method is not None:
-                self._worst(connection, best, stage.method)
                 self._history(connection, count, columns)
         connection.execute(self._stage(position).values(**values))
-
-    def _worst(self, connection: sa.Connection, cost: float, method: str | None) -> None:
-        lower = sa.or_(Run.worst_cost.is_(None), Run.worst_cost > cost)
-        connection.execute(
-            sa.update(Run).where(Run.id == self._run, lower).values(worst_cost=cost, worst_method=method)
-        )
 
     def _history(self, connection: sa.Connection, count: int, columns: Columns) -> None:
         """Update the convergence history; the run's count already includes these evaluations."""

@@ -54,7 +54,7 @@ def _case(case: Validation) -> Row:
         "other_by": numbers.plain(None if other is None else other.difference, 2),
         "allowed": numbers.plain(case.allowed, 2),
         "neighbours": _neighbours(neighbours) if neighbours else NONE,
-        "lower": numbers.plain(neighbours.lower_by, 2) if neighbours else NONE,
+        "lower": numbers.plain(neighbours.lower_by, 2) if neighbours and neighbours.lowest is not None else NONE,
         "ok": case.ok,
         "word": verdicts.validated(case),
         "reason": "" if other is None else other.reason,

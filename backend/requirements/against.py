@@ -16,7 +16,8 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.purge import own_question, violates
+from backend.db.lowest import own_question
+from backend.db.purge import violates
 from backend.db.sweeps import in_sweep
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage

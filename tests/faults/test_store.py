@@ -20,7 +20,7 @@ from backend.db.rows import plain
 from backend.db.store import RunStore
 from backend.db.tables import EvaluationChunk, Finding, Run, SampleShare, Stage, Trace
 from campaigns.results import Verdict
-from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.stored.blocks import Block, Scale, counted
 from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord
 from tests import results
@@ -78,6 +78,22 @@ def test_evaluations_come_back_bit_for_bit_with_every_count_in_step(store: RunSt
     assert (stage.best, stage.best_index) == (np.nanmin(whole.costs), int(np.nanargmin(whole.costs)))
     assert (run.evaluations, run.failed_evaluations) == (100, failed)
     assert (run.worst_cost, run.worst_method) == (stage.best, "direct")
+
+
+def test_the_lowest_value_of_a_run_is_that_of_every_stage_that_asks_its_question(store: RunStore) -> None:
+    def lowest_of(cost: float, position: int) -> tuple[float | None, str | None]:
+        one = columns(0, 1)
+        costs = np.full_like(one.costs, cost)
+        store.begin(position)
+        store.append(position, 0, one._replace(costs=costs, status=np.full_like(one.status, OK)))
+        [run] = rows(store, Run)
+        return run.worst_cost, run.worst_method
+
+    kinds = [stage.kind for stage in PLAN]
+    assert kinds[:2] == ["nominal", "search"]
+    assert lowest_of(0.8, 0) == (0.8, None)
+    assert lowest_of(0.9, 1) == (0.8, None)
+    assert lowest_of(0.7, kinds.index("validate")) == (0.7, None)
 
 
 def behind(whole: Columns, *indices: int) -> Ahead:

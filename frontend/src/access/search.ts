@@ -1,12 +1,12 @@
 // What the addresses of the pages about access hold.
-import { text } from '../format/query'
+import { flag, text } from '../format/query'
 
 export interface UsersSearch {
   /** Whether the form of an invitation is open. */
   invite?: boolean
 }
 
-export const readUsers = (search: Record<string, unknown>): UsersSearch => ({ invite: search.invite === true || undefined })
+export const readUsers = (search: Record<string, unknown>): UsersSearch => ({ invite: flag(search.invite) })
 
 export interface AuditSearch {
   actor?: string

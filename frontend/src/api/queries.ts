@@ -1,6 +1,6 @@
 // The query cache: keys and freshness of the service's responses. The event stream writes into the same cache.
 import {
-  infiniteQueryOptions, type InvalidateOptions, type InvalidateQueryFilters, keepPreviousData, MutationCache, QueryCache, QueryClient, queryOptions,
+  infiniteQueryOptions, type InvalidateOptions, type InvalidateQueryFilters, MutationCache, QueryCache, QueryClient, queryOptions,
 } from '@tanstack/react-query'
 import type { ReweightRequest, RunSummary, TraceHead } from '../client'
 import { learnMethods, requestBy } from '../ui/methods'
@@ -140,7 +140,7 @@ export const reweightedQuery = (id: string, body: ReweightRequest) =>
   queryOptions({
     queryKey: ['reweighted', id, body],
     queryFn: ({ signal }) => answer(sdk.reweightSample({ path: { run: id }, body, signal })),
-    placeholderData: keepPreviousData,
+    placeholderData: (before, query) => (query?.queryKey[1] === id ? before : undefined),
     retry: false,
   })
 

@@ -32,8 +32,16 @@ export function resultWith<P extends string>(stages: readonly Pick<StageDetail, 
   return null
 }
 
-/** The independent sample of a run: that of its certificate, else that of the first random search. */
+/** The random samples of a run: that of its certificate first, then those of its random searches. */
+const samples = (stages: readonly Pick<StageDetail, 'result'>[]): Sample[] => [
+  ...[resultWith(stages, 'grid')?.sample ?? []].flat(),
+  ...stages.flatMap(({ result }) => (result && has(result, 'sample') && result.sample) || []),
+]
+
+/** The independent sample of a run: the first that bounds P(violation). */
 export const independentSample = (stages: readonly Pick<StageDetail, 'result'>[]): Sample | null =>
-  resultWith(stages, 'grid')?.sample ??
-  stages.flatMap(({ result }) => (result && has(result, 'sample') && result.sample) || [])[0] ??
-  null
+  samples(stages).find(({ upper_bound: bound }) => bound !== null) ?? null
+
+/** The independent sample, or else a random one. */
+export const randomSample = (stages: readonly Pick<StageDetail, 'result'>[]): Sample | null =>
+  independentSample(stages) ?? samples(stages)[0] ?? null

@@ -1,14 +1,13 @@
 // Encodes a page's state in its address: plain text, repeated keys for lists.
 
-/** Parses the query of an address: strings, lists for repeated keys, booleans. */
+/** Parses the query of an address: strings, lists for repeated keys. */
 export function parseSearch(text: string): Record<string, unknown> {
   const found: Record<string, unknown> = {}
   for (const [key, value] of new URLSearchParams(text.replace(/^\?/, ''))) {
-    const meant = value === 'true' ? true : value === 'false' ? false : value
     const before = found[key]
-    if (before === undefined) found[key] = meant
-    else if (Array.isArray(before)) before.push(meant)
-    else found[key] = [before, meant]
+    if (before === undefined) found[key] = value
+    else if (Array.isArray(before)) before.push(value)
+    else found[key] = [before, value]
   }
   return found
 }

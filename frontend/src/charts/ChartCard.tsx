@@ -31,7 +31,7 @@ interface ChartCardProps {
 }
 
 export function ChartCard({ data, run, right, children, footer, ...card }: ChartCardProps) {
-  const [table, setTable] = useState<DataTable | null>(null)
+  const [open, setOpen] = useState(false)
   const download = () => {
     const made = data()
     save(`${run}-${made.name}.csv`, toCsv(made), 'text/csv')
@@ -40,16 +40,16 @@ export function ChartCard({ data, run, right, children, footer, ...card }: Chart
     <>
       {right}
       <span className={layout.row} style={{ gap: 4 }}>
-        <IconButton label={table ? 'Hide data' : 'Show data'} icon={IconTable} pressed={table !== null} act={() => setTable(table ? null : data())} />
+        <IconButton label={open ? 'Hide data' : 'Show data'} icon={IconTable} pressed={open} act={() => setOpen(!open)} />
         <FigureButton name={() => `${run}-${data().name}`} />
         <IconButton label="Download CSV" icon={IconDownload} act={download} />
       </span>
     </>
   )
   return (
-    <Card {...card} right={buttons} footer={table ? undefined : footer}>
+    <Card {...card} right={buttons} footer={open ? undefined : footer}>
       {children}
-      {table && <Rows table={table} />}
+      {open && <Rows table={data()} />}
     </Card>
   )
 }

@@ -1,7 +1,7 @@
 // Ticks, ranges, merging of curves, and files.
 import { describe, expect, it } from 'vitest'
 import { toCsv } from './csv'
-import { linesOn, stepsOn, union } from './series'
+import { alone, linesOn, stepsOn, union } from './series'
 import { isFar } from './reach'
 import { labelWidth, linearTicks, logTicks, padded, tickDecimals, tickText } from './ticks'
 
@@ -53,6 +53,25 @@ describe('curves on common abscissae', () => {
   it('steps hold and end', () => {
     expect(stepsOn([1, 2, 4, 5, 9], a)).toEqual([10, 10, 10, 8, 7])
     expect(stepsOn([1, 2, 4, 5, 9], b)).toEqual([null, 9, 6, null, null])
+  })
+  it.each([
+    [[1.2, null, 0.2, 1.1, 1.3]],
+    [[null, 0.3, null]],
+    [[0.3, null, null, 1]],
+    [[1, 2, 3]],
+    [[null]],
+    [[0.1]],
+  ])('values beside missing ones are kept: %j', (y) => {
+    const x = y.map((_, k) => 0.5 * k)
+    expect(linesOn(x, { x, y })).toEqual(y)
+    const finer = union([{ x, y }, { x: x.map((at) => at + 0.25), y }])
+    const found = linesOn(finer, { x, y })
+    expect(x.map((at) => found[finer.indexOf(at)])).toEqual(y)
+  })
+  it('values without a neighbour are points', () => {
+    expect(alone([1.2, null, 0.2, 1.1, null, 3])).toEqual([0, 5])
+    expect(alone([null, 2, 3, null, undefined, 4, undefined])).toEqual([5])
+    expect(alone([1])).toEqual([0])
   })
   it('lines interpolate', () => expect(linesOn([0, 1, 3, 9, 10], a)).toEqual([null, 10, 9, 7, null]))
 })

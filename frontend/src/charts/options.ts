@@ -2,6 +2,7 @@
 import uPlot from 'uplot'
 import { plain } from '../format/numbers'
 import { colour, drawCriteria, drawEnds, drawPoints, drawRules, drawTint, font } from './draw'
+import { alone } from './series'
 import type { PlotSpec } from './spec'
 import { labelWidth, linearTicks, logTicks, padded, tickText } from './ticks'
 
@@ -13,6 +14,9 @@ const TIMES: uPlot.Axis.Values = [
   [60, '{HH}:{mm}', null, null, '{D} {MMM} {HH}:{mm}', null, null, null, 0],
   [0.001, '{HH}:{mm}:{ss}', null, null, '{D} {MMM} {HH}:{mm}:{ss}', null, null, null, 0],
 ]
+
+/** Of a line, points only where a value has no neighbour. */
+const onlyAlone: uPlot.Series.Points.Filter = (u, series) => alone(Array.from(u.data[series] ?? []))
 
 const stepped = uPlot.paths.stepped?.({ align: 1 })
 
@@ -65,7 +69,7 @@ export function optionsFor(
         dash: line.dash?.length ? line.dash.map((length) => length * devicePixelRatio) : undefined,
         show: !hidden().has(line.key),
         paths: line.dots ? () => null : line.stepped ? stepped : undefined,
-        points: line.dots ? { show: true, size: 5, fill: () => colour(line.colour), width: 0 } : { show: false },
+        points: { show: true, size: 5, fill: () => colour(line.colour), width: 0, ...(!line.dots && { filter: onlyAlone }) },
         // Slanted lines on whole pixels are jagged.
         pxAlign: line.stepped ? 1 : 0,
       })),

@@ -1,6 +1,6 @@
 // Outcomes of runs over a value or over time, as charts and texts. A run that is not done has no numbers.
 import type { Outcome } from '../client'
-import { atMost, confidenceText, decimalsFor, fixed, plain, probability, signed } from '../format/numbers'
+import { atMost, confidenceText, decimalsFor, fixed, margin, plain, probability } from '../format/numbers'
 import { outcomeOf, type Outcome as Word, wordOf } from '../ui/VerdictBadge'
 import type { Line, PlotSpec, Point } from './spec'
 
@@ -72,7 +72,7 @@ export function marginsOf(points: readonly At[], axis: Axis, height: number, syn
       return [{ x, y: outcome.margin, colour: COLOUR[kind] ?? '--c-nom', hollow: kind === 'inconclusive' }]
     }),
     criterion: { value: 0, label: 'Criterion: margin 0', tint: true },
-    yText: (y) => `${signed(y, decimals)} ${common.unit}`.trim(),
+    yText: (y) => `${margin(y, decimals)} ${common.unit}`.trim(),
   }
 }
 

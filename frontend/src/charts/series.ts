@@ -1,5 +1,9 @@
 // Resamples curves to common abscissae, as uPlot requires.
 
+/** The positions of values without a neighbour: a line does not show them. */
+export const alone = (y: readonly (number | null | undefined)[]): number[] =>
+  y.flatMap((value, k) => (value != null && y[k - 1] == null && y[k + 1] == null ? [k] : []))
+
 export interface Curve {
   x: readonly number[]
   y: readonly (number | null)[]
@@ -22,7 +26,7 @@ export function stepsOn(xs: readonly number[], curve: Curve): (number | null)[] 
   })
 }
 
-/** A linearly interpolated curve on common abscissae; undefined outside its own range. */
+/** A linearly interpolated curve on common abscissae; its own points as they are; undefined outside its own range. */
 export function linesOn(xs: readonly number[], curve: Curve): (number | null)[] {
   let at = 0
   return xs.map((x) => {
@@ -30,9 +34,11 @@ export function linesOn(xs: readonly number[], curve: Curve): (number | null)[] 
     const x0 = curve.x[at]
     const x1 = curve.x[at + 1]
     if (x0 === undefined || x < x0) return null
-    if (x1 === undefined) return x === x0 ? (curve.y[at] ?? null) : null
     const y0 = curve.y[at]
     const y1 = curve.y[at + 1]
+    if (x === x0) return y0 ?? null
+    if (x1 === undefined) return null
+    if (x === x1) return y1 ?? null
     if (y0 === null || y0 === undefined || y1 === null || y1 === undefined) return null
     return y0 + ((y1 - y0) * (x - x0)) / (x1 - x0)
   })

@@ -1,7 +1,7 @@
 // The change of verdict and worst case from the first run to the others, in one sentence.
 import { decimalsFor, fixed, margin } from '../format/numbers'
 import { Sign } from '../ui/Sign'
-import { lookOf, OutcomeIcon, outcomeOf, wordOf } from '../ui/VerdictBadge'
+import { lookOf, type Outcome, OutcomeIcon, outcomeOf, wordOf } from '../ui/VerdictBadge'
 import { type Compared, unitOf } from './data'
 import { OtherCode } from './OtherCode'
 import cards from '../ui/cards.module.css'
@@ -9,8 +9,8 @@ import cards from '../ui/cards.module.css'
 export function Change({ runs }: { runs: Compared[] }) {
   const [a, b] = runs
   if (!a || !b) return null
-  const last = runs.length === 2 ? b : worstOf(runs)
-  const outcome = outcomeOf(last.run)
+  const outcomes = runs.map(({ run }) => outcomeOf(run))
+  const outcome = runs.length === 2 ? outcomeOf(b.run) : gravest(outcomes)
   const words = runs.map(({ run }) => wordOf(run).toLowerCase())
   const same = words.every((word) => word === words[0])
   return (
@@ -60,17 +60,30 @@ function Two({ a, b }: { a: Compared; b: Compared }) {
 function Many({ runs }: { runs: Compared[] }) {
   const unit = unitOf(runs)
   if (unit === null) return <p>The runs have different criteria: their values cannot be compared.</p>
-  const worst = worstOf(runs)
+  const known = runs.filter(({ run }) => run.margin !== null)
+  const without = runs.filter(({ run }) => run.margin === null).map(({ letter }) => letter)
+  const lowest = Math.min(...known.map(({ run }) => run.margin ?? Infinity))
   return (
     <p>
-      The smallest margin is that of <b>{worst.letter}</b>: {margin(worst.run.margin, decimalsFor([worst.run.margin]))}{' '}
-      {unit}.
+      {known.length === 0 ? (
+        'None of the runs has a margin.'
+      ) : (
+        <>
+          The smallest margin is that of <b>{known.find(({ run }) => run.margin === lowest)?.letter}</b>:{' '}
+          {margin(lowest, decimalsFor([lowest]))} {unit}
+          {without.length > 0 && `; ${without.join(', ')} ${without.length === 1 ? 'has' : 'have'} none`}.
+        </>
+      )}
     </p>
   )
 }
 
-const worstOf = (runs: Compared[]): Compared =>
-  runs.reduce((worst, one) => ((one.run.margin ?? Infinity) < (worst.run.margin ?? Infinity) ? one : worst))
+/** What several runs together are no better than: cleared only if all are. */
+export const gravest = (outcomes: readonly Outcome[]): Outcome =>
+  outcomes.find((one) => one === 'violated') ??
+  outcomes.find((one) => one !== 'cleared' && one !== 'inconclusive') ??
+  outcomes.find((one) => one === 'inconclusive') ??
+  'cleared'
 
 function tally(words: string[]): string {
   const counts = new Map<string, number>()

@@ -14,11 +14,11 @@ interface OtherCodeProps {
 export function OtherCode({ runs, className, more = '' }: OtherCodeProps) {
   const pair = otherCode(runs)
   const [a, b] = pair ?? []
-  const { data } = useQuery({ ...codeQuery(b?.id ?? '', a?.id ?? ''), enabled: pair !== null })
-  if (!a || !b) return null
+  const { data, isPending } = useQuery({ ...codeQuery(b?.id ?? '', a?.id ?? ''), enabled: pair !== null })
+  if (!a || !b || isPending) return null
   return (
     <p className={className} data-testid="other-code">
-      {otherCodeText(a, b, data?.files ?? null)}
+      {otherCodeText(a, b, data?.files)}
       {more}
     </p>
   )

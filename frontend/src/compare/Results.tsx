@@ -89,7 +89,7 @@ function linesOf(runs: Compared[]): Line[] {
     { key: 'lowest', name: 'Lowest sample', unit, decimals, values: samples.map((sample) => sample?.lowest ?? null) },
     {
       key: 'violations',
-      name: 'Samples in violation',
+      name: statistics.some((sample) => sample?.failed) ? 'Samples in violation or failed' : 'Samples in violation',
       unit: sizes.length === 1 ? `of ${count(sizes[0])}` : '',
       outOf: sizes.length > 1 ? statistics.map((sample) => sample?.samples ?? null) : undefined,
       decimals: 0,

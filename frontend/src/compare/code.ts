@@ -73,8 +73,11 @@ export const codeDiffers = (a: Compared, b: Compared): CodeRow[] =>
 /** Maximum number of files in a sentence. */
 const NAMED = 4
 
-/** What differs in the code of two runs of one campaign, as a sentence; files: the source files that differ, if stored. */
-export function otherCodeText(a: Compared, b: Compared, files: readonly ChangedFile[] | null): string {
+/**
+ * What differs in the code of two runs of one campaign, as a sentence; files: the source files that differ, null if they are
+ * not stored, undefined if they could not be loaded.
+ */
+export function otherCodeText(a: Compared, b: Compared, files: readonly ChangedFile[] | null | undefined): string {
   const rows = codeDiffers(a, b).filter(({ digest }) => !digest)
   const versions = rows.map(({ name, values: [before, after] }) => `${name} ${before ?? ''} and ${after ?? ''}`)
   const known = (files ?? []).map(({ file, change }) => (change === 'changed' ? file : `${file} (${change})`))
@@ -82,7 +85,7 @@ export function otherCodeText(a: Compared, b: Compared, files: readonly ChangedF
   const named = changed.slice(0, NAMED)
   const more = changed.length - named.length
   if (named.length > 0) versions.unshift(more > 0 ? `${named.join(', ')} and ${more} more files` : named.join(', '))
-  const sources = a.identity?.engine !== b.identity?.engine && files === null
-  if (sources) versions.unshift('source files whose names are not stored')
+  const sources = a.identity?.engine !== b.identity?.engine && !files
+  if (sources) versions.unshift(files === null ? 'source files whose names are not stored' : 'source files whose names could not be loaded')
   return `Same campaign, different code: ${versions.length > 0 ? versions.join('; ') : 'the compiled loop'}.`
 }

@@ -2,6 +2,7 @@
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { violatedOf } from '../format/counts'
+import { gravest } from './Change'
 import type { Compared } from './data'
 import { Results } from './Results'
 
@@ -46,4 +47,11 @@ it('writes no bound below itself, no margin as zero, and a confidence only if al
   expect(row('bound', runs).slice(0, 3)).toEqual(['P(violation), bound', '2 %', '3.01e−6'])
   expect(row('margin', runs)).toContain('−4e−5')
   expect(row('bound', [bounded('A', 0.02, 0.995, 1), bounded('B', 0.01, 0.995, 1)])).toEqual(['P(violation), 99.5 % bound', '2 %', '1 %', '−1 %'])
+})
+
+it('several runs together are no better than the gravest of them', () => {
+  expect(gravest(['cleared', 'failed', 'inconclusive'])).toBe('failed')
+  expect(gravest(['cleared', 'inconclusive'])).toBe('inconclusive')
+  expect(gravest(['running', 'violated', 'cleared'])).toBe('violated')
+  expect(gravest(['cleared', 'cleared', 'cleared'])).toBe('cleared')
 })

@@ -1,4 +1,5 @@
 // The compared runs in the address: /compare?runs=R-0001,R-0002.
+import { flag } from '../format/query'
 
 /** Maximum number of compared runs. */
 export const MOST = 4
@@ -17,7 +18,7 @@ export const DASHES: readonly (readonly number[])[] = [[], [7, 4], [2, 3], [9, 3
 
 export function readCompare(search: Record<string, unknown>): CompareSearch {
   const runs = idsOf(search.runs).join(',')
-  return { runs: runs || undefined, all: search.all === true || search.all === 1 || undefined }
+  return { runs: runs || undefined, all: flag(search.all) ?? (search.all === 1 || search.all === '1' || undefined) }
 }
 
 /** The unique ids of a text, at most `MOST`. */

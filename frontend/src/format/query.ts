@@ -4,6 +4,9 @@
 export const text = (value: unknown): string | undefined =>
   typeof value === 'string' || typeof value === 'number' ? String(value) || undefined : undefined
 
+/** Whether a key is set: true in a link of a page, a word in an address. */
+export const flag = (value: unknown): true | undefined => value === true || value === 'true' || undefined
+
 /** One or several words; an empty list does not filter. */
 export function words(value: unknown): string[] | undefined {
   const found = (Array.isArray(value) ? value : [value]).flatMap((item) => text(item) ?? [])

@@ -5,7 +5,7 @@ import { useEffect, useState } from 'react'
 import { getRun, listRuns } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import type { RunSummary } from '../client'
-import { decimalsFor, signed } from '../format/numbers'
+import { decimalsFor, margin } from '../format/numbers'
 import { at } from '../format/root'
 import { store, stored, storeOf } from '../ui/store'
 import { wordOf } from '../ui/VerdictBadge'
@@ -138,8 +138,8 @@ export function tell(run: RunSummary, open: (run: string) => void): void {
 }
 
 export function bodyOf(run: Pick<RunSummary, 'name' | 'token' | 'margin' | 'unit' | 'error' | 'verdict'>): string {
-  const margin = run.verdict && run.margin !== null
+  const judged = run.verdict && run.margin !== null
   const name = run.token ? `${run.name} (token ${run.token})` : run.name
-  if (margin) return `${name}: margin ${signed(run.margin, decimalsFor([run.margin]))} ${run.unit}`
+  if (judged) return `${name}: margin ${margin(run.margin, decimalsFor([run.margin]))} ${run.unit}`
   return run.error ? `${name}: ${run.error}` : name
 }

@@ -108,7 +108,7 @@ function Figures({ data }: { data: RunData }) {
   const { run } = data
   const now = useNow(1000)
   const leader = leaderOf(run)
-  const cost = run.worst_cost ?? leader?.best ?? null
+  const cost = leader?.best ?? run.worst_cost
   const decimals = decimalsFor([cost, run.nominal_cost, run.threshold])
   const margin = cost === null || run.threshold === null ? null : cost - run.threshold
   return (
@@ -124,8 +124,8 @@ function Figures({ data }: { data: RunData }) {
           unit={cost === null ? undefined : run.unit}
           note={
             leader
-              ? `${methodLook(leader.method).title}, evaluation ${count((leader.best_index ?? 0) + 1)}`
-              : 'no search yet'
+              ? `${leader.method === null ? leader.title : methodLook(leader.method).title}${leader.best_index === null ? '' : `, evaluation ${count(leader.best_index + 1)}`}`
+              : 'no value yet'
           }
           testId="best"
         />

@@ -27,21 +27,21 @@ export function RunPage() {
   if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} statement={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what="run" title={id} />
-  return <Page run={query.data} stale={query.isError} />
+  return <Page key={query.data.id} run={query.data} stale={query.isError} />
 }
 
 function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
   useTitle(`${run.id} ${run.name}`)
   const data = useRunData(run, useSearch({ from: '/runs/$id' }).finding)
   // Rendered once the layout is known, and from then on also during refetches.
-  const [drawn, setDrawn] = useState('')
-  if (!isLive(run) && data.complete && drawn !== run.id) setDrawn(run.id)
+  const [drawn, setDrawn] = useState(false)
+  if (!isLive(run) && data.complete && !drawn) setDrawn(true)
   return (
     <>
       <Head run={run} stale={stale} />
       {run.removed !== null && <Removed run={run} />}
       <Missing parts={data.missing} />
-      {isLive(run) ? <Live data={data} /> : drawn === run.id ? <Evidence data={data} /> : <Loading what="results" />}
+      {isLive(run) ? <Live data={data} /> : drawn ? <Evidence data={data} /> : <Loading what="results" />}
       <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
         <RelatedCard run={run} />
         <History run={run.id} />

@@ -1,6 +1,6 @@
 // What a run has to show, and how much room that needs: the conditions of the sections of its page.
 import { hasScenario } from '../api/campaign'
-import { resultOf, resultWith, independentSample, type SlicesResult } from '../api/stages'
+import { resultOf, resultWith, randomSample, type SlicesResult } from '../api/stages'
 import type { Blocks, GridResult, Sample, SearchResult, ValidateResult } from '../client'
 import { type Best, bestOf, hasSpace, type RunData, stageOf } from './data/data'
 import { hasView } from './flight/declared'
@@ -73,7 +73,7 @@ export function factsOf(data: RunData): Facts {
     front: searches.some(({ search }) => search.front?.length),
     searched: run.stages.some((stage) => stage.method !== null && stage.evaluations > 0),
     methods: run.stages.filter((stage) => stage.method !== null).length,
-    sample: independentSample(data.stages),
+    sample: randomSample(data.stages),
     certified: resultWith(data.stages, 'grid') !== null,
     space: hasSpace(data),
     published: run.verdict ? (campaign.published?.length ?? 0) : 0,

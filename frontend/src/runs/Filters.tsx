@@ -22,7 +22,8 @@ interface FiltersProps {
 }
 
 export function Filters({ search, counts, onChange }: FiltersProps) {
-  const { data: facets } = useQuery(facetsQuery)
+  const { data: facets, isError } = useQuery(facetsQuery)
+  const absent = facets ? undefined : isError ? 'They could not be loaded.' : 'They are loading.'
   return (
     <>
       <Outcomes search={search} counts={counts} onChange={onChange} />
@@ -35,16 +36,18 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
         />
         <FilterMenu
           name="Campaign"
+          absent={absent}
           options={facets?.campaigns ?? []}
           value={search.campaign}
           onChange={(campaign) => onChange({ campaign })}
         />
-        <FilterMenu name="Tag" options={facets?.tags ?? []} value={search.tag} onChange={(tag) => onChange({ tag })} />
+        <FilterMenu name="Tag" absent={absent} options={facets?.tags ?? []} value={search.tag} onChange={(tag) => onChange({ tag })} />
         {(facets?.labels.length || search.label) && (
-          <FilterMenu name="Label" options={facets?.labels ?? []} value={search.label} onChange={(label) => onChange({ label })} />
+          <FilterMenu name="Label" absent={absent} options={facets?.labels ?? []} value={search.label} onChange={(label) => onChange({ label })} />
         )}
         <FilterMenu
           name="Found by"
+          absent={absent}
           options={facets?.methods ?? []}
           value={search.method}
           onChange={(method) => onChange({ method })}
@@ -52,6 +55,7 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
         />
         <FilterMenu
           name="User"
+          absent={absent}
           options={facets?.owners ?? []}
           value={search.owner}
           onChange={(owner) => onChange({ owner })}

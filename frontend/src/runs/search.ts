@@ -1,7 +1,7 @@
 // The state of the run list in the address.
 import type { RunFilter } from '../api/calls'
 import { COLUMN_KEYS, type ColumnKey, type SortKey, SORTS } from './columnKeys'
-import { pairs, text, words } from '../format/query'
+import { flag, pairs, text, words } from '../format/query'
 
 export const SHOWS = ['cleared', 'violated', 'inconclusive', 'running', 'queued', 'failed', 'cancelled'] as const
 export type Show = (typeof SHOWS)[number]
@@ -69,8 +69,8 @@ export function readSearch(search: Record<string, unknown>): RunsSearch {
     days: DAYS.find((days) => days === Number(search.days)),
     since: date(search.since),
     until: date(search.until),
-    pinned: search.pinned === true || undefined,
-    removed: search.removed === true || undefined,
+    pinned: flag(search.pinned),
+    removed: flag(search.removed),
     focus: search.focus === 'search' ? 'search' : undefined,
     sort: isSort(sort) ? sort : undefined,
     cols: Array.isArray(search.cols) ? columns(search.cols.join()) : columns(search.cols),

@@ -11,6 +11,8 @@ import layout from './layout.module.css'
 interface FilterMenuProps {
   name: string
   options: readonly Facet[]
+  /** Why there are no options yet, if they could not be loaded or are not there. */
+  absent?: string
   value: readonly string[] | undefined
   onChange: (value: string[] | undefined) => void
   /** How an option is shown. */
@@ -19,7 +21,7 @@ interface FilterMenuProps {
 
 const FEW = 8
 
-export function FilterMenu({ name, options, value = [], onChange, label = (text) => text }: FilterMenuProps) {
+export function FilterMenu({ name, options, absent, value = [], onChange, label = (text) => text }: FilterMenuProps) {
   const [query, setQuery] = useState('')
   // A chosen value can be deselected even if no run has it any more.
   const gone = value.filter((text) => !options.some((option) => option.value === text))
@@ -50,7 +52,7 @@ export function FilterMenu({ name, options, value = [], onChange, label = (text)
             <span className="mut tn">{count(option.runs)}</span>
           </Pick>
         ))}
-        {shown.length === 0 && <p className="small mut">{all.length ? 'No match.' : 'No run has any yet.'}</p>}
+        {shown.length === 0 && <p className="small mut">{all.length ? 'No match.' : (absent ?? 'No run has any yet.')}</p>}
       </Picks>
       {value.length > 0 && (
         <Button small onClick={() => onChange(undefined)}>Any {name.toLowerCase()}</Button>

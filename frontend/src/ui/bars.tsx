@@ -33,16 +33,17 @@ interface MarginProps {
 /** A margin as a fraction of the criterion: to the right if satisfied, to the left if violated; spans 30 %. */
 export function MarginBar({ margin, threshold, open }: MarginProps) {
   const share = Math.max(-1, Math.min(1, margin / (0.3 * Math.abs(threshold) || 1)))
+  const violated = margin <= 0
   const length = Math.max(1.5, Math.abs(share) * 24)
   return (
     <svg width={50} height={12} viewBox="0 0 50 12" style={{ display: 'block' }} aria-hidden="true">
       <path d="M25 0v12" stroke="var(--line-2)" strokeWidth={1} />
       <rect
-        x={share < 0 ? 25 - length : 25}
+        x={violated ? 25 - length : 25}
         y={2.5}
         width={length}
         height={7}
-        fill={share < 0 ? 'var(--bad-solid)' : open ? 'var(--unk-solid)' : 'var(--ok-solid)'}
+        fill={violated ? 'var(--bad-solid)' : open ? 'var(--unk-solid)' : 'var(--ok-solid)'}
       />
     </svg>
   )

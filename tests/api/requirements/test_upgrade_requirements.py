@@ -16,11 +16,12 @@ import sqlalchemy as sa
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Requirement, Run, RunRequirement, Signoff
+from backend.db.tables import Requirement, Run, RunRequirement, Signoff, Stage
 from backend.requirements import matrix
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import question
 from tests.given.databases import KINDS
+from tests.given.finished_runs import Work
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 
@@ -59,3 +60,23 @@ def test_stored_questions_are_those_of_this_version(service: Service, client: ht
         required = reader.scalars(sa.select(RunRequirement.question).order_by(RunRequirement.run_id)).all()
         of = {asked for asked, document in rows if "requirements" in document["criterion"]}
         assert (len(required), set(required)) == (2, of)
+
+
+@pytest.mark.parametrize("database", KINDS, indirect=True)
+def test_the_lowest_value_of_a_stored_run_without_a_verdict_is_that_of_every_stage(
+    service: Service, client: httpx.Client
+) -> None:
+    for _ in range(3):
+        assert client.post("/api/v1/runs", json={"campaign": campaign()}).status_code == 201
+        Work(service)
+    best = {"nominal": 0.9, "search": 0.8, "sensitivity": 0.7}
+    with service.engine.begin() as writer:
+        for kind, cost in best.items():
+            writer.execute(sa.update(Stage).where(Stage.kind == kind, Stage.run_id < 3).values(best=cost))
+        writer.execute(sa.update(Run).values(worst_cost=0.8, worst_method="direct", state="cancelled"))
+        writer.execute(sa.update(Run).where(Run.id == 2).values(verdict="cleared", state="done"))
+        writer.execute(sa.text("update alembic_version set version_num = '0032'"))
+    migrate(service.engine.url.render_as_string(hide_password=False))
+    with read(service.engine) as reader:
+        rows = reader.execute(sa.select(Run.worst_cost, Run.worst_method).order_by(Run.id)).all()
+    assert [tuple(row) for row in rows] == [(0.7, None), (0.8, "direct"), (0.8, "direct")]

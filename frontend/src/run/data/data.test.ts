@@ -1,9 +1,9 @@
 // Labels of parameters.
 import { expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
-import type { Catalogue } from '../../client'
+import type { Catalogue, Evaluations } from '../../client'
 import { finding, flight, head, progress, run } from '../../../tests/fixtures'
-import { finderOf, leavesGround, rateOf, uncertainOf } from './data'
+import { bestOf, finderOf, leaderOf, leavesGround, rateOf, uncertainOf } from './data'
 
 const parameter = (name: string, symbol: string) => ({
   name,
@@ -75,4 +75,20 @@ it('speaks of a flight only of a vehicle that moves in space', () => {
   expect(leavesGround({ campaign, catalogue: inSpace, nominalTrace: undefined })).toBe(true)
   expect(leavesGround({ campaign, catalogue: undefined, nominalTrace: flight({ meta: head({ frame: 'ned' }) }) })).toBe(true)
   expect(leavesGround({ campaign: { simulator: { name: 's' } } as Campaign, catalogue: inSpace, nominalTrace: undefined })).toBe(false)
+})
+
+it('the lowest value is that of every stage that asks the question of the campaign', () => {
+  const series = (kind: string, method: string | null, cost: (number | null)[]) =>
+    ({ kind, method, cost, parameters: { 'vehicle.m': cost.map((_, k) => k) }, further: {} })
+  const stages = [series('nominal', null, [0.9]), series('baseline', null, [0.1]), series('search', 'direct', [0.8, null]), series('certify', null, [0.7, 0.2])]
+  const evaluations = { stages } as unknown as Evaluations
+  expect(bestOf({ evaluations, run: run({ worst_cost: 0.2 }) })).toMatchObject({ cost: 0.2, method: null, parameters: { 'vehicle.m': 1 } })
+  const working = (['nominal', 'baseline', 'search', 'certify'] as const).map((kind, position) => ({ ...progress({ position }), kind, best: [0.9, 0.1, 0.8, 0.2][position] ?? null }))
+  expect(leaderOf(run({ worst_cost: 0.2, stages: working }))?.kind).toBe('certify')
+})
+
+it('no query of a run shows what belongs to another finding or run', () => {
+  const sources = import.meta.glob('../**/*.{ts,tsx}', { query: '?raw', import: 'default', eager: true })
+  const found = Object.entries(sources).filter(([name, text]) => !name.includes('.test.') && /placeholderData|keepPreviousData/.test(String(text)))
+  expect(found.map(([name]) => name)).toEqual([])
 })

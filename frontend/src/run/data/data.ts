@@ -1,5 +1,5 @@
 // Shared data of the cards of a run's page, and selectors.
-import { keepPreviousData, usePrefetchQuery, useQuery, useQueryClient } from '@tanstack/react-query'
+import { usePrefetchQuery, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useEffect, useMemo, useRef, useState } from 'react'
 import { asCampaign, type Campaign, hasScenario } from '../../api/campaign'
 import { useStreamStatus } from '../../api/events'
@@ -87,11 +87,7 @@ export function useRunData(run: RunDetail, label?: string): RunData {
   const has = (name: string) => over && (traces.data ?? []).some((trace) => trace.name === name)
   const nominalTrace = useQuery({ ...traceQuery(run.id, 'nominal'), enabled: has('nominal') })
   const chosen = chosenOf(label, findings.data ?? [], worstOf(run))
-  const findingTrace = useQuery({
-    ...traceQuery(run.id, chosen),
-    enabled: chosen !== NOMINAL && has(chosen),
-    placeholderData: keepPreviousData,
-  })
+  const findingTrace = useQuery({ ...traceQuery(run.id, chosen), enabled: chosen !== NOMINAL && has(chosen) })
   const campaign = useMemo(() => asCampaign(run.campaign), [run.campaign])
   const parameters = useMemo(() => uncertainOf(campaign, catalogue), [campaign, catalogue])
   return useStable({
@@ -239,13 +235,13 @@ export interface Best {
   values: Record<string, number | null>
 }
 
-/** The lowest value of all searches with its parameters, if known. */
+/** The lowest value so far with its parameters, if known: what is lower than the run's own is of another question. */
 export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'>): Best | null {
   let best: Best | null = null
+  const lowest = run.worst_cost ?? Number.POSITIVE_INFINITY
   for (const series of evaluations?.stages ?? []) {
-    if (series.method === null) continue
     series.cost.forEach((cost, i) => {
-      if (cost === null || (best && cost >= best.cost)) return
+      if (cost === null || cost < lowest || (best && cost >= best.cost)) return
       const parameters = Object.fromEntries(Object.entries(series.parameters).map(([path, v]) => [path, v[i] ?? 0]))
       const further = Object.entries(series.further).map(([name, v]) => [name, v[i] ?? null] as const)
       const values = { [run.criteria[0]?.name ?? '']: cost, ...Object.fromEntries(further) }
@@ -259,11 +255,12 @@ export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'
 export const valuesOf = (trace: TraceInfo | undefined): Record<string, number | null> =>
   trace?.meta.values ?? {}
 
-/** The search stage that has found the lowest value so far. */
-export function leaderOf(run: RunDetail): StageProgress | null {
+/** The stage that has the lowest value so far. */
+export function leaderOf(run: Pick<RunDetail, 'stages' | 'worst_cost'>): StageProgress | null {
+  const lowest = run.worst_cost ?? Number.POSITIVE_INFINITY
   let leader: StageProgress | null = null
   for (const stage of run.stages)
-    if (stage.method !== null && stage.best !== null && (leader?.best == null || stage.best < leader.best))
+    if (stage.best !== null && stage.best >= lowest && (leader?.best == null || stage.best < leader.best))
       leader = stage
   return leader
 }

@@ -39,9 +39,16 @@ interface RowProps {
 export function MostLikelyRow(props: RowProps) {
   const { run, findings } = props.data
   const there = isLikely(findings) && findings.some(({ margin }) => margin <= 0)
-  const { data: most } = useQuery({ ...mostLikelyQuery(run.id), enabled: there })
+  const { data: most, isError } = useQuery({ ...mostLikelyQuery(run.id), enabled: there })
+  if (there && isError && !most) return <NotLoaded />
   return there && most ? <LikelyViolation {...props} most={most} /> : null
 }
+
+const NotLoaded = () => (
+  <tr>
+    <td colSpan={99}>The most likely violation could not be loaded.</td>
+  </tr>
+)
 
 export function LikelyViolation({ data, decimals, between, most }: RowProps & { most: MostLikely }) {
   const { case: found } = most

@@ -11,7 +11,7 @@ import {
 import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { FindingChange, Regression } from '../../client'
-import { decimalsFor, plain, signed } from '../../format/numbers'
+import { decimalsFor, margin, plain } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { Card } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
@@ -116,12 +116,12 @@ export function Changes({ unit, regression, choose }: ChangesProps) {
   ) : (
     <span className={styles.folder}>{regression.run}</span>
   )
-  const margin = (key: 'margin_before' | 'margin_again' | 'margin', head: string, title: string): Column<FindingChange> => ({
+  const column = (key: 'margin_before' | 'margin_again' | 'margin', head: string, title: string): Column<FindingChange> => ({
     head,
     title,
     unit,
     tone: ({ [key]: value }) => value != null && value <= 0 && 'b bad-t',
-    cell: ({ [key]: value }) => signed(value ?? null, decimals),
+    cell: ({ [key]: value }) => margin(value ?? null, decimals),
   })
   return (
     <Table
@@ -132,10 +132,10 @@ export function Changes({ unit, regression, choose }: ChangesProps) {
         { head: 'Change', cell: (change) => <Status change={change} /> },
         { head: <>In {named}</>, tone: 'mono', cell: ({ before }) => before ?? <span className="mut">none</span> },
         { head: 'Here', cell: ({ now }) => <Here now={now} choose={choose} /> },
-        margin('margin_before', 'Margin there', 'The margin in the baseline, to the threshold of this run'),
-        margin('margin_again', 'Same case here', 'The finding of the baseline, evaluated on this model'),
-        margin('margin', 'Lowest here', 'The lowest margin known in its basin on this model'),
-        { head: 'Change', unit, tone: 'b', cell: ({ change }) => signed(change ?? null, smallest) },
+        column('margin_before', 'Margin there', 'The margin in the baseline, to the threshold of this run'),
+        column('margin_again', 'Same case here', 'The finding of the baseline, evaluated on this model'),
+        column('margin', 'Lowest here', 'The lowest margin known in its basin on this model'),
+        { head: 'Change', unit, tone: 'b', cell: ({ change }) => margin(change ?? null, smallest) },
         { head: 'Tolerance', unit, title: 'A change up to this is no change', tone: 'mut', cell: ({ tolerance }) => plain(tolerance ?? null, 2) },
       ]}
     />

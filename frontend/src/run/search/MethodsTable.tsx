@@ -2,7 +2,7 @@
 import { LIMITS } from '../../api/rules'
 import { resultOf } from '../../api/stages'
 import type { Compared, Member } from '../../client'
-import { count, decimalsApart, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
+import { count, decimalsApart, duration, fixed, margin, NONE, percent, plain, signed } from '../../format/numbers'
 import { words } from '../../format/spans'
 import { HelpLink } from '../../help/links'
 import { Card, Progress } from '../../ui/Card'
@@ -75,7 +75,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
             unit: run.unit,
             className: layout.hideN,
             tone: 'sec',
-            cell: ({ stage }) => (stage.best === null || run.threshold === null ? NONE : signed(stage.best - run.threshold, decimals)),
+            cell: ({ stage }) => (stage.best === null || run.threshold === null ? NONE : margin(stage.best - run.threshold, decimals)),
           },
           { head: 'Best at', unit: 'evaluation', tone: 'sec', cell: ({ stage }) => (stage.best_index === null ? NONE : count(stage.best_index + 1)) },
           ...(compared ? comparedColumns(compared, data.findings.length, validation?.encounter !== null) : []),

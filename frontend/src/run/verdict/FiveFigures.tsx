@@ -1,6 +1,6 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
 import { unknownOf, violatedOf, withoutValue } from '../../format/counts'
-import { atMost, confidenceText, count, decimalsFor, duration, exact, fixed, goal, margin, NONE, signed } from '../../format/numbers'
+import { atMost, confidenceText, count, decimalsFor, duration, exact, fixed, goal, margin, NONE } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
@@ -53,7 +53,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           testId="margin"
           note={
             <>
-              {`${share === null ? '' : `${signed(share * 100, Math.abs(share) < 1 ? 1 : 0)} % of `}${exact(run.threshold)} ${run.unit}`}
+              {`${share === null ? '' : `${margin(share * 100, Math.abs(share) < 1 ? 1 : 0)} % of `}${exact(run.threshold)} ${run.unit}`}
               {unknownOf(run) && <span className="unk-t">; {unknownOf(run)}</span>}
             </>
           }

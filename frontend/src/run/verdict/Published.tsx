@@ -61,10 +61,10 @@ export function Published({ data, className }: { data: RunData; className: strin
           {
             head: 'Ours',
             unit: run.unit,
-            tone: ({ ours }) => (ours === null ? 'mut' : 'b'),
-            cell: ({ ours }) => (ours === null ? 'not run' : fixed(ours, decimals + 1)),
+            tone: ({ ours }) => (typeof ours === 'number' ? 'b' : 'mut'),
+            cell: ({ ours }) => (typeof ours === 'number' ? fixed(ours, decimals + 1) : ours === null ? 'no value' : 'not run'),
           },
-          { head: 'Difference', unit: run.unit, tone: 'sec', cell: ({ ours, value }) => (ours === null ? NONE : signed(ours - value, decimals + 1)) },
+          { head: 'Difference', unit: run.unit, tone: 'sec', cell: ({ ours, value }) => (typeof ours === 'number' ? signed(ours - value, decimals + 1) : NONE) },
         ]}
       />
     </Card>
@@ -109,21 +109,28 @@ function where({ parameters }: RunData, row: PublishedValue) {
   ))
 }
 
-/** The run's value for a published one: from the start named by its label, or by the method with which the label starts. */
-function oursFor(data: RunData, row: PublishedValue): number | null {
+/**
+ * The run's value for a published one: from the start named by its label, or by the method with which the label starts; null
+ * if what was run has none, undefined if it was not run.
+ */
+export function oursFor(data: Pick<RunData, 'run' | 'stages' | 'evaluations' | 'catalogue'>, row: Pick<PublishedValue, 'label'>): number | null | undefined {
   const label = row.label.toLowerCase()
-  if (label.startsWith('nominal')) return data.run.nominal_cost
+  if (label.startsWith('nominal')) return ran(data.run, data.run.nominal_cost)
   const searches = searchesOf(data)
   if (label.includes(' from ')) {
     const minima = searches.flatMap((search) => search.result?.minima ?? [])
-    return minimumFrom(minima, row.label)?.cost ?? null
+    return minimumFrom(minima, row.label)?.cost
   }
   const search = searches.find(({ title, stage }) => {
     const words = [title, stage.method?.replaceAll('_', ' ') ?? ''].map((word) => word.toLowerCase())
     return words.some((word) => word && label.startsWith(word.split(' ')[0] ?? word))
   })
-  return search?.stage.best ?? null
+  return ran(search?.stage, search?.stage.best)
 }
+
+/** The value of what has evaluated something; undefined of what has not. */
+const ran = (stage: { evaluations: number } | undefined, value: number | null | undefined): number | null | undefined =>
+  stage && stage.evaluations > 0 ? (value ?? null) : undefined
 
 /** The minimum reached from the start named by the label. */
 function minimumFrom(minima: Minimum[], label: string): Minimum | undefined {

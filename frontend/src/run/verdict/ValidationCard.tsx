@@ -68,7 +68,9 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
             <>
               {count(neighbours.flown)} neighbours of the worst case were simulated
               {neighbours.failed > 0 && `, ${count(neighbours.failed)} failed`}:{' '}
-              {neighbours.lower_by
+              {neighbours.lowest === null
+                ? 'none of them has a value.'
+                : neighbours.lower_by
                 ? `the lowest is ${plain(neighbours.lower_by, 3)} ${run.unit} lower and became the worst case.`
                 : 'none is lower.'}
             </>

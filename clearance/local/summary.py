@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from campaigns import Campaign
 from campaigns.identity.identity import identity_of, simulator_of
-from campaigns.results import SearchResult, ValidateResult, Verdict, verdicts
+from campaigns.results import Finding, SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.sample import Beside
 from clearance.local.failures import failures
@@ -37,7 +39,7 @@ def summary(
         "checks": [check.model_dump() for check in verdicts.described(verdict.checks, failed)],
         "statistics": parts["statistics"],
         **{name: parts[name] for name in ("regression", "sureness") if name in parts},
-        "findings": [likely.stated(finding).model_dump() for finding in store.findings],
+        "findings": [_finding(likely.stated(finding), campaign.criterion.threshold) for finding in store.findings],
         **({} if likely.violation is None else {"most_likely_violation": likely.violation.model_dump()}),
         **({"failures": [one.document for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
         "digest": campaign.digest,
@@ -57,6 +59,12 @@ def made(store: MemoryStore, position: int) -> tuple[int, int, int]:
     beside = Beside() if result is None else result.beside
     failed = status.count(FAILED) + status.count(TIMEOUT) + beside.failed
     return len(status) + beside.evaluations, failed, status.count(EXCLUDED) + beside.excluded
+
+
+def _finding(finding: Finding, threshold: float) -> Mapping[str, object]:
+    """A finding with the value to state for it, and its margin."""
+    margin = finding.margin if finding.granted == finding.cost else finding.granted - threshold
+    return finding.model_dump() | {"granted": finding.granted, "margin": margin}
 
 
 def _stage(store: MemoryStore, position: int) -> dict[str, object]:

@@ -59,8 +59,8 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
     minima.sort(key=lambda m: _place(m, space.starts))
     result = _result(context, method, options, driven, minima)
     rows = members.rows(driven.columns, context.methods, method.apart) if driven.columns else []
-    leading = min((row for row in rows if row.best is not None), key=lambda row: row.best or 0.0, default=None)
-    known = None if leading is None else context.methods.get(leading.member)
+    leading = members.leading(driven.columns) if driven.columns else None
+    known = None if leading is None else context.methods.get(leading)
     family = method.family_with(options) if known is None else known.family_with(known.options())
     apart = members.apart(driven.columns, context.methods, method.apart) if driven.columns else []
     return Outcome(result.model_copy(update={"members": rows, "family": family, "apart": apart}))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ def agreement(run: Run) -> bool:
     """Whether methods that searched, of two families and all global ones, reached the worst case and its cost."""
     if math.isnan(run.nominal):
         return False
-    findings, came, by = run.claims["findings"], dict[int, bool](), set[str]()
+    findings, came, by = run.claims["findings"], dict[int, bool](), set[tuple[str, str]]()
     stated = [f["cost"] for f in findings if f["validation"]["realisation"] is None]
     worst = min(stated or [f["cost"] for f in findings], default=math.nan)
     fall = min(run.campaign.agreement, limits.AGREEMENT_AT_MOST) * (run.nominal - worst)
@@ -32,14 +33,27 @@ def agreement(run: Run) -> bool:
         came[k] = searched and run.best[k] - worst <= within and row["basin"] in labels
         parts = run.claims["results"][k].get("apart") or []
         if came[k] and not parts and not _started(run, k, row["basin"]):
-            by.add(family(run, k))
+            by.add((family(run, k), _sharing(run, k, None)))
         for part, basin in zip(parts, row.get("apart") or [], strict=True):
             reached = part["evaluations"] >= least and part["best"] - worst <= within and basin in labels
             if came[k] and reached and not _started(run, k, basin):
-                by.add(run.methods[k].apart.get(part["member"], part["family"]))
+                by.add((run.methods[k].apart.get(part["member"], part["family"]), _sharing(run, k, part["member"])))
     globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
-    several = len(by) >= limits.METHODS
+    several = any(_independent(*pair) for pair in combinations(by, limits.METHODS))
     return bool(globally) and all(globally) and several and (not run.varies or worst < run.nominal)
+
+
+def _independent(a: tuple[str, str], b: tuple[str, str]) -> bool:
+    """Whether families differ, and not only the members that led two searches of a method whose members share."""
+    return a[0] != b[0] and (a[1] == "" or a[1] != b[1])
+
+
+def _sharing(run: Run, k: int, member: str | None) -> str:
+    """The method whose members shared what they knew, of a search or of its part that this member led; earlier versions
+    let several searches of it confirm each other."""
+    of = run.methods[k]
+    alone = member in of.apart if member else not (of.apart or run.claims["results"][k].get("members"))
+    return "" if alone or run.wording < limits.SHARED else of.name
 
 
 def _started(run: Run, k: int, label: str) -> bool:

@@ -27,13 +27,13 @@ TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 2
 OF_VIOLATIONS = ("nominal", "no violation", "noise of calls", "probability", "target")
 """Checks that violations alone can make fail."""
-BASELINES, BESIDE, ROUNDED, TAILS, LOWEST = 5, 6, 7, 8, 9
+BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED = 5, 6, 7, 8, 9, 10
 """The version of the sentences since which records state all that a comparison with a baseline rests on, judged by the
 thresholds of both runs, and how many evaluations failed for each reason; since which a policy accepts known violations
 only where nothing beside them is wrong; since which costs agree within rounding only if they differ by that of their
 own digits; since which an estimate counts what is beyond the bounds relative to what is not excluded; since which
 DIRECT's possible gain is measured from the lowest evaluation of its search, and a search that started at a worst case
-does not confirm it."""
+does not confirm it; since which the members of a method that share what they know are one in all its searches."""
 
 
 def draws(requested: int, drawn: int) -> int:

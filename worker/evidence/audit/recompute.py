@@ -163,7 +163,7 @@ class Run:
         """The mildest value of a violation whose values differ beyond tolerance, else its own."""
         case, label = finding["validation"], finding["label"]
         given = next((f["validation"] for f in self.claims["findings"] if f["label"] == label), case)
-        if case["agrees"] or "repeats" in case:
+        if "repeats" in case or case["agrees"] or not case["violates"]:
             return float(finding["cost"])
         return float(max(finding["cost"], *(given[k]["cost"] for k in self.others)))
 
@@ -183,7 +183,11 @@ class Run:
         edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
         name = f"F{number}"
         found = {"label": name, "cost": cost, "margin": cost - self.threshold, "at_bounds": edges}
-        return found | {"validation": {"name": name, "cost": cost} | self.case(recorded["validation"])}
+        found |= {"validation": {"name": name, "cost": cost} | self.case(recorded["validation"])}
+        if "granted" not in recorded:  # in a database, and in folders of earlier versions
+            return found
+        granted = self._granted(found)
+        return found | {"granted": granted, "margin": granted - self.threshold}
 
     def case(self, recorded: Tree) -> Tree:
         """The validation of a case, from its cost as in the campaign and those by independent means."""

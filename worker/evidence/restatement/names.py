@@ -28,6 +28,8 @@ FORMS: dict[str, Form] = {
 """By its name, the form of a part of result.json."""
 LABEL = {"finding": ""}
 """Of the worst case, which in a folder is found by its values."""
+GRANTED = "granted"
+"""Of a finding in a folder, the value to state for it, which otherwise follows from its validation."""
 STAGE = {"kind", "method", "best", "evaluations", "failed", "excluded", "seconds", "stop", "minima"}
 FAILURE = {"status", "reason", "stage", "index", "output", "evaluations"}
 
@@ -42,6 +44,8 @@ def beyond(record: Record) -> list[str]:
         return []
     found: list[str] = []
     stated = claims | ({"worst": LABEL | claims["worst"]} if isinstance(claims.get("worst"), dict) else {})
+    each = [one for one in claims.get("findings") or () if isinstance(one, dict)]
+    stated |= {"findings": [{name: value for name, value in one.items() if name != GRANTED} for one in each]}
     for name, form in FORMS.items():
         found += _unknown(name, stated.get(name), form)
     for k, result in enumerate(claims.get("results") or ()):

@@ -5,7 +5,8 @@ the campaign's `agreement` and a tenth of the margin of the worst; so mirrored w
 if it really searched: with a minimum budget, until its own stopping rule or the end of its budget, and to a best below
 nominal. Methods of one family search by the same principle and miss the same cases: they count once. A search that the
 campaign started at the worst case is no witness of it. A search of several parts that were told nothing of each other's
-evaluations counts as so many methods; parts that shared what they knew are one.
+evaluations counts as so many methods; parts that shared what they knew are one, and one in several searches of the same
+method: which of them was the lowest is no principle of its own.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -82,17 +84,30 @@ class Part:
     evaluations: int
     best: float
     finding: str | None
+    together: str = ""
+    """The method whose members shared what they knew; empty of a part that shared nothing."""
 
 
 def _parts(search: SearchResult, evidence: Evidence) -> list[Part]:
     row = _row(search, evidence)
     if not search.apart:
         best = math.inf if search.best is None else search.best.cost
-        return [Part(_titled(search), family(search), search.evaluations, best, row.basin)]
+        together = search.method if search.members else ""
+        return [Part(_titled(search), family(search), search.evaluations, best, row.basin, together)]
+    alone = {member.member for member in search.members if member.apart}
     return [
-        Part(method(search.method, f"{search.title}: {a.title}"), a.family, a.evaluations, a.best, basin)
+        Part(
+            method(search.method, f"{search.title}: {a.title}"),
+            *(a.family, a.evaluations, a.best, basin),
+            search.method if search.members and a.member not in alone else "",
+        )
         for a, basin in zip(search.apart, row.apart, strict=True)
     ]
+
+
+def _independent(a: Part, b: Part) -> bool:
+    """Whether two parts found what they found by different principles."""
+    return a.family != b.family and (not a.together or a.together != b.together)
 
 
 def allowed(problem: Problem, nominal: float, worst: float) -> float:
@@ -124,10 +139,12 @@ def varies(evidence: Evidence, threshold: float) -> float:
 def _agreed(counted: Sequence[Part], evidence: Evidence, flat: bool, worst: float, nominal: float, unit: str) -> Check:
     reached = listed([part.title for part in counted])
     families = sorted({part.family for part in counted})
+    confirmed = any(_independent(a, b) for a, b in combinations(counted, rules.METHODS.value))
     if not counted:
         return _check(False, "no part of a search that reached the worst case has enough evaluations to count as one")
-    if len(families) < rules.METHODS.value:
-        of_one = f", of one family ({families[0]})," if len({part.title for part in counted}) > 1 else ""
+    if not confirmed:
+        shared = ", whose members share what they find," if len(families) > 1 else ""
+        of_one = shared or (f", of one family ({families[0]})," if len({part.title for part in counted}) > 1 else "")
         second = " reached the worst case; a method of another family must confirm it"
         return _check(False, "only ", reached, of_one, second)
     if flat:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import json
 from pathlib import Path
 
 import pytest
 
 import clearance
+from clearance.cli import invoke
 from tests.audited import audited
 
 
@@ -44,7 +46,7 @@ def test_the_report_has_its_parameters(result: clearance.Result, tmp_path: Path)
     assert all(f">{value:.4g}<" in row for value in result.worst.parameters.values())
 
 
-def test_a_value_that_is_milder_when_evaluated_again_is_stated_as_in_the_verdict() -> None:
+def test_a_value_that_is_milder_when_evaluated_again_is_stated_as_in_the_verdict(tmp_path: Path) -> None:
     calls: list[None] = []
 
     def drifting(a: float, b: float) -> float:
@@ -59,6 +61,12 @@ def test_a_value_that_is_milder_when_evaluated_again_is_stated_as_in_the_verdict
     assert found.worst.margin == pytest.approx(found.worst.cost - 2.3)
     assert f"{found.worst.cost:.6g} m" in found.verdict.sentence
     assert f"{found.worst.cost:.6g} (evaluated: {found.worst.evaluated:.6g})" in str(found)
+    found.save(tmp_path / "out")
+    document = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
+    first = document["findings"][0]
+    assert (first["cost"], first["granted"]) == (found.worst.evaluated, found.worst.cost)
+    assert first["margin"] == document["worst"]["margin"] == found.worst.margin == found.findings[0].margin
+    assert invoke(["audit", str(tmp_path / "out")]) == 0
 
 
 @pytest.mark.parametrize("repeats", [True, False])

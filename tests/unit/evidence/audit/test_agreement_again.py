@@ -21,7 +21,8 @@ def run(first: float, second: float, nominal: float, varies: bool = True, older:
     search = [SimpleNamespace(options={}, starts=more.get("starts", [])) for _ in methods]
     return SimpleNamespace(
         claims={
-            "findings": [finding], "comparison": [{"basin": "F1"}] * 2, "results": [{}, {}], "verdict": "inconclusive",
+            "findings": [finding], "comparison": [{"basin": "F1"}, {"basin": "F1"}], "results": [{}, {}],
+            "verdict": "inconclusive",
         },
         campaign=SimpleNamespace(agreement=0.05, stages=SimpleNamespace(search=search)),
         nominal=nominal, threshold=0.0, searches=[0, 1], methods=methods, bounds={"a": (0.0, 1.0)},
@@ -57,3 +58,24 @@ def test_searches_that_started_at_the_worst_case_do_not_confirm_it_but_in_earlie
     assert agreement(run(0.43, 0.43, 1.4, starts=[{"a": 0.2}, {}]))
     assert not agreement(run(0.43, 0.43, 1.4, starts=[{"a": 0.2}, {"a": 0.12}]))
     assert agreement(run(0.43, 0.43, 1.4, starts=[{"a": 0.12}], wording=8))
+
+
+@pytest.mark.parametrize("parts", [False, True])
+def test_searches_of_one_method_whose_members_share_confirm_each_other_only_in_earlier_versions(parts: bool) -> None:
+    def judged(**more: Any) -> bool:
+        made = run(0.43, 0.43, 1.4, **more)
+        for k, family in enumerate(("gradients", "division")):
+            alone = {"member": "racing", "family": "racing", "evaluations": 50, "best": more.get("alone", 1.0)}
+            led = {"member": family, "family": family, "evaluations": 50, "best": 0.43}
+            made.methods[k].name, made.methods[k].family = "auto", family
+            made.methods[k].apart = {"racing": "racing"} if parts else {}
+            members = [{"member": family, "apart": False}, {"member": "racing", "apart": parts}]
+            made.claims["results"][k] = {"members": members, "family": family} | (
+                {"apart": [led, alone]} if parts else {}
+            )
+            made.claims["comparison"][k] = {"basin": "F1", "apart": ["F1", "F1"] if parts else []}
+        return agreement(made)
+
+    assert not judged(wording=10)
+    assert judged(wording=9)
+    assert judged(wording=10, alone=0.43) is parts

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from campaigns.codes import CheckCode
 from campaigns.results.finding import Repeated
-from campaigns.results.search import Apart
+from campaigns.results.search import Apart, Member, SearchResult
 from campaigns.results.slices import Curve
 from campaigns.results.validate import Spread
 from campaigns.results.verdict import NominalCost, Provenance, Worst, not_sampled
@@ -528,6 +528,26 @@ def test_a_search_that_the_campaign_started_at_the_worst_case_does_not_confirm_i
         campaign(stages__search=requests), finding=finding(point=[1.0, 0.5]), searches=[search("direct"), search("sqp")]
     )
     assert check_of("agreement", found).ok is agreed
+
+
+def sharing(method: str, family: str, **changes: Any) -> SearchResult:
+    """A search of a method whose members share what they know, one of which led."""
+    led = Member(member=family, title=family, evaluations=900, best=WORST, improvements=9)
+    alone = Member(member="contrast_racing", title="racing", evaluations=100, best=1.0, improvements=0, apart=True)
+    return search(method, family=family, members=[led, alone], **changes)
+
+
+@pytest.mark.parametrize("method", ["auto", "portfolio"])
+def test_searches_of_one_method_are_not_two_because_other_members_led_them(method: str) -> None:
+    two = [sharing(method, "gradients"), sharing(method, "normal distribution")]
+    assert not check_of("agreement", concluded(searches=two)).ok
+    parts = [part_apart("gradients", "gradients"), part_apart("contrast_racing", "racing of descents", cost=1.0)]
+    other = [part_apart("divided", "division"), part_apart("contrast_racing", "racing of descents", cost=1.0)]
+    of_parts = [sharing(method, "gradients", apart=parts), sharing(method, "division", apart=other)]
+    assert not check_of("agreement", concluded(searches=of_parts)).ok
+    witnessed = [of_parts[0], sharing(method, "division", apart=[other[0], changed(other[1], best=WORST)])]
+    assert check_of("agreement", concluded(searches=witnessed)).ok
+    assert check_of("agreement", concluded(searches=[*two, search("direct", family="division")])).ok
 
 
 APART = [part_apart("sqp", "gradients"), part_apart("contrast_racing", "racing of descents")]

@@ -16,10 +16,12 @@ from worker.engine.search.base import Method, Parallel, Several
 
 @dataclass
 class Members:
-    """Records a method's requests by member; an evaluation belongs to the first member that requested its point."""
+    """Records a method's requests by member: an evaluation is counted for the first member that requested its point,
+    and each that requested it has found it."""
 
     announced: list[tuple[str, int]] = field(default_factory=list)
-    owner: dict[bytes, str] = field(default_factory=dict)
+    requested: dict[bytes, dict[str, None]] = field(default_factory=dict)
+    """Who requested a point, in their order."""
 
     def attribute(self, member: str, points: int) -> None:
         """The next `count` points of the coming request belong to this member."""
@@ -35,7 +37,7 @@ class Members:
                 announced, self.announced = self.announced, []
                 names = [member for member, count in announced for _ in range(count)]
                 for name, point in zip(names, chain(*groups), strict=False):
-                    self.owner.setdefault(point.tobytes(), name)
+                    self.requested.setdefault(point.tobytes(), {})[name] = None
                 batch = yield request
         except StopIteration as end:
             rule: str = end.value
@@ -45,15 +47,16 @@ class Members:
 
     def rows(self, columns: Columns, methods: Mapping[str, Method], alone: Collection[str] = ()) -> list[Member]:
         """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
-        if not self.owner:
+        if not self.requested:
             return []
-        names = self._names(columns)
+        by = self._by(columns)
+        names = [next(iter(known)) for known in by]
         ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
         before = np.r_[np.inf, np.minimum.accumulate(ranked)[:-1]]
         rows = []
         for member in dict.fromkeys(names):
             mine = np.array([name == member for name in names])
-            best = float(ranked[mine].min())
+            best = float(ranked[[member in known for known in by]].min())
             known = methods.get(member)
             rows.append(
                 Member(
@@ -67,19 +70,30 @@ class Members:
             )
         return rows
 
+    def leading(self, columns: Columns) -> str | None:
+        """The member that was the first to request the lowest evaluation; None if nobody announced it or none has a
+        value."""
+        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        return (next(iter(self._by(columns)[int(ranked.argmin())])) or None) if np.isfinite(ranked).any() else None
+
     def apart(self, columns: Columns, methods: Mapping[str, Method], alone: Collection[str]) -> list[Apart]:
         """The parts that were told nothing of each other: every member of `alone`, and the others together; those that
-        have a value, and none if that is one part only."""
-        if not self.owner or not alone:
+        have a value, and none if that is one part only. What a part requested it found, whoever requested it before."""
+        if not self.requested or not alone:
             return []
-        names = np.array(self._names(columns))
+        by = self._by(columns)
         ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
         found = []
-        for mine in [~np.isin(names, list(alone)), *(names == name for name in alone)]:
+        for part in (None, *alone):
+
+            def belongs(name: str, part: str | None = part) -> bool:
+                return name == part if part else name not in alone
+
+            mine = np.array([any(map(belongs, names)) for names in by])
             if not np.isfinite(ranked[mine]).any():
                 continue
             low = int(np.flatnonzero(mine)[np.argmin(ranked[mine])])
-            known = methods.get(names[low])
+            known = methods.get(next(filter(belongs, by[low])))
             if known is None:  # a method of its own that did not say who requested the point
                 continue
             found.append(
@@ -87,12 +101,13 @@ class Members:
                     member=known.name,
                     title=known.title,
                     family=known.family_with(known.options()),
-                    evaluations=int(mine.sum()),
+                    evaluations=sum(belongs(next(iter(names))) for names in by),
                     best=float(ranked[low]),
                     index=low,
                 )
             )
         return found if len(found) > 1 else []
 
-    def _names(self, columns: Columns) -> list[str]:
-        return [self.owner.get(point.tobytes(), "") for point in columns.points]
+    def _by(self, columns: Columns) -> list[dict[str, None]]:
+        """Who requested each evaluation, the first first; one that nobody announced is no one's."""
+        return [self.requested.get(point.tobytes(), {"": None}) for point in columns.points]

@@ -87,6 +87,7 @@ describe('different code of one campaign', () => {
     )
     expect(otherCodeText(a, b, ['1', '2', '3', '4', '5', '6'].map((name) => file(name)))).toContain('1, 2, 3, 4 and 2 more files.')
     expect(otherCodeText(a, b, null)).toBe('Same campaign, different code: source files whose names are not stored.')
+    expect(otherCodeText(a, b, undefined)).toContain('could not be loaded')
   })
   it('is also another package, or another compiled loop of the same sources', () => {
     expect(otherCodeText(run(), run({ packages: { ...identity.packages, numpy: '2.5.0' } }), [])).toBe('Same campaign, different code: numpy 2.4.6 and 2.5.0.')

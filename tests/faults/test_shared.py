@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -74,6 +74,16 @@ class Runs:
         with read(self.database) as connection:
             return set(connection.execute(sa.select(SampleShare.worker)).scalars())
 
+    def shared(self, by: Collection[str]) -> None:
+        """Wait until each has taken blocks, not necessarily at the same instant."""
+        seen: set[str] = set()
+
+        def each() -> bool:
+            seen.update(self.takers())
+            return seen == {*by}
+
+        until(each, "it is shared")
+
     def done(self) -> bool:
         return self.run().state not in ("queued", "running")
 
@@ -113,7 +123,7 @@ def workers(database: sa.Engine, folder: Path) -> Iterator[dict[str, Started]]:
 def test_two_workers_fly_one_sample_and_one_of_them_is_killed(database: sa.Engine, tmp_path: Path) -> None:
     with workers(database, tmp_path) as both:
         runs = Runs(database)
-        until(lambda: runs.takers() == {*both}, "it is shared")
+        runs.shared(both)
         holder = runs.run().worker
         (other,) = {*both} - {holder}
         killed = holder if database.dialect.name == "sqlite" else other
@@ -130,13 +140,13 @@ def test_two_workers_fly_one_sample_and_one_of_them_is_killed(database: sa.Engin
 def test_who_assists_leaves_for_a_run_that_waits(database: sa.Engine, tmp_path: Path) -> None:
     with workers(database, tmp_path) as both:
         runs = Runs(database, case(2_000_000))
-        until(lambda: runs.takers() == {*both}, "it is shared")
+        runs.shared(both)
         holder = runs.run().worker
         (other,) = {*both} - {holder}
         waiting = Runs(database, case(100, keep="all"))
         until(lambda: waiting.run().worker == other, "it begins the other run", 20)
         until(waiting.done, "that ends")
-        until(lambda: runs.takers() == {*both}, "it assists again", 30)
+        runs.shared(both)
         assert (runs.run().worker, runs.run().fence, runs.run().attempts) == (holder, 1, 1)
 
 

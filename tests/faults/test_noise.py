@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.stages import calls
 from campaigns.claims.stages.sample import CALLED
@@ -20,16 +19,9 @@ from campaigns.results.remedies import Ran, remedies
 from campaigns.stages.nominal import NominalResult
 from clearance.cli import invoke
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
-from tests.simulators.noisy import REPEATS, campaign, ran
+from tests.simulators.noisy import REPEATS, by_auto, campaign, ran
 from worker.running.runs.runner import CampaignUnusable, Cancelled, execute
 from worker.running.runs.store import MemoryStore
-
-
-def by_auto(**simulator: Any) -> Campaign:
-    """`auto` alone, of which it is stated how sure it is."""
-    asked = campaign(certify=60, **simulator).document()
-    asked["stages"]["search"] = [{"method": "auto", "evaluations": 300}]
-    return load_document(asked)
 
 
 def measured(store: MemoryStore) -> Measured:

@@ -620,11 +620,12 @@ CALLS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
 
 @once
 def called(name: str) -> tuple[Campaign, MemoryStore]:
-    """A run of a simulator that does not repeat."""
-    how = {"violated": "rarely a violation", "retried": "none"}.get(name, "a coin")
+    """A run of a simulator that does not repeat; that of `auto` alone, of one that does."""
+    how = {"violated": "rarely a violation", "retried": "none", "alone": "none"}.get(name, "a coin")
     lost = (lambda call: FAILED if call.total % 7 == 0 else OK) if name == "retried" else None
-    asked = {"differs": {}, "retried": {"retries": 2}}.get(name, noisy.REPEATS)
-    campaign, store = noisy.campaign(**asked), MemoryStore(sample_seed=DRAWN)
+    asked = {"differs": {}, "retried": {"retries": 2}, "alone": {}}.get(name, noisy.REPEATS)
+    campaign = noisy.by_auto() if name == "alone" else noisy.campaign(**asked)
+    store = MemoryStore(sample_seed=DRAWN)
     with adversary(how, lost):
         execute(campaign, store, threads=1)
     return campaign, store

@@ -35,6 +35,13 @@ def campaign(threshold: float = 1.0, certify: int = 120, **simulator: Any) -> Ca
     )
 
 
+def by_auto(**simulator: Any) -> Campaign:
+    """`auto` alone, of which it is stated how sure it is."""
+    asked = campaign(certify=60, **simulator).document()
+    asked["stages"]["search"] = [{"method": "auto", "evaluations": 300}]
+    return load_document(asked)
+
+
 def ran(asked: Campaign) -> tuple[Verdict, MemoryStore]:
     store = MemoryStore(sample_seed=SampleSeed(1, stated=False))
     verdict = execute(asked, store, threads=1)

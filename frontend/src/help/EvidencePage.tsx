@@ -77,7 +77,8 @@ function Sureness() {
         seed and the same budget, finds a case lower by more than 1 % of nominal minus worst. It is an estimate from
         searches on random landscapes, not a bound, and no verdict rests on it: it only counts how many evaluations are
         as low as the lowest. It says nothing of a case that this kind of search cannot find, such as a needle in a
-        wide valley. The guide <em>Methods</em> states how often such statements came true, and where they are wrong.
+        wide valley. There is no number where it was not set, such as of a simulator that runs in slots. The guide{' '}
+        <em>Methods</em> states how often such statements came true, and where they are wrong.
       </p>
     </Passage>
   )

@@ -26,7 +26,7 @@ HALF = 0.5
 
 def sureness(run: Run) -> Tree | None:
     """What the record must state; None if it must state nothing."""
-    if len(run.searches) != 1 or run.campaign.objectives or not run.calls.alike:
+    if len(run.searches) != 1 or run.campaign.objectives or not run.calls.alike or _side_by_side(run):
         return None
     (k,) = run.searches
     _, costs, status = run.rows(k)
@@ -55,3 +55,11 @@ def sureness(run: Run) -> Tree | None:
         "lower": lower,
         "landscapes": landscapes,
     }
+
+
+def _side_by_side(run: Run) -> bool:
+    """Whether evaluations ran side by side: as the options of the search state it, or as the first stage measured, with
+    a time that a process takes to start or several slots."""
+    measured = (run.claims["results"][0] or {}).get("measured") or {}
+    slots = measured.get("start_seconds") is not None or (measured.get("slots") or 1) > 1
+    return slots or any(search.options.get("at_once", 1) != 1 for search in run.campaign.stages.search)

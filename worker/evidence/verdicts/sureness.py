@@ -79,7 +79,7 @@ def sureness(
     """
     position = _searched(problem, stored)
     nominal = next((r.at_nominal.cost for r in results if r.at_nominal is not None), None)
-    if position is None or nominal is None:
+    if position is None or nominal is None or _in_slots(results):
         return None
     costs, status = stored[position]
     if np.count_nonzero(status == OK) < HALF * len(status):
@@ -107,9 +107,16 @@ def _searched(problem: Problem, stored: Mapping[int, Stored]) -> int | None:
     (request,), (position,) = campaign.stages.search, searches
     each = request.evaluations / problem.dimension
     known = PARAMETERS[0] <= problem.dimension <= PARAMETERS[1] and EVALUATIONS[0] <= each <= EVALUATIONS[1]
-    fast = float(request.options.get("seconds", 0.0)) < SECONDS
+    fast = float(request.options.get("seconds", 0.0)) < SECONDS and request.options.get("at_once", 1) == 1
     whole = position in stored and len(stored[position].status) == request.evaluations
     return position if request.method == limits.SEARCH and known and fast and whole else None
+
+
+def _in_slots(results: Sequence[StageResult]) -> bool:
+    """Whether evaluations ran in slots, however many, where members of `auto` have other shares: only then is the start
+    of a process measured."""
+    measured = (r.repeatability for r in results)
+    return any(of is not None and (of.start_seconds is not None or (of.slots or 1) > 1) for of in measured)
 
 
 def _lowest(stored: Mapping[int, Stored]) -> float:

@@ -168,6 +168,30 @@ def test_a_record_of_an_earlier_version_states_no_chance_of_a_lower_case(tmp_pat
     assert accepted(folder)
 
 
+@pytest.mark.parametrize("stated", [{"start_seconds": 0.1}, {"slots": 2}])
+def test_no_chance_is_accepted_of_evaluations_side_by_side(stated: dict[str, Any], tmp_path: Path) -> None:
+    """Records of earlier versions keep theirs."""
+    folder = Folder(write_called(tmp_path, "alone"))
+    assert folder.result["sureness"]["chance"] > 0
+    assert accepted(folder)
+    folder.evidence["results"][0]["measured"] |= stated
+    assert not accepted(folder)
+    versions, wording = folder.result["versions"], folder.result["versions"]["wording"]
+    versions["wording"] = wording - 1
+    assert accepted(folder)
+    versions["wording"] = wording
+    del folder.result["sureness"]
+    assert accepted(folder)
+
+
+def test_no_chance_is_accepted_of_a_search_that_was_asked_for_several_at_once(tmp_path: Path) -> None:
+    folder = Folder(written(tmp_path / "out", "alone"))
+    folder.campaign["stages"]["search"][0]["options"] = {"at_once": 2}
+    assert not accepted(folder)
+    del folder.result["sureness"]
+    assert accepted(folder)
+
+
 @pytest.mark.parametrize("by", [FORMER, FORMER_LOW])
 def test_a_chance_by_the_coefficients_of_an_earlier_version_is_accepted(tmp_path: Path, by: Model) -> None:
     folder = Folder(written(tmp_path / "out", "alone"))

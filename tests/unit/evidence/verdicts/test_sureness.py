@@ -13,7 +13,8 @@ from campaigns.stages.nominal import NominalResult
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import searching
 from tests.given.stated_facts import facts
-from tests.given.verdict_evidence import NOMINAL, concluded, nominal
+from tests.given.timed_simulators import measured
+from tests.given.verdict_evidence import NOMINAL, changed, concluded, nominal
 from worker.evidence.audit import sureness as audited
 from worker.evidence.verdicts import sureness as module
 from worker.evidence.verdicts.sureness import FEW, FORMER, FORMER_LOW, LOW, MODEL, Model, Stored, chance, sureness
@@ -35,6 +36,17 @@ def estimated(
     ranked = costs(30) if found is None else found
     stored = {2: Stored(ranked[:, None], np.where(np.isfinite(ranked), OK, FAILED).astype(np.uint8))}
     return sureness(Problem(campaign), [first or nominal()], stored)
+
+
+def in_slots(slots: int, start: float | None) -> NominalResult:
+    """Of a simulator that was measured in so many slots; without a start it was called in the worker's own process."""
+    return changed(nominal(), measured=measured(slots=slots, start_seconds=start))
+
+
+def test_there_is_one_where_calls_follow_each_other_in_one_process() -> None:
+    for alone in ({"first": in_slots(1, None)}, {"first": changed(nominal(), measured=measured(slots=None))}):
+        assert estimated(**alone) == estimated() is not None
+    assert estimated(AUTO | {"options": {"at_once": 1}}) == estimated()
 
 
 def test_the_estimate_and_its_sentence() -> None:
@@ -95,14 +107,18 @@ def test_failed_evaluations_are_never_the_lowest() -> None:
         ([AUTO, AUTO], {}),
         ([AUTO, {"method": "sqp", "evaluations": 100}], {}),
         ([AUTO | {"options": {"seconds": 0.5}}], {}),
+        ([AUTO | {"options": {"at_once": 2}}], {}),
+        ([AUTO], {"first": in_slots(2, 0.1)}),
+        ([AUTO], {"first": in_slots(1, 0.0)}),
         ([AUTO | {"evaluations": 60}], {"found": costs(30, 60)}),
         ([AUTO], {"objectives": [{"component": "time_to_goal"}]}),
         ([AUTO], {"first": nominal(None, "it failed")}),
         ([AUTO], {"first": nominal(0.5)}),
         ([AUTO], {"found": np.full(BUDGET, np.inf)}),
     ],
-    ids=["method", "two", "another one", "costly", "few", "criteria", "nominal", "nothing lower", "all failed"],
-)
+    ids=["method", "two", "another one", "costly", "at once", "slots", "one slot", "few", "criteria", "nominal",
+         "nothing lower", "all failed"],
+)  # fmt: skip
 def test_there_is_none_of_what_it_was_not_set_on(requests: list[dict[str, Any]], changes: dict[str, Any]) -> None:
     assert estimated(*requests, **changes) is None
 

@@ -48,4 +48,5 @@ class Proposal(Schema):
     searches: list[ProposedSearch]
     """Empty if nothing is proposed."""
     seconds: float | None
-    """Estimated time of the proposed searches [s]; None without any."""
+    """Estimated time of the proposed searches [s]; None without any. With 5 to 16 evaluations side by side they take at
+    least as long; no more than 16 are counted."""

@@ -19,6 +19,12 @@ CHEAP = 0.02
 USUAL = 10_000
 """The largest number of evaluations that is proposed where there are few parameters."""
 
+BUSY = 16
+"""Slots that count: `auto` gives no further member a turn while so many points are pending (its `PENDING`, which a test
+compares). On 32 and 64 slots a search took 0.5 to 1.5 times as long as counted so."""
+WAITING = 4
+"""Slots up to which a search takes as long as its evaluations, within 7 %. On more, members of `auto` wait for each
+other: on 8 it took 1.2 times as long, on 16 up to 1.9 times."""
 NOTABLE = 0.1
 """Fraction of the time of a call above which a sentence names that of starting a process."""
 
@@ -34,7 +40,8 @@ class Budget:
 
 @dataclass(frozen=True)
 class Proposal:
-    """Searches, the time that they take in all [s], and the sentence that says why these; without searches: why none.
+    """Searches, the time that they take in all [s], at least that on some numbers of slots (see `taking`), and the
+    sentence that says why these; without searches: why none.
 
     note: further information on them, the end of the sentence. The other stages of a run, such as certify and validate,
     take evaluations in addition.
@@ -135,12 +142,13 @@ class Cost:
         found = proposed(methods, seconds, parameters, at_once, patience, self.start)
         if not found.searches:
             return found
-        room = _two(math.floor((patience - self.start) / seconds) * at_once)
+        room = _two(math.floor((patience - self.start) / seconds) * min(at_once, BUSY))
         [search] = found.searches
         name = next(method.title for method in methods if method.name == search.method)
-        text = f"In {lasting(patience)} on {self._on}: about {room} evaluations. Proposed: {name} with "
-        text += f"{search.evaluations:,}, "
-        return replace(found, sentence=f"{text}about {lasting(found.seconds)} in all{found.note}")
+        most = "at most about" if _waits(at_once) else "about"
+        text = f"In {lasting(patience)} on {self._on}{_counted(at_once)}: {most} {room} evaluations. Proposed: {name} "
+        text += f"with {search.evaluations:,}, {taking(found.seconds, at_once)} in all{found.note}"
+        return replace(found, sentence=text)
 
 
 def proposed(
@@ -153,8 +161,8 @@ def proposed(
 ) -> Proposal:
     """Which of the methods to search with, and how long.
 
-    cost: time of an evaluation [s], of which `slots` run side by side; patience: time for all searches [s]; start:
-    until the slots are ready, once [s]. Raises ValueError for a value that is not possible.
+    cost: time of an evaluation [s], of which `slots` run side by side, `BUSY` at most in the result; patience: time for
+    all searches [s]; start: until the slots are ready, once [s]. Raises ValueError for a value that is not possible.
     """
     _possible(cost, parameters, slots, patience, start)
     methods = list(methods)
@@ -166,17 +174,32 @@ def proposed(
         first = f" and the start of its process {lasting(start)}" if start > NOTABLE * cost else ""
         text = f"One evaluation takes about {lasting(cost)}{first}, longer than the {lasting(patience)} that are "
         return Proposal((), 0.0, text + "available: allow more time")
-    own = min(rounds, max(max(USUAL, MANY * parameters) // slots, 1))
-    needed = math.ceil(chosen.confirms * parameters / slots)
+    busy = min(slots, BUSY)
+    own = min(rounds, max(max(USUAL, MANY * parameters) // busy, 1))
+    count, seconds = own * busy, start + own * cost
+    needed = chosen.confirms * parameters
     note = ""
-    if own < needed:
-        note = f"; too few for a verdict of cleared, for which {lasting(start + needed * cost)} are enough"
-    count, seconds = own * slots, start + own * cost
-    places = f" on {slots} slots" if slots > 1 else ""
+    if count < needed:
+        long = taking(start + math.ceil(needed / busy) * cost, slots)
+        note = f"; too few for a verdict of cleared, which needs at least {needed:,} evaluations ({long})"
+    places = f" on {slots} slots{_counted(slots)}" if slots > 1 else ""
     taken = "1 evaluation takes" if count == 1 else f"{count:,} evaluations take"
     known = f"One evaluation takes about {lasting(cost)}"
-    text = f"{known}: {taken} about {lasting(seconds)}{places}; use {chosen.title}{note}"
+    text = f"{known}: {taken} {taking(seconds, slots)}{places}; use {chosen.title}{note}"
     return Proposal((Budget(chosen.name, count, _options(chosen, cost, slots)),), seconds, text, note)
+
+
+def taking(seconds: float, slots: int) -> str:
+    """The time of a search with so many evaluations side by side: about 20 min, or at least that where members wait."""
+    return f"{'at least' if _waits(slots) else 'about'} {lasting(seconds)}"
+
+
+def _waits(slots: int) -> bool:
+    return WAITING < slots <= BUSY
+
+
+def _counted(slots: int) -> str:
+    return f" (counted as {BUSY} evaluations side by side)" if slots > BUSY else ""
 
 
 def ranked(methods: Iterable[MethodEntry]) -> list[MethodEntry]:

@@ -10,7 +10,7 @@ import typer
 def propose(
     cost: Annotated[float, typer.Option("--cost", help="Time that one evaluation takes (seconds).")],
     parameters: Annotated[int, typer.Option("--parameters", help="Number of uncertain parameters.", min=1, max=64)],
-    slots: Annotated[int, typer.Option("--slots", help="Evaluations that run side by side.")] = 1,
+    slots: Annotated[int, typer.Option("--slots", help="Evaluations that run side by side; at most 16 count.")] = 1,
     patience: Annotated[float, typer.Option("--patience", help="Time for all searches (seconds).")] = 3600.0,
     start: Annotated[float, typer.Option("--start", help="Time that the start of a process takes (seconds).")] = 0.0,
     recycle: Annotated[int, typer.Option("--recycle", help="Evaluations until a process is replaced.", min=0)] = 0,

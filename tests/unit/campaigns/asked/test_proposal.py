@@ -11,7 +11,7 @@ import yaml
 
 from campaigns import check
 from campaigns.asked import proposal
-from campaigns.asked.proposal import Cost, lasting
+from campaigns.asked.proposal import BUSY, WAITING, Cost, lasting, taking
 from campaigns.rules import GLOBAL_LEAST
 from clearance.cli import WRONG_INPUT, invoke
 from tests.given.case_campaigns import searching
@@ -37,7 +37,8 @@ def test_whatever_is_proposed_fits_and_can_be_run(cost: float, parameters: int, 
     found = proposed(cost, parameters, slots, patience)
     assert bool(found.searches) == (cost <= patience)
     assert found.seconds <= patience * (1 + 1e-9)
-    assert found.seconds == pytest.approx(sum(math.ceil(s.evaluations / slots) * cost for s in found.searches))
+    busy = min(slots, BUSY)
+    assert found.seconds == pytest.approx(sum(math.ceil(s.evaluations / busy) * cost for s in found.searches))
     assert f"about {lasting(cost)}" in found.sentence
     for search in found.searches:
         assert search.evaluations >= 1
@@ -53,7 +54,7 @@ def test_the_start_of_the_processes_is_part_of_the_time(start: float) -> None:
         found = proposed(cost, parameters, slots, patience, start)
         assert bool(found.searches) == (start + cost <= patience)
         if found.searches:
-            rounds = sum(math.ceil(s.evaluations / slots) for s in found.searches)
+            rounds = sum(math.ceil(s.evaluations / min(slots, BUSY)) for s in found.searches)
             assert found.seconds == pytest.approx(start + rounds * cost)
             assert found.seconds <= patience * (1 + 1e-9)
         elif start > cost:
@@ -78,7 +79,7 @@ def test_processes_that_are_replaced_or_fresh_take_their_start(
     assert f"; {2 * at_once} more{cost.fresh} " in known
 
 
-def test_what_is_proposed_is_enough_for_two_parts_to_confirm_each_other_or_says_so() -> None:
+def test_what_is_proposed_has_what_two_parts_need_to_confirm_each_other_or_says_so() -> None:
     for cost, parameters, slots, patience in GRID:
         found = proposed(cost, parameters, slots, patience)
         enough = all(s.evaluations >= methods()[s.method].confirms * parameters for s in found.searches)
@@ -89,7 +90,27 @@ def test_the_witness_has_enough_evaluations_to_count_as_a_search() -> None:
     assert auto.method.confirms >= GLOBAL_LEAST.value / min(auto.WITNESS.values())
 
 
-def test_where_too_few_fit_the_sentence_names_how_long_enough_take() -> None:
+@pytest.mark.parametrize("slots", [1, WAITING, WAITING + 1, BUSY, BUSY + 1, 64, 256])
+def test_the_time_on_slots_that_wait_is_a_lower_bound_wherever_it_is_stated(slots: int) -> None:
+    """Searches by `auto` took 1.2 to 1.9 times as long on 16 slots, and on more no less than half of what 16 take."""
+    lower = WAITING < slots <= BUSY
+    for patience in (60.0, 6000.0):
+        for found in (proposed(1.0, 4, slots, patience), Cost("R-0001", 1.0, slots, 15).proposed(METHODS, 4, patience)):
+            (search,) = found.searches
+            assert search.evaluations <= patience * min(slots, BUSY)
+            time = taking(found.seconds, slots)
+            assert time.startswith("at least ") == lower
+            assert time in found.sentence
+            stated = found.note.rpartition("(")[2].rstrip(")")
+            assert not found.note or stated == taking(math.ceil(500 / min(slots, BUSY)), slots)
+            assert (f"counted as {BUSY}" in found.sentence) == (slots > BUSY)
+
+
+def test_the_slots_that_count_are_those_that_auto_keeps_busy() -> None:
+    assert BUSY == auto.PENDING
+
+
+def test_where_too_few_fit_the_sentence_names_how_many_are_needed_and_their_time() -> None:
     found = proposed(60.0, 5, patience=1800.0)
     assert [(s.method, s.evaluations) for s in found.searches] == [("auto", 30)]
     assert "10 h" in found.note
@@ -104,21 +125,29 @@ def test_every_outcome_has_its_sentence() -> None:
         *(found.sentence for found in (
             proposed(12.0, 4, slots=4, patience=1200.0), proposed(60.0, 5, patience=1800.0),
             proposed(7200.0, 5, patience=600.0), proposed(10.0, 5, patience=600.0, start=900.0),
+            proposed(12.0, 4, slots=16, patience=120.0), proposed(12.0, 4, slots=64, patience=600.0),
         )),
         cost.lasts(20, 5, again=2)[1], Cost("R-0001", 2.0, 1, 15, failed=3).lasts(20)[1],
-        cost.proposed(METHODS, 4, 600.0).sentence,
+        *(of.proposed(METHODS, 4, 600.0).sentence for of in (cost, *(Cost("R-0001", 2.0, k, 15) for k in (8, 40)))),
     ] == [
         "One evaluation takes about 12 s: 400 evaluations take about 20 min on 4 slots; use Auto; too few for "
-        "a verdict of cleared, for which 25 min are enough",
+        "a verdict of cleared, which needs at least 500 evaluations (about 25 min)",
         "One evaluation takes about 60 s: 30 evaluations take about 30 min; use Auto; too few for a verdict of "
-        "cleared, for which 10 h are enough",
+        "cleared, which needs at least 625 evaluations (about 10 h)",
         "One evaluation takes about 2 h, longer than the 10 min that are available: allow more time",
         "One evaluation takes about 10 s and the start of its process 15 min, longer than the 10 min that are "
         "available: allow more time",
+        "One evaluation takes about 12 s: 160 evaluations take at least 2 min on 16 slots; use Auto; too few for a "
+        "verdict of cleared, which needs at least 500 evaluations (at least 6.4 min)",
+        "One evaluation takes about 12 s: 800 evaluations take about 10 min on 64 slots (counted as 16 evaluations "
+        "side by side); use Auto",
         "One call took 2 s (R-0001, 15 evaluations) and the start of a process 3 s; an evaluation of 5 calls takes "
         "about 6 s, on 4 slots; 2 more, each in a fresh process, confirm results.",
         "One evaluation took 2 s (R-0001, 15 evaluations, of which 3 failed), on 1 slot.",
         "In 10 min on 4 slots: about 800 evaluations. Proposed: Auto with 796, about 10 min in all",
+        "In 10 min on 8 slots: at most about 2,400 evaluations. Proposed: Auto with 2,400, at least 10 min in all",
+        "In 10 min on 40 slots (counted as 16 evaluations side by side): about 4,800 evaluations. Proposed: Auto with "
+        "4,800, about 10 min in all",
     ]  # fmt: skip
 
 

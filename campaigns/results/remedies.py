@@ -142,15 +142,27 @@ def _budget(ran: Ran, search: Search, result: SearchResult) -> int | None:
     least = rules.GLOBAL_LEAST.value * len(ran.campaign.uncertain)
     if result.evaluations >= least and (result.stop is None or result.stop.kind != "budget"):
         return None
-    wanted = min(max(MORE * search.evaluations, least), MAX_EVALUATIONS)
+    wanted = min(max(MORE * search.evaluations, least, _confirms(ran, search.method)), MAX_EVALUATIONS)
     return wanted if wanted > search.evaluations else None
+
+
+def _confirms(ran: Ran, name: str) -> int:
+    """The evaluations that a method needs at least for its parts to confirm each other; 0 if it has none."""
+    entry = next((method for method in ran.methods if method.name == name), None)
+    return 0 if entry is None else entry.confirms * len(ran.campaign.uncertain)
 
 
 def _more(more: Sequence[tuple[int, Search, int]], titles: Sequence[str]) -> Remedy:
     wanted = {each for _, _, each in more}
     of = listed([method(search.method, title) for (_, search, _), title in zip(more, titles, strict=True)])
     each = "each of " if len(more) > 1 else ""
-    statement: tuple[Part, ...] = ("with ", str(MORE), " times the evaluations of ", of)
+    factor = all(value == MORE * search.evaluations for _, search, value in more)
+    statement: tuple[Part, ...] = (
+        "with ",
+        *((str(MORE), " times the") if factor else ("more",)),
+        " evaluations of ",
+        of,
+    )
     if len(wanted) == 1:
         statement = ("with ", count(wanted.pop()), f" evaluations for {each}", of)
     return _remedy(
@@ -166,6 +178,8 @@ def _further(ran: Ran, globally: Sequence[Search]) -> Iterator[Remedy]:
         return
     least = rules.GLOBAL_LEAST.value * len(ran.campaign.uncertain)
     budget = max([least, *(search.evaluations for search in globally or searches)])
+    if not globally:  # then its parts must confirm each other
+        budget = min(max(budget, _confirms(ran, another.name)), MAX_EVALUATIONS)
     value: JsonValue = {"method": another.name, "evaluations": budget}
     statement = ("with ", method(another.name, another.title), " as a further method")
     yield _remedy(RemedyKind.METHOD, statement, (("stages", "search", len(searches)), value))

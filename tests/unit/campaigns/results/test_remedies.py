@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from campaigns import Campaign
+from campaigns.catalogue import MethodEntry
 from campaigns.claims.say import number, say
 from campaigns.codes import CheckCode
 from campaigns.results import SearchResult
@@ -108,6 +109,28 @@ def test_a_single_global_method_asks_for_evaluations_and_for_a_second_one() -> N
     assert [each.kind for each in found] == ["evaluations", "method"]
     both = again(asked, *found)
     assert [(each.method, each.evaluations) for each in both.stages.search] == [("direct", 4000), ("auto", 1000)]
+
+
+@pytest.mark.parametrize("entry", [m for m in catalogue().methods if m.confirms], ids=lambda entry: entry.name)
+@pytest.mark.parametrize("evaluations", [1, 30, 60, 200])
+def test_a_method_whose_parts_confirm_each_other_has_what_they_need(entry: MethodEntry, evaluations: int) -> None:
+    """As a search that is repeated, by itself or with another one, and as the only global one."""
+    alone = {"method": entry.name, "evaluations": evaluations}
+    for others in ([], [{"method": "ga", "evaluations": 1000}], [{"method": "sqp", "evaluations": evaluations}]):
+        asked = searching(alone, *others)
+        results = [search(each.method, evaluations=each.evaluations) for each in asked.stages.search]
+        found = remedies(failing(CheckCode.AGREEMENT), ran(asked, *results))
+        least = entry.confirms * len(asked.uncertain)
+        wanted = again(asked, *found).stages.search[0].evaluations
+        assert wanted == max(4 * evaluations, least)
+        changed = {change.value for change in found[0].changes}
+        stated = {value for value in facts(found[0].statement) if not isinstance(value, str)}
+        assert stated == (changed if len(changed) == 1 else set())
+        assert ("4 times" in found[0].text) == (len(changed) > 1 and wanted == 4 * evaluations)
+    local = searching({"method": "sqp", "evaluations": evaluations})
+    added = again(local, *remedies(failing(CheckCode.AGREEMENT), ran(local, search("sqp"))))
+    assert added.stages.search[-1].method == entry.name
+    assert added.stages.search[-1].evaluations >= entry.confirms * len(local.uncertain)
 
 
 def test_no_global_method_asks_for_one() -> None:

@@ -72,7 +72,8 @@ class Versions(Documented):
     """Version of each package that can change a number."""
     clearance: str | None = None
     wording: Annotated[int | None, UNLESS_NONE] = None
-    """Which templates made its sentences, see `campaigns.version`; None: not stored by earlier versions."""
+    """Which templates made its sentences, see `campaigns.claims.wording.WORDING`;
+    None: not stored by earlier versions."""
     python: str | None = None
     system: str | None = None
     cpu: Processor | None = None

@@ -134,7 +134,7 @@ class Run(Base):
     """Of its campaign, its evaluations with their reasons, its traces and its original text [bytes]; see
     `backend.db.sizes`."""
     upper_bound: orm.Mapped[float | None]
-    """Of P(violation), from the independent sample."""
+    """On P(violation), from the sample of the certify stage; without such a stage, from a random search."""
     best_so_far: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
     """[[evaluations, lowest cost within them]], thinned; see `backend.db.convergence`."""
     # annotations by users

@@ -52,7 +52,11 @@ def address_parts(
         int | None, Query(description="Repeats the independent sample of an earlier run, which states its seed.")
     ] = None,
     group: Annotated[
-        str | None, Query(description="A concurrency group: runs of the same group that have not ended are cancelled.")
+        str | None,
+        Query(
+            description="A concurrency group: runs of the same group that have not ended are cancelled, if the "
+            "submitter may cancel them."
+        ),
     ] = None,
     priority: Annotated[int | None, Query(ge=-10, le=10, description="Runs with a higher one start first.")] = None,
 ) -> AddressParts:

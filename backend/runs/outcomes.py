@@ -14,7 +14,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from backend.http.schema import Instant, Schema
 from backend.runs import identity, sampled
-from campaigns.results.verdict import VerdictWord
+from campaigns.results.verdict import BoundSource, VerdictWord
 from campaigns.runs import RunState, run_name
 
 
@@ -47,7 +47,10 @@ class Outcome(Schema):
     margin: float | None
     """Worst value minus threshold; 0 or less violates the criterion."""
     upper_bound: float | None
-    """On P(violation), from the independent sample; null without one."""
+    """Upper bound on P(violation), from the sample that `bound_source` names; null without one."""
+    bound_source: BoundSource | None = None
+    """`certify`: the independent sample of the certify stage. `search`: there is no certify stage, and the sample is a
+    random search with the seed of the campaign, by which nothing is cleared. Null without a bound."""
     violations: int | None
     failed_samples: int | None
     """Of the violations: samples without a value, because their evaluation failed."""
@@ -68,6 +71,7 @@ _STATISTICS = {
     "violations": Run.summary["statistics", "violations"].as_integer(),
     "failed_samples": Run.summary["statistics", "failed"].as_integer(),
     "confidence": Run.summary["statistics", "confidence"].as_float(),
+    "bound_source": Run.summary["statistics", "source"].as_string(),
 }
 
 
@@ -95,6 +99,7 @@ def _outcome(row: Any) -> Outcome:
         **values,
         id=run_name(row.id),
         margin=values["worst_cost"] - row.threshold if known else None,
+        bound_source=None if values["upper_bound"] is None else row.bound_source or "certify",
         quantity=row.quantity or "",
         unit=row.unit or "",
         code=None if own is None else own.digest,

@@ -183,13 +183,15 @@ class RunSummary(Schema):
     best_so_far: list[tuple[int, float]]
     """Convergence history: evaluations and the lowest cost within them, thinned for a sparkline."""
     upper_bound: float | None
-    """Upper bound on P(violation), from the independent sample."""
+    """Upper bound on P(violation), from the sample of the certify stage; without such a stage, from a random search
+    with the seed of the campaign, by which nothing is cleared. None without such a sample."""
     removed: Instant | None
     """Time of removal from all lists; None if it is listed."""
     removed_by: str | None
     removed_reason: str | None
     group: str | None
-    """Its concurrency group: a newer run of the same group and owner cancels it."""
+    """Its concurrency group: a newer run of the same group cancels it, if it has the same owner or an administrator
+    launches it."""
     superseded_by: str | None
     """The run of its group that cancelled it, R-0001."""
 

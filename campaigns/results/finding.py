@@ -37,7 +37,8 @@ class Repeated(ReferenceCost):
 
 
 class Calls(Described):
-    """Independent calls of a simulator that does not repeat, each in a fresh process; none of them chose the case."""
+    """Independent calls of a simulator that does not repeat; none of them chose the case. Each is in a fresh process;
+    those of a function with `isolated=False` are in the same one."""
 
     values: list[float | None]
     """Of each call; null for one that failed."""

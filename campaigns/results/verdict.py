@@ -51,8 +51,12 @@ class Check(Claim):
         return {"code": stored["name"], **stored} if isinstance(stored, Mapping) and "name" in stored else stored
 
 
+BoundSource = Literal["search", "certify"]
+"""The stage whose sample bounds P(violation)."""
+
+
 class Statistics(Described):
-    """The statement of the independent sample."""
+    """The bound on P(violation) and the counts of the sample that it is from; `source` states which sample."""
 
     samples: int
     violations: int
@@ -66,7 +70,9 @@ class Statistics(Described):
     """As of the sample."""
     noise: Noise | None = None
     quantile: QuantileBound | None = None
-    source: Literal["search", "certify"] = "certify"
+    source: BoundSource = "certify"
+    """`certify`: the independent sample of the certify stage. `search`: there is no certify stage, and the sample is a
+    random search with the seed of the campaign, by which nothing is cleared."""
 
 
 class Worst(Result):

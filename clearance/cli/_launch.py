@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, NamedTuple, TypeAlias
+from typing import Annotated, Any, NamedTuple, TypeAlias
 
 import typer
 
@@ -27,14 +27,23 @@ Baseline: TypeAlias = Annotated[
         "folder of an earlier --out.",
     ),
 ]  # fmt: skip
-SampleSeed: TypeAlias = Annotated[
-    int | None,
-    typer.Option(
+
+
+def _sample_seed(cleared: str) -> Any:
+    """The option of a stated seed; cleared: what is cleared with one."""
+    return typer.Option(
         "--sample-seed", metavar="SEED", min=0, max=LARGEST, show_default=False,
-        help="Repeat the independent sample of an earlier run, which states its seed; nothing is cleared with a seed "
-        "that no earlier run drew.",
-    ),
-]  # fmt: skip
+        help=f"Repeat the independent sample of an earlier run, which states its seed; {cleared}.",
+    )  # fmt: skip
+
+
+StatedSampleSeed: TypeAlias = Annotated[int | None, _sample_seed("nothing is cleared with a stated seed")]
+"""Of `clearance run`, which has no record of what earlier runs drew."""
+DrawnSampleSeed: TypeAlias = Annotated[
+    int | None,
+    _sample_seed("nothing is cleared with a seed that no earlier run of the service drew for the same campaign"),
+]
+"""Of `clearance submit`."""
 
 
 def _begun(option: str, mark: str) -> Callable[[Path | None], Path | None]:

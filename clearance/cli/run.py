@@ -63,7 +63,7 @@ def run(
     allow_code: code.AllowCode = False,
     label: launch.Label = None,
     baseline: launch.Baseline = None,
-    sample_seed: launch.SampleSeed = None,
+    sample_seed: launch.StatedSampleSeed = None,
     junit: launch.Junit = None,
     markdown: launch.Summary = None,
     sarif: launch.Sarif = None,

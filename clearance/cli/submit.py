@@ -47,7 +47,7 @@ def submit(
         bool,
         typer.Option("--reuse", help="Reuse an earlier verdict of the same campaign and code, if there is one."),
     ] = False,
-    sample_seed: launch.SampleSeed = None,
+    sample_seed: launch.DrawnSampleSeed = None,
     junit: launch.Junit = None,
     summary: launch.Summary = None,
     sarif: launch.Sarif = None,
@@ -55,7 +55,8 @@ def submit(
         str | None,
         typer.Option(
             metavar="NAME", show_default=False,
-            help="Concurrency group, such as project/branch: cancels your runs of the same group that have not ended.",
+            help="Concurrency group, such as project/branch: cancels your runs of the same group that have not ended; "
+            "an administrator's command cancels those of all owners.",
         ),
     ] = None,
     cancel_on_exit: Annotated[

@@ -211,13 +211,17 @@ class Run(RunAnswer):
     best_so_far: list[tuple[int, float]] = []
     """Convergence history: evaluations and the lowest cost within them, thinned for a sparkline."""
     upper_bound: float | None = None
-    """Upper bound on P(violation), from the independent sample."""
+    """Upper bound on P(violation), from the sample of the certify stage; without such a stage, from a random search
+    with the seed of the campaign, by which nothing is cleared. None without such a sample.
+    """
     removed: AwareDatetime | None = None
     """Time of removal from all lists; None if it is listed."""
     removed_by: str | None = None
     removed_reason: str | None = None
     group: str | None = None
-    """Its concurrency group: a newer run of the same group and owner cancels it."""
+    """Its concurrency group: a newer run of the same group cancels it, if it has the same owner or an administrator
+    launches it.
+    """
     superseded_by: str | None = None
     """The run of its group that cancelled it, R-0001."""
 
@@ -472,7 +476,11 @@ class Outcome(Answer):
     margin: float | None
     """Worst value minus threshold; 0 or less violates the criterion."""
     upper_bound: float | None
-    """On P(violation), from the independent sample; None without one."""
+    """Upper bound on P(violation), from the sample that `bound_source` names; None without one."""
+    bound_source: str | None = None
+    """`certify`: the independent sample of the certify stage. `search`: there is no certify stage, and the sample is a
+    random search with the seed of the campaign, by which nothing is cleared. None without a bound.
+    """
     violations: int | None = None
     failed_samples: int | None = None
     """Of the violations: samples without a value, because their evaluation failed."""

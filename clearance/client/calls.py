@@ -111,11 +111,11 @@ def submit(
     """Queue a run of a campaign; raises `CampaignError` or `InvalidCampaignError` with its problems.
 
     campaign: a document, the path of a file, the name of one in the library, or YAML text. baseline: R-0001, or
-    label:branch=main. priority: -10 to 10, higher starts first. group: cancels the runs of the same group and owner
-    that have not ended. reuse: answer with an earlier run of the same campaign and code that has a verdict.
-    sample_seed: of the independent sample of an earlier run of the campaign, which is repeated. text: original text of
-    a document, which is stored with its comments. key: a repeated submission with the same key returns the same run; by
-    default each call has its own.
+    label:branch=main. priority: -10 to 10, higher starts first. group: cancels the runs of the same group that have not
+    ended, of the same owner; an administrator's call cancels those of all owners. reuse: answer with an earlier run of
+    the same campaign and code that has a verdict. sample_seed: of the independent sample of an earlier run of the
+    campaign, which is repeated. text: original text of a document, which is stored with its comments. key: a
+    repeated submission with the same key returns the same run; by default each call has its own.
     """
     body = document(campaign) | _set(text=text) | _set(name=name, labels=dict(labels or {}))
     body |= {} if tags is None else {"tags": list(tags)}  # none at all are not those of the campaign

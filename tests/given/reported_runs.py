@@ -120,6 +120,10 @@ def sample() -> Sample:
     )
 
 
+SEARCHED = Statistics.model_validate(sample().model_dump() | {"source": "search"})
+"""The same of a random search, where there is no certify stage."""
+
+
 def finding() -> Finding:
     """The worst case."""
     by = (FoundBy(position=2, method="direct", evaluations=417),)

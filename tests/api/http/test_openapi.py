@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import json
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +56,32 @@ def test_every_reference_leads_somewhere() -> None:
     text = json.dumps(DOCUMENT)
     names = {part.split('"')[0] for part in text.split("#/components/schemas/")[1:]}
     assert names <= DOCUMENT["components"]["schemas"].keys()
+
+
+def descriptions(part: Any) -> Iterator[str]:
+    """Every description in the document."""
+    for name, inner in part.items() if isinstance(part, dict) else enumerate(part) if isinstance(part, list) else ():
+        if name == "description" and isinstance(inner, str):
+            yield inner
+        else:
+            yield from descriptions(inner)
+
+
+def exists(name: str) -> bool:
+    """Whether it is a module of ours, or something in one."""
+    try:
+        importlib.import_module(name)
+    except ModuleNotFoundError:
+        module, _, attribute = name.rpartition(".")
+        return "." in name and exists(module) and hasattr(importlib.import_module(module), attribute)
+    return True
+
+
+def test_every_module_that_a_description_names_exists() -> None:
+    ours = re.compile(r"`((?:backend|campaigns|clearance|worker)(?:\.\w+)+)`")
+    named = {name for text in descriptions(DOCUMENT) for name in ours.findall(text)}
+    assert len(named) >= 3
+    assert [name for name in sorted(named) if not exists(name)] == []
 
 
 def test_the_service_answers_with_the_same_document(guest: httpx.Client) -> None:

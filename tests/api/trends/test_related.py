@@ -72,9 +72,10 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
     assert done["margin"] == pytest.approx(0.8)
     assert (done["violations"], done["samples"], done["confidence"]) == (0, 3000, 0.95)
     assert done["upper_bound"] == pytest.approx(0.000998, rel=1e-3)
+    assert done["bound_source"] == "certify"
     assert (found[plain]["verdict"], found[plain]["samples"], found[plain]["upper_bound"]) == ("violated", None, None)
     assert client.get(f"/api/v1/runs/{stopped}").json()["worst_cost"] is not None
-    for name in ("worst_cost", "margin", "upper_bound", "verdict"):
+    for name in ("worst_cost", "margin", "upper_bound", "bound_source", "verdict"):
         assert found[stopped][name] is None
 
 

@@ -37,7 +37,7 @@ from tests.api.conftest import running
 from tests.given.databases import BOTH, Fresh
 from tests.given.finished_runs import finish
 from tests.given.problem_documents import problem
-from tests.given.reported_runs import finish_fully
+from tests.given.reported_runs import SEARCHED, finish_fully
 from tests.given.service import Service, until
 from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
@@ -82,7 +82,7 @@ def test_a_run_that_ends_is_reported_once_and_signed(fresh: Fresh, tmp_path: Pat
         registered(service)
         runs = [submit(client) for _ in range(3)]
         client.post(f"/api/v1/runs/{runs[2]}/cancel")
-        finish_fully(service, "cleared")
+        finish_fully(service, "cleared", statistics=SEARCHED)
         finish(service)  # violated
         delivered(client, 3)
         reported = {request.document["data"]["run"]: request for request in receiver.requests}
@@ -96,6 +96,8 @@ def test_a_run_that_ends_is_reported_once_and_signed(fresh: Fresh, tmp_path: Pat
     first, second, third = (reported[run].document["data"] for run in runs)
     assert reported[runs[0]].document["type"] == "run.ended"
     assert (first["state"], first["verdict"], first["worst_cost"], first["unit"]) == ("done", "cleared", 1.3, "m")
+    assert (first["upper_bound"], first["bound_source"]) == (SEARCHED.upper_bound, "search")
+    assert (second["upper_bound"], second["bound_source"]) == (None, None)
     assert (first["before"], first["verdict_changed"]) == (None, False)
     assert first["address"] == f"https://clearance.example/runs/{runs[0]}"
     assert second["verdict_changed"] is True

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tests.bench.scoreboard import published
+from tests.bench.scoreboard import niching, published
 from tests.bench.scoreboard.bbob import SLOW
 from tests.bench.scoreboard.contestants import LIMITS, SHORT, Contestant
 from tests.bench.scoreboard.parts import Table
@@ -34,11 +34,12 @@ def _about(found: Mapping[str, Any]) -> list[str]:
     limits = ", ".join(f"{Contestant(name).title} {most}" for name, most in LIMITS.items())
     peers = [f"| {PEERS[name].title} | {text or 'not installed'} |" for name, text in found["peers"].items()]
     return [
-        f"Half for {found['half']}. Commit {found['commit']}. {found['seeds']} seeds where a part has no instances. "
+        f"Half for {found['half']}. Commit {found['commit']}. {_seeds(found)} where a part has no instances. "
         f"{found['machine']}, {found['processes']} processes, {found['seconds']:.0f} s.",
         "",
         "Every figure is a mean over all seeds or instances; - means that a method takes no part there or that a cell "
-        "of it failed or is not measured; bold is the best. n is the number of parameters. "
+        "of it has no figures or is not measured; a peer that raised counts with what it had evaluated until then, and "
+        "the line below the table says how many cells raised; bold is the best. n is the number of parameters. "
         f"Costly methods take at most {SHORT} n evaluations; evaluations of a run are at most: {limits}; these take "
         f"part in one instance of BBOB, in up to {SLOW} dimensions. "
         "A method whose points depend on its budget has a run for each budget. A failed evaluation has no value for "
@@ -49,6 +50,11 @@ def _about(found: Mapping[str, Any]) -> list[str]:
         "|---|---|",
         *peers,
     ]
+
+
+def _seeds(found: Mapping[str, Any]) -> str:
+    fewer = f", {niching.SEEDS} of niching," if "niching" in found["parts"] and found["seeds"] > niching.SEEDS else ""
+    return f"{found['seeds']} seeds{fewer}"
 
 
 def _bars(bars: Sequence[Mapping[str, Any]]) -> list[str]:

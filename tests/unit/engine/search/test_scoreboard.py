@@ -18,8 +18,9 @@ from tests.bench.scoreboard.bars import ABOUT, BBOB, bars
 from tests.bench.scoreboard.cells import Cell, Row
 from tests.bench.scoreboard.contestants import Contestant, names, own_names
 from tests.bench.scoreboard.fitted import coefficients
-from tests.bench.scoreboard.parts import Part, Request, averaged
+from tests.bench.scoreboard.parts import Request, averaged
 from tests.given import landscapes
+from tests.given.kept_cells import kept_rows
 from worker.engine.search.base import Floats
 from worker.evidence.verdicts.sureness import chance, model
 from worker.running.catalogue.installed import methods
@@ -97,14 +98,6 @@ def test_what_is_stored_is_shown_without_what_is_missing(tmp_path: Path, capsys:
     assert {column for column, by in part["table"].items() if "nlopt_crs" in by} == {"plateaus @ 2", "plateaus @ 4"}
     assert all("direct" in by for by in part["table"].values())
     assert ", 9 of them" in page.markdown(found)
-
-
-def kept_rows(part: Part) -> list[Row]:
-    """The cells of a part of the whole board, without figures where they are not kept."""
-    known = cells.stored(cells.lines(cells.kept(part.name, cells.KEPT)))
-    return [
-        known.get(cell, Row(cell, {}, "", 0.0)) for cell in part.cells(Request("judging", tuple(names()), board.SEEDS))
-    ]
 
 
 def test_the_guide_shows_what_the_kept_cells_say() -> None:

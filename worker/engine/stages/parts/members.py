@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 
 import numpy as np
+from numpy.typing import NDArray
 
 from campaigns.results.base import OK
 from campaigns.results.search import Apart, Member
@@ -20,8 +21,10 @@ class Members:
     and each that requested it has found it."""
 
     announced: list[tuple[str, int]] = field(default_factory=list)
-    requested: dict[bytes, dict[str, None]] = field(default_factory=dict)
-    """Who requested a point, in their order."""
+    owner: dict[bytes, str] = field(default_factory=dict)
+    """The first member that requested a point."""
+    others: dict[bytes, set[str]] = field(default_factory=dict)
+    """Those that requested it later, of the few points that several did."""
 
     def attribute(self, member: str, points: int) -> None:
         """The next `count` points of the coming request belong to this member."""
@@ -37,7 +40,8 @@ class Members:
                 announced, self.announced = self.announced, []
                 names = [member for member, count in announced for _ in range(count)]
                 for name, point in zip(names, chain(*groups), strict=False):
-                    self.requested.setdefault(point.tobytes(), {})[name] = None
+                    if self.owner.setdefault(key := point.tobytes(), name) != name:
+                        self.others.setdefault(key, set()).add(name)
                 batch = yield request
         except StopIteration as end:
             rule: str = end.value
@@ -47,16 +51,15 @@ class Members:
 
     def rows(self, columns: Columns, methods: Mapping[str, Method], alone: Collection[str] = ()) -> list[Member]:
         """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
-        if not self.requested:
+        if not self.owner:
             return []
-        by = self._by(columns)
-        names = [next(iter(known)) for known in by]
+        names = self._names(columns)
         ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
         before = np.r_[np.inf, np.minimum.accumulate(ranked)[:-1]]
         rows = []
         for member in dict.fromkeys(names):
             mine = np.array([name == member for name in names])
-            best = float(ranked[[member in known for known in by]].min())
+            best = float(ranked[mine | self._also(columns, [member])].min())
             known = methods.get(member)
             rows.append(
                 Member(
@@ -74,26 +77,26 @@ class Members:
         """The member that was the first to request the lowest evaluation; None if nobody announced it or none has a
         value."""
         ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
-        return (next(iter(self._by(columns)[int(ranked.argmin())])) or None) if np.isfinite(ranked).any() else None
+        low = columns.points[int(ranked.argmin())] if np.isfinite(ranked).any() else None
+        return None if low is None else self.owner.get(low.tobytes())
 
     def apart(self, columns: Columns, methods: Mapping[str, Method], alone: Collection[str]) -> list[Apart]:
         """The parts that were told nothing of each other: every member of `alone`, and the others together; those that
         have a value, and none if that is one part only. What a part requested it found, whoever requested it before."""
-        if not self.requested or not alone:
+        if not self.owner or not alone:
             return []
-        by = self._by(columns)
+        names = np.array(self._names(columns))
         ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        together = sorted({*names.tolist(), *chain(*self.others.values())} - {*alone})
         found = []
-        for part in (None, *alone):
-
-            def belongs(name: str, part: str | None = part) -> bool:
-                return name == part if part else name not in alone
-
-            mine = np.array([any(map(belongs, names)) for names in by])
+        for part in (together, *([name] for name in alone)):
+            own = np.isin(names, part)
+            mine = own | self._also(columns, part)
             if not np.isfinite(ranked[mine]).any():
                 continue
             low = int(np.flatnonzero(mine)[np.argmin(ranked[mine])])
-            known = methods.get(next(filter(belongs, by[low])))
+            others = self.others.get(columns.points[low].tobytes(), ())
+            known = methods.get(names[low] if own[low] else next(name for name in part if name in others))
             if known is None:  # a method of its own that did not say who requested the point
                 continue
             found.append(
@@ -101,13 +104,18 @@ class Members:
                     member=known.name,
                     title=known.title,
                     family=known.family_with(known.options()),
-                    evaluations=sum(belongs(next(iter(names))) for names in by),
+                    evaluations=int(own.sum()),
                     best=float(ranked[low]),
                     index=low,
                 )
             )
         return found if len(found) > 1 else []
 
-    def _by(self, columns: Columns) -> list[dict[str, None]]:
-        """Who requested each evaluation, the first first; one that nobody announced is no one's."""
-        return [self.requested.get(point.tobytes(), {"": None}) for point in columns.points]
+    def _names(self, columns: Columns) -> list[str]:
+        return [self.owner.get(point.tobytes(), "") for point in columns.points]
+
+    def _also(self, columns: Columns, part: Collection[str]) -> NDArray[np.bool_]:
+        """Which evaluations one of these members requested after another one."""
+        if not self.others:
+            return np.zeros(len(columns.points), dtype=bool)
+        return np.array([not self.others.get(point.tobytes(), set()).isdisjoint(part) for point in columns.points])

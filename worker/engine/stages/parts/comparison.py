@@ -58,17 +58,16 @@ def reached(context: Context, found: Found, at: int, columns: Columns, i: int) -
     its own in its basin, which is far where a parameter does not matter; None if it never did."""
     basin = found.basins[i]
     close = np.asarray((np.abs(columns.points - basin.point) <= SAME_PLACE).all(axis=1))
-    close[[row for row, ended in _own(context, found, at, columns) if ended == i]] = True
+    close[[*_own(context, found, at, columns, i)]] = True
     low = (columns.status == OK) & (columns.costs[:, 0] <= basin.cost + SAME_COST * scale(context, basin.cost))
     return int(np.argmax(low & close)) + 1 if (low & close).any() else None
 
 
-def _own(context: Context, found: Found, at: int, columns: Columns) -> Iterator[tuple[int, int | None]]:
-    """The rows of a search's best, of those of its parts and of its minima, and the basin in which each is."""
+def _own(context: Context, found: Found, at: int, columns: Columns, i: int) -> Iterator[int]:
+    """The rows of a search's best, of those of its parts and of its minima that are in basin `i`."""
     result = context.searched[at]
-    if result.best is not None and result.best.index is not None:
-        yield result.best.index, found.basin_of(at, result.best.cost)
-    yield from ((part.index, found.basin_of(at, part.best)) for part in result.apart)
-    for m, basin in found.minima_of(at).items():
-        here = (columns.points == np.array(result.minima[m].point)).all(axis=1)
-        yield from ((int(row), basin) for row in np.flatnonzero(here)[:1])
+    if result.best is not None and result.best.index is not None and found.basin_of(at, result.best.cost) == i:
+        yield result.best.index
+    yield from (part.index for part in result.apart if found.basin_of(at, part.best) == i)
+    for m in (m for m, basin in found.minima_of(at).items() if basin == i):
+        yield from map(int, np.flatnonzero((columns.points == np.array(result.minima[m].point)).all(axis=1))[:1])

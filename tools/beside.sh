@@ -1,4 +1,4 @@
-# Runs checks beside each other and shows what each says once all have ended. Sourced by tools/check.sh and tools/test.sh.
+# Runs checks beside each other and shows what each says once all have ended. Sourced by tools/check.sh, install.sh and test.sh.
 
 logs="$(mktemp -d)"
 names=()

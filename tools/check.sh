@@ -86,7 +86,7 @@ STARTING=(
 frontend_types() {
     cd frontend
     npm run --silent client
-    node_modules/.bin/tsc --noEmit --incremental --tsBuildInfoFile node_modules/.check.tsbuildinfo
+    npm run --silent types
 }
 
 frontend_rules() {

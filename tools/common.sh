@@ -1,4 +1,4 @@
-# Shared by the scripts of this folder: where things are, what to say, how to get a Debian package.
+# Shared by the scripts of this folder: where things are, what to say, how to get a Debian package, which Node suits.
 # Sourced, never run.
 
 set -euo pipefail
@@ -28,4 +28,11 @@ debian_install() {
     say "installing Debian packages: $*"
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q >&2 || return 1
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" >&2
+}
+
+# system_node: whether the system's Node can build the pages: the build tools ask for 20.19 or later, 22.12 or later.
+# Debian ships npm apart from Node, and both are needed.
+system_node() {
+    command -v npm >/dev/null && node -e 'const [a, b] = process.versions.node.split(".").map(Number);
+        process.exit(a > 22 || (a === 22 && b >= 12) || (a === 20 && b >= 19) ? 0 : 1)' 2>/dev/null
 }

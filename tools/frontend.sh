@@ -5,14 +5,8 @@
 source "$(dirname "$0")/common.sh"
 source tools/node.sh
 
+tools/packages.sh
 cd frontend
-installed=node_modules/.installed
-wanted="$(digest package.json package-lock.json) $(node --version) $HERE"
-if [ "$(cat "$installed" 2>/dev/null || true)" != "$wanted" ]; then
-    say "installing the packages of frontend/package-lock.json"
-    npm ci --no-audit --no-fund --loglevel=error
-    printf '%s' "$wanted" >"$installed"
-fi
 
 generated=node_modules/.generated
 wanted="$(digest ../tools/generated.py ../campaigns/rules.py ../worker/engine/search/{base,methods/*}.py)"

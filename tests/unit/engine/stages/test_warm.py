@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.given.at_night import nightly_but
 from worker.engine.kernels.numba_internals import is_compiled
 from worker.engine.search.base import Batch, Floats, Method, Parallel, Space
 from worker.engine.stages import search as stage
@@ -23,7 +24,7 @@ SIZES = ((2, 400), (4, 300), (8, 300))
 """Parameters, and evaluations for each of them: on both sides of where `auto` begins in another way."""
 
 
-@pytest.mark.parametrize("name", ["each by itself", *WITH_MEMBERS])
+@pytest.mark.parametrize("name", nightly_but({"auto"}, ["each by itself", *WITH_MEMBERS]))
 def test_nothing_compiles_after_the_warm_up(name: str) -> None:
     names = [name] if name in WITH_MEMBERS else [m for m in COMPILING if m not in WITH_MEMBERS]
     command = [sys.executable, "-c", f"from {__name__} import searched; searched({names})"]

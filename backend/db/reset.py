@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db import refusals, sizes
+from backend.db import refusals, sample_seeds, sizes
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import (
     EvaluationAhead,
@@ -40,6 +40,8 @@ def empty(writer: sa.Connection, run_id: int) -> None:
         "failed_evaluations": 0,
     }
     values |= {"nominal_cost": None, "worst_cost": None, "worst_method": None, "best_so_far": [], "not_before": 0.0}
+    if seed := sample_seeds.again(writer, run_id):
+        values |= {"sample_seed": seed.value}
     size = sizes.of_document(writer.execute(of).scalar_one())
     writer.execute(sa.update(Run).where(Run.id == run_id).values(**values, size=size))
 

@@ -12,7 +12,17 @@ from typing import Any
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db import codes, continuation, evaluations_ahead, sample_blocks, sizes, snapshots, sources, workers
+from backend.db import (
+    codes,
+    continuation,
+    evaluations_ahead,
+    sample_blocks,
+    sample_seeds,
+    sizes,
+    snapshots,
+    sources,
+    workers,
+)
 from backend.db.convergence import extended
 from backend.db.digest import current_digest
 from backend.db.engine import Result, clock, now, read, write
@@ -246,6 +256,8 @@ class RunStore:
         if not self._has_begun(connection):
             codes.store(connection, code)
             fenced(connection, self.claim, flown=versions.model_dump(mode="json"))
+            if seed := sample_seeds.settle(connection, self._run, versions):
+                fenced(connection, self.claim, sample_seed=seed.value, sample_seed_stated=seed.stated)
             simulator: Any = self.claim.document.get("simulator")
             if simulator and versions.simulator and not versions.command:
                 workers.correct(connection, simulator["name"], versions.simulator)

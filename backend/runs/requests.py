@@ -33,7 +33,7 @@ class RunSubmit(Given):
     """Answer with an earlier run of the same campaign and code that has a verdict, if there is one."""
     sample_seed: Annotated[int, Field(ge=0, le=LARGEST)] | None = None
     """Repeats the independent sample of an earlier run of the campaign, which states its seed; nothing is cleared with
-    one that no run of it drew. If omitted, it is drawn."""
+    one that no run of it with a verdict drew, by the code that evaluates now. If omitted, it is drawn."""
     group: Group | None = None
     """A concurrency group, such as project/branch: runs of the same group that have not ended are cancelled, if the
     submitter may cancel them."""

@@ -9,12 +9,11 @@ import sqlalchemy as sa
 
 from backend.access.own import owns
 from backend.catalog.service import required
-from backend.db import audit, baselines, groups, queue
+from backend.db import audit, baselines, groups, queue, sample_seeds
 from backend.db.access import Visitor
 from backend.db.baselines import Resolved
 from backend.db.continuation import store_text
 from backend.db.engine import now, read
-from backend.db.tables import Run
 from backend.http import bodies, keys
 from backend.http.keys import Keyed
 from backend.runs import reuse
@@ -27,7 +26,6 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
 from campaigns.results.baselines import CannotCompare
 from campaigns.runs import RunState, run_name, run_number
-from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import most
 
 AT_LAUNCH = "a baseline is added at launch: leave it out, and give the run next to the campaign, as baseline: R-0001"
@@ -126,6 +124,7 @@ def _compared(reader: sa.Connection, submission: Submission, catalogue: Catalogu
 def _queue(
     writer: sa.Connection, submission: Submission, resolved: Resolved, visitor: Visitor, catalogue: Catalogue
 ) -> int:
+    stated = submission.sample_seed
     run_id = queue.submit(
         writer,
         resolved.campaign,
@@ -137,7 +136,7 @@ def _queue(
         planned=most(resolved.campaign),
         catalogue=catalogue,
         labelled=submission.labels,
-        seed=_sample_seed(writer, resolved.campaign, submission.sample_seed),
+        seed=None if stated is None else sample_seeds.requested(writer, resolved.campaign.digest, stated),
     )
     if submission.text is not None:
         store_text(writer, run_id, submission.text)
@@ -146,16 +145,6 @@ def _queue(
     if submission.group is not None:
         groups.store(writer, run_id, submission.group)
     return run_id
-
-
-def _sample_seed(reader: sa.Connection, campaign: Campaign, stated: int | None) -> SampleSeed | None:
-    """The seed that was stated; nobody chose it if an earlier run of the campaign had drawn it."""
-    if stated is None:
-        return None
-    drawn = sa.select(Run.id).where(
-        Run.campaign_digest == campaign.digest, Run.sample_seed == stated, Run.sample_seed_stated.is_(False)
-    )
-    return SampleSeed(stated, stated=reader.scalar(drawn.limit(1)) is None)
 
 
 def _supersede(

@@ -41,7 +41,9 @@ StatedSampleSeed: TypeAlias = Annotated[int | None, _sample_seed("nothing is cle
 """Of `clearance run`, which has no record of what earlier runs drew."""
 DrawnSampleSeed: TypeAlias = Annotated[
     int | None,
-    _sample_seed("nothing is cleared with a seed that no earlier run of the service drew for the same campaign"),
+    _sample_seed(
+        "nothing is cleared with a seed that no run of the service with a verdict drew for the same campaign and code"
+    ),
 ]
 """Of `clearance submit`."""
 

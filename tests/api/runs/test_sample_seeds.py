@@ -10,10 +10,13 @@ import sqlalchemy as sa
 
 from backend.db.continuation import sample_seed, succeed
 from backend.db.engine import read
+from backend.db.reset import empty
+from backend.db.sample_seeds import settle
 from backend.db.tables import Run, Stage
 from campaigns import Campaign
 from campaigns.asked.text import to_yaml
 from campaigns.sample_seed import SampleSeed
+from campaigns.versions import Versions
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE, campaign
@@ -40,14 +43,84 @@ def test_every_launch_draws_its_own(service: Service, client: httpx.Client) -> N
     assert not any(one.stated for one in seeds)
 
 
+def ended(service: Service, run: int, **more: Any) -> None:
+    """The run has a verdict."""
+    with service.engine.begin() as writer:
+        values = {"state": "done", "verdict": "cleared", "finished": 2.0, **more}
+        writer.execute(sa.update(Run).where(Run.id == run).values(**values))
+
+
 def test_a_seed_that_an_earlier_run_drew_is_repeated_and_any_other_is_stated(
     service: Service, client: httpx.Client
 ) -> None:
-    first = seed(service, launched(client)).value
+    run = launched(client)
+    first = seed(service, run).value
+    assert seed(service, launched(client, sample_seed=first)).stated, "it has no verdict"
+    ended(service, run)
     assert seed(service, launched(client, sample_seed=first)) == SampleSeed(first, stated=False)
     assert seed(service, launched(client, sample_seed=first + 1)) == SampleSeed(first + 1, stated=True)
     assert seed(service, launched(client, sample_seed=first + 1)).stated, "stated before, but drawn by no run"
     assert seed(service, launched(client, sample_seed=first, changes={"agreement": 0.1})).stated, "of another campaign"
+
+
+EVALUATES = Versions(clearance="1", code="a", model="m", components={"mine.py": "1"}, python="3.11")
+OTHERS = {
+    "the same": (EVALUATES, False),
+    "another search": (EVALUATES.model_copy(update={"code": "b"}), False),
+    "another loop": (EVALUATES.model_copy(update={"code": "b", "model": "n"}), True),
+    "another component": (EVALUATES.model_copy(update={"components": {"mine.py": "2"}}), True),
+    "another package": (EVALUATES.model_copy(update={"python": "3.12"}), True),
+    "a command of the campaign file": (EVALUATES.model_copy(update={"command": "fly"}), True),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_a_sample_is_new_only_to_the_code_for_which_it_was_drawn(
+    service: Service, client: httpx.Client, name: str
+) -> None:
+    """Else code could be written that passes its points: a run that requested the seed has a stated one, and one that
+    continues another draws its own."""
+    then, other = OTHERS[name]
+    run = launched(client)
+    drawn = seed(service, run)
+    ended(service, run, flown=then.model_dump(mode="json"))
+    requested = launched(client, sample_seed=drawn.value)
+    with service.engine.begin() as writer:
+        onward = succeed(writer, run, Campaign.model_validate(campaign()), 10, CATALOGUE)
+        assert settle(writer, run, EVALUATES) is None, "its own"
+        assert settle(writer, requested, EVALUATES) == (SampleSeed(drawn.value, stated=True) if other else None)
+        continued = settle(writer, onward, EVALUATES)
+    assert (continued is not None) == other
+    assert continued is None or (continued.value != drawn.value and not continued.stated)
+
+
+def test_a_seed_that_was_flown_by_other_code_in_between_is_still_that_of_the_first(
+    service: Service, client: httpx.Client
+) -> None:
+    run = launched(client)
+    first = seed(service, run).value
+    ended(service, run, flown=EVALUATES.model_dump(mode="json"))
+    between = launched(client, sample_seed=first)
+    other = OTHERS["another loop"][0].model_dump(mode="json")
+    ended(service, between, flown=other, sample_seed_stated=True)
+    last = launched(client, sample_seed=first)
+    with read(service.engine) as reader:
+        assert settle(reader, last, EVALUATES) is None
+
+
+@pytest.mark.parametrize("requested", [False, True])
+def test_a_run_that_begins_again_draws_again_unless_the_seed_was_requested(
+    service: Service, client: httpx.Client, requested: bool
+) -> None:
+    run = launched(client)
+    before = seed(service, run)
+    if requested:
+        ended(service, run)
+        run = launched(client, sample_seed=before.value)
+    with service.engine.begin() as writer:
+        empty(writer, run)
+    assert (seed(service, run) == before) == requested
+    assert not seed(service, run).stated
 
 
 @pytest.mark.parametrize("bad", [-1, 2**52, 1.5, "1x"])

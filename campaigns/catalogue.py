@@ -191,7 +191,8 @@ class MethodEntry(Entry):
     proposed: Annotated[int, BeforeValidator(_rank), UNSTATED] = 0
     """Its rank among the methods that are proposed, from 1; omitted if it is never proposed."""
     confirms: Annotated[int, UNSTATED] = 0
-    """Evaluations per parameter below which its parts that are apart cannot confirm each other; omitted without any."""
+    """Evaluations per parameter below which its parts that are apart may be too small to confirm each other; omitted
+    without any."""
     options: JsonObject
     look: Annotated[MethodLook | None, BeforeValidator(readable), UNSTATED] = None
     """Its colours and marker; omitted if not declared."""

@@ -31,7 +31,8 @@ DRAWS = 2
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""
 
 STORED_WHOLE = 100_000
-"""A larger sample than this is proposed with its lowest flights stored only."""
+"""A larger sample than this is proposed with its lowest flights stored only. With noise it must be: one that is stored
+whole has 2^20 realisations, so that draws of a larger one are too often the same for its bound to hold."""
 
 SEARCH, SEARCHED, SEARCHED_EACH = "auto", 5000, 1000
 """The search of a campaign that states none: the method, its evaluations at least, and those for each parameter."""

@@ -181,7 +181,8 @@ def proposed(
     note = ""
     if count < needed:
         long = taking(start + math.ceil(needed / busy) * cost, slots)
-        note = f"; too few for a verdict of cleared, which needs at least {needed:,} evaluations ({long})"
+        note = f"; it may be too few for a verdict of cleared: below {needed:,} evaluations ({long}) "
+        note += "its parts need not count as searches"
     places = f" on {slots} slots{_counted(slots)}" if slots > 1 else ""
     taken = "1 evaluation takes" if count == 1 else f"{count:,} evaluations take"
     known = f"One evaluation takes about {lasting(cost)}"

@@ -28,7 +28,7 @@ from campaigns.checked import (
     texts,
     uncertainty,
 )
-from campaigns.limits import CONFIDENCE_AT_LEAST
+from campaigns.limits import CONFIDENCE_AT_LEAST, STORED_WHOLE
 
 SEED = "seed"
 """The parameter of a random component that selects its realisation."""
@@ -234,6 +234,10 @@ def _realised(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     if len(seeds) > 1 and not random:
         text = "nothing in the scenario is random: all realisations are identical; remove this"
         yield Problem("scenario.realisations.seeds", str(seeds), text)
+    certify = campaign.stages.certify
+    if random and certify is not None and certify.keep == "all" and certify.samples > STORED_WHOLE:
+        text = f"a sample of more than {STORED_WHOLE:,} draws that is stored whole repeats its noise: give keep: lowest"
+        yield Problem("stages.certify.samples", f"{certify.samples:,}", text)
     for path in sorted(random & campaign.uncertain.keys()):
         text = "a seed selects a realisation and is not a quantity; list several seeds in scenario.realisations.seeds"
         yield Problem(f"uncertain.{path}", path, text)

@@ -160,7 +160,8 @@ class Attraction(Described):
     contradicting: Count = 0
     """Measured: rays on which the loop did not return from inside the region."""
     difference: float | None = None
-    """Measured: the largest difference between model and loop in any dx/dt in the region, relative to its largest."""
+    """Measured: the largest difference between model and loop in any dx/dt, at a point of the region on each ray,
+    relative to its largest there."""
     sections: list[Section] = []
 
     def facts(self) -> Facts:

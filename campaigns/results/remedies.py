@@ -147,7 +147,7 @@ def _budget(ran: Ran, search: Search, result: SearchResult) -> int | None:
 
 
 def _confirms(ran: Ran, name: str) -> int:
-    """The evaluations that a method needs at least for its parts to confirm each other; 0 if it has none."""
+    """The evaluations from which each part of a method counts as a search; 0 if it has none."""
     entry = next((method for method in ran.methods if method.name == name), None)
     return 0 if entry is None else entry.confirms * len(ran.campaign.uncertain)
 

@@ -175,6 +175,23 @@ class TestRefused:
         assert problem.startswith("scenario.realisations.seeds: ")
         assert "nothing in the scenario is random" in problem
 
+    @pytest.mark.parametrize(
+        ("random", "certify", "refused"),
+        [
+            (True, {"samples": 100_001}, True),
+            (True, {"samples": 100_000}, False),
+            (True, {"samples": 100_001, "keep": "lowest"}, False),
+            (False, {"samples": 100_001}, False),
+        ],
+    )
+    def test_a_sample_whose_draws_would_often_have_the_same_noise(
+        self, random: bool, certify: dict[str, Any], refused: bool
+    ) -> None:
+        document = (noisy([1]) if random else CASE).document()
+        document["stages"]["certify"] = certify
+        found = [problem.field for problem in check(load_document(document), catalogue())]
+        assert found == ["stages.certify.samples"] * refused
+
     def test_a_seed_as_something_uncertain(self) -> None:
         document = noisy([1]).document()
         document["uncertain"] = {"faults.0.seed": {"low": 0, "high": 9}}

@@ -41,7 +41,7 @@ def proved(of: Facts) -> Spans:
             count(of.model, "model"),
             " about trim (",
             about,
-            "), not for ",
+            ") at the nominal parameters, not for ",
         ),
         *("the loop as flown: from every state with V < 1, V of degree ", count(of.degree, "degree"), " in "),
         listed([symbol for symbol, _, _ in of.states]),
@@ -70,8 +70,8 @@ def _measured(of: Facts) -> Spans:
     else:
         of_it = " of the volume from which the loop returns in simulation ("
         volume = say("the region has ", percent(of.fraction, 2, "fraction"), of_it, rays, ")")
-    apart = say("the rates of model and loop differ in it by at most ", _upward(of.difference, "", 2, "difference"))
-    return say("measured, not proved: ", volume, ", and ", apart, " of the largest")
+    apart = say("the rates of model and loop differ by at most ", _upward(of.difference, "", 2, "difference"))
+    return say("measured, not proved: ", volume, ", and at a point of it on each ", apart, " of the largest")
 
 
 def refused(why: Spans) -> Spans:

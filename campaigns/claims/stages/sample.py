@@ -107,7 +107,8 @@ class Counts:
     def _beyond(self) -> Spans:
         if not self.outside:
             return ()
-        return say(", of which ", probability(self.outside, name="outside"), " is the probability beyond the bounds")
+        most = at_most(self.outside, name="outside")
+        return say(", of which at most ", most, " is the probability beyond the bounds")
 
 
 def counted(draws: int, blocks: int, stored: int) -> Spans:
@@ -167,7 +168,7 @@ def so_far(counts: Drawn, upper: float, left: int, at_end: float) -> Spans:
     """A sample that is being drawn: its bound if it ended now, and its bound if none of those left violates."""
     where = " within the bounds" if counts.outside is None else _over(counts.excluded, counts.outside)
     beyond = say(
-        ", of which ", probability(counts.outside or 0.0, name="outside"), " is the probability beyond the bounds"
+        ", of which at most ", at_most(counts.outside or 0.0, name="outside"), " is the probability beyond the bounds"
     )
     return say(
         *("so far ", count(counts.violations, "violations"), " of ", count(counts.samples, "samples")),

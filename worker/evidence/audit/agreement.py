@@ -98,8 +98,9 @@ def family(run: Run, k: int) -> str:
     method, result = run.methods[k], run.claims["results"][k]
     options = run.campaign.stages.search[run.searches.index(k)].options
     if result.get("apart"):
-        lowest = min(result["apart"], key=lambda part: part["best"])
-        return str(method.apart.get(lowest["member"], lowest["family"]))
+        lowest = min(part["best"] for part in result["apart"])
+        tied = [method.apart.get(p["member"], p["family"]) for p in result["apart"] if p["best"] == lowest]
+        return str(result["family"] if result.get("family") in tied else tied[0])
     if result.get("members"):
         return str(result.get("family") or method.name)
     chosen: list[str] = [

@@ -1,8 +1,10 @@
 // A stage's result by its kind.
 import { expect, it } from 'vitest'
 import { search, stage, validated } from '../../tests/fixtures'
-import type { Sample } from '../client'
-import { independentSample, randomSample, resultOf, resultWith } from './stages'
+import type { Sample, StageDetail } from '../client'
+import { independentSample, randomSample, resultOf, resultWith, sampleTitle } from './stages'
+
+type Result = StageDetail['result']
 
 it('gives the result of a stage of that kind, and of no other', () => {
   const searched = stage(search({ title: 'CMA-ES' }))
@@ -29,4 +31,14 @@ it('calls a sample independent only if it bounds the probability', () => {
   expect(randomSample([extended])?.samples).toBe(60)
   for (const of of [independentSample, randomSample]) expect(of([extended, plain])?.samples).toBe(300)
   expect(randomSample([stage(null)])).toBeNull()
+})
+
+it('names a sample independent only if its seed was drawn at the launch', () => {
+  const sample = { samples: 300, upper_bound: 0.01 } as Sample
+  const certified = (drawn_at_launch: boolean, of = sample) => [stage({ grid: null, sample: of, drawn_at_launch } as Result)]
+  expect(sampleTitle(certified(true), sample)).toBe('Independent sample')
+  expect(sampleTitle(certified(false), sample)).toBe('Random sample')
+  const ended = { ...sample, upper_bound: null }
+  expect(sampleTitle(certified(true, ended), ended)).toBe('Random sample')
+  expect(sampleTitle([stage(search({ sample }))], sample)).toBe('Random sample')
 })

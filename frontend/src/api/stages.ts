@@ -42,6 +42,13 @@ const samples = (stages: readonly Pick<StageDetail, 'result'>[]): Sample[] => [
 export const independentSample = (stages: readonly Pick<StageDetail, 'result'>[]): Sample | null =>
   samples(stages).find(({ upper_bound: bound }) => bound !== null) ?? null
 
+/** What a sample is called: one whose seed somebody may have chosen, as that of a search, is no independent one. */
+export function sampleTitle(stages: readonly Pick<StageDetail, 'result'>[], sample: Sample): string {
+  const certified = resultWith(stages, 'grid')
+  const drawn = certified !== null && certified.sample === sample && certified.drawn_at_launch === true
+  return drawn && sample.upper_bound !== null ? 'Independent sample' : 'Random sample'
+}
+
 /** The independent sample, or else a random one. */
 export const randomSample = (stages: readonly Pick<StageDetail, 'result'>[]): Sample | null =>
   independentSample(stages) ?? samples(stages)[0] ?? null

@@ -4,6 +4,7 @@
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { Blocks, GridResult, Sample } from '../../client'
+import { sampleTitle } from '../../api/stages'
 import { AxisBelow, TicksBeside } from '../../charts/axes'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
@@ -41,7 +42,7 @@ export function SampleCard({ data, sample, grid, blocks, className }: SampleCard
   })
   return (
     <ChartCard
-      title={sample.upper_bound === null ? 'Random sample' : 'Independent sample'}
+      title={sampleTitle(data.stages, sample)}
       note={`${count(sample.samples)} samples from the stated distributions${lostOf(sample)}`}
       className={className}
       id="sample"

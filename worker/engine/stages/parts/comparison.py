@@ -9,13 +9,11 @@ import numpy as np
 from campaigns.limits import SAME_COST, SAME_PLACE
 from campaigns.results import Finding
 from campaigns.results.base import OK
-from campaigns.results.search import Apart
 from campaigns.results.validate import Compared
 from campaigns.stored.records import Columns
 from worker.engine.stages.parts.base import all_columns
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.findings import Found, scale
-from worker.engine.systems.base import Floats
 
 
 def compare(context: Context, findings: Sequence[Finding], found: Found, labels: list[str]) -> list[Compared]:
@@ -31,7 +29,7 @@ def compare(context: Context, findings: Sequence[Finding], found: Found, labels:
             close = (columns.status == OK) & (columns.costs[:, 0] <= worst + SAME_COST * scale(context, worst))
             near = int(np.argmax(close)) + 1 if close.any() else None
         best = result.best
-        basin = None if best is None else found.basin_of(at, best.cost, _point(columns, best.index))
+        basin = None if best is None else _basin(found, at, best.cost, best.index, columns)
         minima = found.minima_of(at)
         rows.append(
             Compared(
@@ -46,7 +44,10 @@ def compare(context: Context, findings: Sequence[Finding], found: Found, labels:
                 seconds=result.seconds,
                 to_near_best=near,
                 basin=None if basin is None else labels[basin],
-                apart=[None if (b := _part(found, at, a, columns)) is None else labels[b] for a in result.apart],
+                apart=[
+                    None if (b := _basin(found, at, a.best, a.index, columns)) is None else labels[b]
+                    for a in result.apart
+                ],
                 findings=[f.label for f in findings if any(by.position == at for by in f.found)],
                 minima=[labels[minima[i]] if i in minima else None for i in range(len(result.minima))],
                 stop=result.stop,
@@ -68,18 +69,13 @@ def reached(context: Context, found: Found, at: int, columns: Columns, i: int) -
 def _own(context: Context, found: Found, at: int, columns: Columns, i: int) -> Iterator[int]:
     """The rows of a search's best, of those of its parts and of its minima that are in basin `i`."""
     result = context.searched[at]
-    best = result.best
-    if best is not None and best.index is not None and found.basin_of(at, best.cost, _point(columns, best.index)) == i:
-        yield best.index
-    yield from (part.index for part in result.apart if _part(found, at, part, columns) == i)
+    best = [] if result.best is None or result.best.index is None else [result.best.index]
+    for index in (*best, *(part.index for part in result.apart)):
+        if found.basin_at(columns.points[index]) == i:
+            yield index
     for m in (m for m, basin in found.minima_of(at).items() if basin == i):
         yield from map(int, np.flatnonzero((columns.points == np.array(result.minima[m].point)).all(axis=1))[:1])
 
 
-def _point(columns: Columns, index: int | None) -> Floats | None:
-    return None if index is None else columns.points[index]
-
-
-def _part(found: Found, at: int, part: Apart, columns: Columns) -> int | None:
-    """The basin of the best of a part of a search."""
-    return found.basin_of(at, part.best, columns.points[part.index])
+def _basin(found: Found, at: int, cost: float, index: int | None, columns: Columns) -> int | None:
+    return found.basin_of(at, cost, None if index is None else columns.points[index])

@@ -76,16 +76,16 @@ class Found:
         return self.evidence.setdefault(basin.point.tobytes(), Evidence())
 
     def basin_of(self, position: int, cost: float, point: Floats | None) -> int | None:
-        """The basin of a stage's best point, None if it is in no listed basin: that of the candidate of this cost at
-        the point, or of the nearest one if none is there or the point is not known. Points of one cost may be in
-        several basins."""
-        mine = [i for i, c in enumerate(self.candidates) if c.position == position and c.cost == cost]
-        away = {i: 0.0 if point is None else float(np.abs(self.candidates[i].point - point).max()) for i in mine}
-        if point is not None and 0.0 in away.values():
-            mine = [i for i in mine if away[i] == 0.0]
-        of = {m: i for i, basin in reversed([*enumerate(self.basins)]) for m in basin.members}
-        listed = [i for i in mine if i in of]
-        return of[min(listed, key=lambda i: (away[i], of[i]))] if listed else None
+        """The basin of a stage's best point, identified by its cost; None if it is in no listed basin.
+
+        Where points of this cost are in several basins, that of the one nearest to the point, if that is known.
+        """
+        mine = {i: c.point for i, c in enumerate(self.candidates) if c.position == position and c.cost == cost}
+        listed = [(m, i) for i, basin in enumerate(self.basins) for m in basin.members if m in mine]
+        if not listed:
+            return None
+        away = {m: 0.0 if point is None else float(np.abs(mine[m] - point).max()) for m, _ in listed}
+        return min(listed, key=lambda member: away[member[0]])[1]
 
     def basin_at(self, point: Floats) -> int | None:
         """The basin in which a candidate at this point ended, by index, that of `besides` after the listed ones; None

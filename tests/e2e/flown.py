@@ -84,7 +84,7 @@ def dropping() -> list[dict[str, Any]]:
     """Runs of the simulators with a trace. Few evaluations: each is repeated in a process of its own."""
     stages = dropped.campaign()["stages"]
     methods = [{"method": name, "evaluations": 10} for name in ("direct", "differential_evolution")]
-    small = stages | {"search": methods, "certify": {"samples": 5}}
+    small = stages | {"search": methods, "certify": {"samples": 5}, "validate": {"neighbours": 2, "evaluations": 40}}
     few = {"stages": small, "uncertain": {"simulator.wind": {"low": -1.0, "high": 2.0}}}
     clear = {"criterion": {"result": "separation", "threshold": 1e-9}}  # no violation is repeated
     return [

@@ -94,7 +94,14 @@ def test_a_script_in_the_view_has_nothing_of_its_visitor(flown: Service, browser
         until(lambda: frame.evaluate("() => window.blankDraws > 0"))
         isolated(visit, frame)
         assert page.url == f"{flown.url}/runs/R-0001"
-        # The same in a window of its own: with a key, for which nobody waits, and as a recording.
+
+
+@pytest.mark.nightly  # by day tests/api/scenes: what the pages of views are sent with
+def test_neither_has_a_script_in_a_window_of_its_own(flown: Service, browser: Browser) -> None:
+    """With a key, for which nobody waits, and as a recording."""
+    with visiting(browser, flown.url, views=False) as visit:
+        page = visit.page
+        visit.sign_in(flown.login_code())
         visit.go(f"/view/R-0001/key/{KEY}/")
         assert page.evaluate("() => self.origin") == "null"
         visit.go("/view/R-0001/F1/recorded/")

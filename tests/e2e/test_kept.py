@@ -140,6 +140,7 @@ def test_what_is_edited_before_its_code_is_there_is_saved_once_it_is(visit: Visi
     expect(page.get_by_role("textbox", name="Campaign as YAML")).to_contain_text("4.25")
 
 
+@pytest.mark.nightly  # by day the search and the editor, which are loaded in the same way
 def test_notes_are_written_without_their_preview(visit: Visit) -> None:
     page = visit.page
     visit.go("/runs/R-0001")
@@ -222,6 +223,7 @@ def test_a_campaign_outlives_the_session(visit: Visit, service: Service) -> None
     still_named(page)
 
 
+@pytest.mark.nightly  # by day a campaign does, in the same way
 def test_notes_outlive_the_session(visit: Visit, service: Service) -> None:
     page = visit.page
     visit.go("/runs/R-0001")

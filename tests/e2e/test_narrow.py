@@ -169,6 +169,9 @@ def test_the_page_fits(visit: Visit, name: str) -> None:
     fits(visit, *PAGES[name])
 
 
+UNBROKEN = ("/runs/R-0001", "/runs/R-0001/flight", "/launch?from=R-0001", "/sweeps/S-0001")
+
+
 @pytest.fixture(scope="module")
 def unbroken(tmp_path_factory: pytest.TempPathFactory, browser: Browser) -> Iterator[Visit]:
     """A run and a sweep of which nothing that a user names has a space."""
@@ -185,7 +188,7 @@ def unbroken(tmp_path_factory: pytest.TempPathFactory, browser: Browser) -> Iter
         yield visit
 
 
-@pytest.mark.parametrize("path", ["/runs/R-0001", "/runs/R-0001/flight", "/launch?from=R-0001", "/sweeps/S-0001"])
+@pytest.mark.parametrize("path", nightly_but(("/runs/R-0001", "/launch?from=R-0001"), UNBROKEN))
 def test_names_without_spaces_fit(unbroken: Visit, path: str) -> None:
     page = unbroken.page
     for window in (WINDOW, DESK):
@@ -226,6 +229,7 @@ def test_the_sign_in_pages_fit(stored: Service, browser: Browser, path: str) -> 
         stranger.wrong.clear()
 
 
+@pytest.mark.nightly  # it loads two views; by day the pages above
 def test_the_panel_of_the_view_opens_on_request(visit: Visit) -> None:
     page = visit.page
     page.unroute("**/view/**")

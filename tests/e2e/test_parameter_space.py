@@ -229,6 +229,7 @@ def test_a_click_in_the_scatter_simulates_an_evaluation_and_compares_it(visit: V
     expect(visit.page).to_have_url(re.compile("whatif=nominal.*set=obstacles.0.position.x:"))
 
 
+@pytest.mark.nightly  # by day the click in the scatter, which simulates it in the same way
 def test_a_click_on_a_line_of_the_parallel_axes_simulates_it(visit: Visit, lost: Locator) -> None:
     """On an axis and between two; next to all lines a click clears the range of the axis."""
     lines = lost.get_by_role("group", name=re.compile("^Parallel"))

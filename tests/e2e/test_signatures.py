@@ -95,6 +95,7 @@ def opened(service: Service, browser: Browser) -> Iterator[Visit]:
         yield visit
 
 
+@pytest.mark.nightly  # by day tests/api/signoffs/test_standing.py, which states it in every place
 def test_the_standing_of_a_sign_off_is_on_every_page(service: Service, browser: Browser) -> None:
     assert pdf.browser() is not None
     with opened(service, browser) as visit, service.signed_in() as client:

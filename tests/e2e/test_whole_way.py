@@ -376,8 +376,9 @@ def test_a_slider_simulates_the_case_again(signed_in: Visit) -> None:
     card.get_by_role("button", name="Back to nominal").click()
     expect(cost).to_have_text("0.9436")
     expect(page).not_to_have_url(re.compile("set="))
-    page.goto(shared)
-    expect(page.locator("#what-if").get_by_test_id("what-if-cost")).to_have_text(worst)
+    with undrawn(page):
+        page.goto(shared)
+        expect(page.locator("#what-if").get_by_test_id("what-if-cost")).to_have_text(worst)
     looks(signed_in, "what-if", flown)
     page.get_by_role("button", name="Close the what-if").click()
     expect(page.locator("#what-if")).to_have_count(0)

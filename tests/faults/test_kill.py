@@ -21,7 +21,7 @@ from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import most
 from tests.audited import audited
 from tests.faults import postgres
-from tests.faults.long import SAMPLE, case
+from tests.faults.long import ONCE, TWICE, case
 from tests.faults.processes import alive, kill, until, worker
 from tests.given.databases import AT_NIGHT
 from worker.running.runs.runner import execute
@@ -39,7 +39,8 @@ def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
     database: sa.Engine, tmp_path: Path, request: pytest.FixtureRequest, further: int
 ) -> None:
     """In a file it is killed; on a database server the server is down for a while. Killed once more by night."""
-    campaign = case()
+    samples = TWICE if further else ONCE
+    campaign = case(samples)
     with database.begin() as connection:
         run_id = submit(connection, campaign, name="killed", tags=[], owner="", planned=most(campaign), seed=SEED)
     url = database.url.render_as_string(hide_password=False)
@@ -53,7 +54,7 @@ def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
             return connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position)).all()
 
     before: list[Any] = []
-    deaths = (("first", SAMPLE // 6), ("second", SAMPLE // 2))[: (database.dialect.name == "sqlite") + further]
+    deaths = (("first", samples // 6), ("second", samples // 2))[: (database.dialect.name == "sqlite") + further]
     for name, flown in deaths:
         with worker(url, tmp_path, name, "--lease", "2") as doomed:
             until(lambda flown=flown: run().evaluations > flown, f"more than {flown} evaluations")
@@ -67,7 +68,7 @@ def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
     with worker(url, tmp_path, "last", "--lease", "2") as last:
         until(lambda: run().worker == "last", "the last worker takes it")
         if database.dialect.name == "postgresql":
-            until(lambda: run().evaluations > SAMPLE // 6, "under way")
+            until(lambda: run().evaluations > samples // 6, "under way")
             assert run().state == "running"
             before = before or stages()[:SEARCH]
             database.dispose()
@@ -78,7 +79,7 @@ def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
         assert run().state == "done", last.text()
     assert (run().worker, run().fence) == ("last", len(deaths) + 1)
     assert stages()[:SEARCH] == before, "a finished stage was done again"
-    _same_as_undisturbed(database, run_id, run(), stages())
+    _same_as_undisturbed(database, run_id, run(), stages(), samples)
 
 
 @contextmanager
@@ -92,15 +93,15 @@ def down(server: postgres.Server) -> Iterator[None]:
 
 
 @cache
-def _undisturbed() -> tuple[MemoryStore, Verdict]:
+def _undisturbed(samples: int) -> tuple[MemoryStore, Verdict]:
     store = MemoryStore(sample_seed=SEED)
-    return store, execute(case(), store)
+    return store, execute(case(samples), store)
 
 
-def _same_as_undisturbed(engine: sa.Engine, run_id: int, run: Any, stages: Any) -> None:
+def _same_as_undisturbed(engine: sa.Engine, run_id: int, run: Any, stages: Any, samples: int) -> None:
     store = RunStore(engine, Claim(run_id, 0, 0, 0, "", {}))
     assert store.sample_seed == SEED
-    undisturbed, verdict = _undisturbed()
+    undisturbed, verdict = _undisturbed(samples)
     assert (run.verdict, run.reason) == (verdict.verdict, verdict.reason)
     if engine.dialect.name == "sqlite":  # what is held below is the same on a server
         audited(engine, run_id=run_id)
@@ -116,7 +117,7 @@ def _same_as_undisturbed(engine: sa.Engine, run_id: int, run: Any, stages: Any) 
             assert getattr(held, column).tobytes() == getattr(expected, column).tobytes(), (stage.kind, column)
         assert held.reasons == expected.reasons
         total += stage.evaluations
-    assert stages[SEARCH].evaluations == SAMPLE
+    assert stages[SEARCH].evaluations == samples
     assert run.evaluations == total
     assert as_result(stages[SEARCH].result).best == undisturbed.stages[SEARCH].result.best
     assert store.found() == undisturbed.found()

@@ -138,6 +138,7 @@ def test_a_service_that_starts_before_its_server_is_alive_and_waits(server: post
         server.start()
 
 
+@pytest.mark.nightly  # by day the service and the worker that it starts do, each by itself
 def test_serve_waits_for_its_server(server: postgres.Server, tmp_path: Path) -> None:
     server.stop()
     words = [*CLEARANCE, "serve", "--data", str(tmp_path / "data"), "--port", "0"]

@@ -22,7 +22,6 @@ from campaigns.stages.certify import CertifyResult
 from campaigns.stages.plan import most
 from tests.audited import audited
 from tests.faults.processes import Started, kill, until, worker
-from tests.given.databases import AT_NIGHT
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -119,7 +118,7 @@ def workers(database: sa.Engine, folder: Path) -> Iterator[dict[str, Started]]:
         yield {"first": first, "second": second}
 
 
-@AT_NIGHT
+@pytest.mark.nightly  # by day tests/faults/test_store.py: blocks, who takes them, and who was killed
 def test_two_workers_fly_one_sample_and_one_of_them_is_killed(database: sa.Engine, tmp_path: Path) -> None:
     with workers(database, tmp_path) as both:
         runs = Runs(database)

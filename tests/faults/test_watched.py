@@ -119,6 +119,7 @@ def test_simulators_are_watched(site: Site) -> None:
     until(lambda: "a_drop" not in site.titles(), "a simulator that is gone is not offered")
 
 
+@pytest.mark.nightly  # by day an edit of a component: tests/faults/test_code.py
 def test_an_edit_while_the_worker_is_busy_is_published_and_reuses_nothing(site: Site) -> None:
     site.write("slow_drop")
     until(lambda: "slow_drop" in site.titles(), "it is published")

@@ -342,6 +342,7 @@ def test_a_child_that_stands_still_is_replaced(tmp_path: Path, how: str) -> None
         bench.whole(run_id)
 
 
+@pytest.mark.nightly  # by day a database that is locked, and a child that cannot start
 def test_an_outage_while_the_child_starts(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path}/clearance.sqlite3"
     migrate(url)

@@ -214,6 +214,7 @@ class TestDeterminism:
         assert alone.tobytes() == together.tobytes()
         assert problem.evaluate(POINTS[order])[0].costs.tobytes() == together[order].tobytes()
 
+    @pytest.mark.nightly  # by day tests/contract/test_methods.py: the same seed in every process
     def test_another_process_gives_the_same_bits(self) -> None:
         program = "import tests.physics.test_realisations as t; print(t.costs((3, 1, 8, 5)).tobytes().hex())"
         statement = subprocess.run(

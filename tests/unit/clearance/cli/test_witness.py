@@ -112,9 +112,9 @@ def command(folder: Path, *words: str, ends: str = "") -> int:
     "words",
     [
         ("run", "campaign.json"),
-        ("check-simulator", "stops"),
+        pytest.param(("check-simulator", "stops"), marks=pytest.mark.nightly),
         pytest.param(("replay", "out", "F1", "1:0", "1:1", "1:2"), marks=pytest.mark.nightly),
-        ("audit", "out", "--replay", "5"),
+        pytest.param(("audit", "out", "--replay", "5"), marks=pytest.mark.nightly),
     ],
     ids=lambda words: words[0],
 )

@@ -106,6 +106,7 @@ class Package:
         return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
 
 
+@pytest.mark.nightly  # four processes; by day the digests and the files of the cache, each by itself
 def test_of_processes_that_need_the_same_code_one_compiles_it(tmp_path: Path) -> None:
     """And an edit of a dependency is compiled anew."""
     package = Package(tmp_path)

@@ -431,6 +431,7 @@ def ran(folder: Path, cache: Path) -> Any:
     return found
 
 
+@pytest.mark.nightly  # four processes; by day `test_what_the_digest_covers`
 def test_copies_of_the_package_in_other_folders_share_what_is_compiled(tmp_path: Path) -> None:
     """And where a constant differs, what reaches it is compiled anew; nothing else is."""
     cache = tmp_path / "cache"

@@ -242,6 +242,7 @@ def test_a_star_comes_again_only_where_the_lowest_point_has_moved() -> None:
     assert still.count(ACROSS * n) == 1
 
 
+@pytest.mark.nightly
 def test_every_other_descent_begins_anywhere() -> None:
     """The lowest of several bowls is the steepest, so that no point of it is low but near its minimum."""
     n = 2 * SMALL
@@ -254,6 +255,7 @@ def test_every_other_descent_begins_anywhere() -> None:
     assert max(lowest) <= 1e-3
 
 
+@pytest.mark.nightly
 def test_of_few_parameters_a_narrow_valley_beside_a_wide_one_is_found() -> None:
     """Of 5 in 10,000 of the box; three times as far from its middle it lowers the wide one a little."""
     n, half_side = 4, 0.075

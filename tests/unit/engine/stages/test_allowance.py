@@ -140,7 +140,8 @@ def test_a_function_is_called_no_more_often_than_stated(vectorized: bool, settin
     assert validated <= given.get("validation", searches)
 
 
-@pytest.mark.parametrize("example", ["mass_spring", pytest.param("jsbsim_intruder", marks=pytest.mark.nightly)])
+@pytest.mark.nightly  # by day the small campaigns of the library, and functions
+@pytest.mark.parametrize("example", ["mass_spring", "jsbsim_intruder"])
 def test_a_program_in_slots_is_called_no_more_often_than_stated(example: str, tmp_path: Path) -> None:
     if example.startswith("jsbsim") and find_spec("jsbsim") is None:
         pytest.skip("jsbsim is not installed")

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import pytest
 
-from tests.given.at_night import nightly_but
 from worker.engine.components import own as own_package
 from worker.running.catalogue import own
 from worker.running.catalogue.installed import components, source_of
@@ -284,7 +283,8 @@ def test_it_is_refused_with_its_line(bad: Bad, folder: Path) -> None:
     reported(file, bad, raised.value.text, raised.value.line)
 
 
-@pytest.mark.parametrize("bad", nightly_but(ENDLESS[1:2], ENDLESS), ids=lambda bad: bad.what)
+@pytest.mark.nightly  # by day tests/unit/running/catalogue/test_own_components.py: what a file does
+@pytest.mark.parametrize("bad", ENDLESS, ids=lambda bad: bad.what)
 def test_what_does_not_end_is_found_where_it_is(bad: Bad, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By the process that examines a file, as `clearance component check` starts it."""
     monkeypatch.setenv(own.TIMEOUT, "9")

@@ -135,4 +135,4 @@ def _simulated(reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, 
     again = made_again(campaign, catalogue, cost.noisy, entry is not None and entry.step is not None)
     usual, statement = cost.lasts(evaluations.usual, calls, again)
     least = cost.lasts(evaluations.least, calls, again)[0]
-    return _Time(usual, least, cost.lasts(0, calls, evaluations.most)[0], statement)
+    return _Time(usual, least, cost.most(evaluations.most, calls), statement)

@@ -107,7 +107,13 @@ class Cost:
     def again(self, evaluations: int, calls: int = 1) -> float:
         """Time of so many evaluations of which each call has a fresh process [s]."""
         turns, at_once = self._turns(calls)
-        return math.ceil(evaluations / at_once) * (self.seconds + self.start) * turns
+        return math.ceil(evaluations / busy(at_once)) * (self.seconds + self.start) * turns
+
+    def most(self, evaluations: int, calls: int = 1) -> float:
+        """Time that so many evaluations take at most at this speed [s]: each in a fresh process, and as many slots idle
+        as members of `auto` leave idle while they wait for each other."""
+        turns, at_once = self._turns(calls)
+        return self.start + math.ceil(evaluations / _busy_at_least(at_once)) * (self.seconds + self.start) * turns
 
     def _turns(self, calls: int) -> tuple[int, int]:
         """How many calls of an evaluation follow each other in a slot, and how many evaluations run side by side."""
@@ -120,9 +126,10 @@ class Cost:
         again: evaluations in fresh processes that confirm results, in addition.
         """
         each, at_once = self.of(calls)
-        seconds = self.start + math.ceil(evaluations / at_once) * each + self.again(again, calls)
+        seconds = self.start + math.ceil(evaluations / busy(at_once)) * each + self.again(again, calls)
         more = f"; {again:,} more{self.fresh} confirm results" if again else ""
-        return seconds, f"{self.sentence(calls)}, on {self._on}{more}."
+        idle = ", of which a search may leave half idle" if _waits(at_once) else _counted(at_once)
+        return seconds, f"{self.sentence(calls)}, on {self._on}{idle}{more}."
 
     @property
     def fresh(self) -> str:
@@ -142,7 +149,7 @@ class Cost:
         found = proposed(methods, seconds, parameters, at_once, patience, self.start)
         if not found.searches:
             return found
-        room = _two(math.floor((patience - self.start) / seconds) * min(at_once, BUSY))
+        room = _two(math.floor((patience - self.start) / seconds) * busy(at_once))
         [search] = found.searches
         name = next(method.title for method in methods if method.name == search.method)
         most = "at most about" if _waits(at_once) else "about"
@@ -174,13 +181,13 @@ def proposed(
         first = f" and the start of its process {lasting(start)}" if start > NOTABLE * cost else ""
         text = f"One evaluation takes about {lasting(cost)}{first}, longer than the {lasting(patience)} that are "
         return Proposal((), 0.0, text + "available: allow more time")
-    busy = min(slots, BUSY)
-    own = min(rounds, max(max(USUAL, MANY * parameters) // busy, 1))
-    count, seconds = own * busy, start + own * cost
+    at_once = busy(slots)
+    own = min(rounds, max(max(USUAL, MANY * parameters) // at_once, 1))
+    count, seconds = own * at_once, start + own * cost
     needed = chosen.confirms * parameters
     note = ""
     if count < needed:
-        long = taking(start + math.ceil(needed / busy) * cost, slots)
+        long = taking(start + math.ceil(needed / at_once) * cost, slots)
         note = f"; it may be too few for a verdict of cleared: below {needed:,} evaluations ({long}) "
         note += "its parts need not count as searches"
     places = f" on {slots} slots{_counted(slots)}" if slots > 1 else ""
@@ -193,6 +200,16 @@ def proposed(
 def taking(seconds: float, slots: int) -> str:
     """The time of a search with so many evaluations side by side: about 20 min, or at least that where members wait."""
     return f"{'at least' if _waits(slots) else 'about'} {lasting(seconds)}"
+
+
+def busy(slots: int) -> int:
+    """How many of the slots count, in every time that is stated."""
+    return min(slots, BUSY)
+
+
+def _busy_at_least(slots: int) -> int:
+    """How many slots evaluate at any time, on average, while members wait: half of those that count, as measured."""
+    return max(min(slots, WAITING), busy(slots) // 2)
 
 
 def _waits(slots: int) -> bool:

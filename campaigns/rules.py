@@ -162,8 +162,9 @@ RULES = (
         "Agreement of methods",
         "At least one global method searched, every one reaches the worst case within the campaign's agreement, by "
         f"default {percent(AGREEMENT)} of nominal minus worst, and {percent(AGREEMENT_OF_MARGIN)} of the margin, "
-        f"and methods of at least {METHODS.value} families do, which the campaign did not start there; parts "
-        "of a search that were told nothing of each other's evaluations count as methods.",
+        f"and methods of at least {METHODS.value} families do, which the campaign did not start there. Parts of a "
+        "search that were told nothing of each other's evaluations count as methods. Members that share evaluations or "
+        "starting points count as one method, in all searches by the same method together.",
         ("search", "validate"),
         RemedyKind.EVALUATIONS,
     ),

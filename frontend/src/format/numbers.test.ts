@@ -52,8 +52,8 @@ it('writes a threshold in full', () => {
 })
 
 it('writes a confidence no higher than the sentences of the service do', () => {
-  expect([0.95, 0.9545, 0.9973, 0.99865, 0.9496, 0.9999999].map(confidenceText)).toEqual(
-    ['95', '95.45', '99.73', '99.865', '94.96', '99.99999'].map((text) => `${text}\u202f%`),
+  expect([0.95, 0.9545, 0.9973, 0.99865, 0.9496, 0.9499995, 0.9999999].map(confidenceText)).toEqual(
+    ['95', '95.45', '99.73', '99.865', '94.96', '94.9999', '99.9999'].map((text) => `${text}\u202f%`),
   )
 })
 

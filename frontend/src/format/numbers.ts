@@ -124,6 +124,19 @@ export function parse(text: string): number | null {
   return Number.isFinite(value) ? value : null
 }
 
+/** "0,5" between spaces or semicolons: one number with a decimal comma, or two; nobody knows which it is. */
+const UNCLEAR = /^[+-]?\d+,\d+(e[+-]?\d+)?,?$/i
+
+/**
+ * The words of a list of numbers separated by commas, semicolons or spaces. What may be a decimal comma is not split, and
+ * is no number: it still has its comma.
+ */
+export const numbersIn = (text: string): string[] =>
+  text
+    .split(/[;\s]+/)
+    .flatMap((word) => (UNCLEAR.test(word.replaceAll(MINUS, '-')) ? word.replace(/,$/, '') : word.split(',')))
+    .filter(Boolean)
+
 /** A fraction as percent. */
 export function percent(share: Maybe, digits = 3): string {
   if (!known(share)) return NONE
@@ -163,8 +176,8 @@ export const atLeast = (bound: Maybe, digits = 3): string => probability(bound, 
 /** A probability that a bound is compared with, with all its digits: no higher bound reads the same. */
 export const goal = (target: Maybe): string => probability(target, 17)
 
-/** The confidence of a bound or an interval, with the digits of a sentence: fewer may read higher than it is. */
-export const confidenceText = (fraction: Maybe): string => percent(fraction, 6)
+/** The confidence of a bound or an interval, as in a sentence: never written above itself. */
+export const confidenceText = (fraction: Maybe): string => atLeast(fraction, 6)
 
 /** Digits with the decimal point after that of this power of ten. */
 function positioned(digits: string, power: number): string {

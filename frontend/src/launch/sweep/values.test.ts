@@ -13,6 +13,12 @@ it('reads numbers with any separator', () => {
   expect(valuesOf('-1, −2, 1e3', undefined)).toEqual({ values: [-1, -2, 1000] })
 })
 
+it('tells a decimal comma, which it does not split into two values', () => {
+  for (const text of ['0,5', '0,5 1', '0,5; 1,5', '0,5, 1,5', '−0,5 1']) expect(problem(text)).toContain('may be one number or two')
+  expect(valuesOf('0,1,2', limits)).toEqual({ values: [0, 1, 2] })
+  expect(valuesOf('0.5,1', limits)).toEqual({ values: [0.5, 1] })
+})
+
 it('says what is wrong', () => {
   expect(problem('')).toBe('')
   expect(problem(' ,; ')).toBe('')

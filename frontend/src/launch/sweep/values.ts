@@ -1,5 +1,5 @@
 // The values of a sweep as typed: numbers separated by commas, semicolons or spaces.
-import { parse } from '../../format/numbers'
+import { numbersIn, parse } from '../../format/numbers'
 
 /** As the service allows. */
 export const MOST = 50
@@ -12,10 +12,12 @@ export interface Limits {
 
 /** The values, or why the text cannot be used; an empty reason for an empty text. */
 export function valuesOf(text: string, limits: Limits | undefined): { values: number[] } | { problem: string } {
-  const words = text.split(/[,;\s]+/).filter(Boolean)
+  const words = numbersIn(text)
   if (words.length === 0) return { problem: '' }
   const values: number[] = []
   for (const word of words) {
+    if (word.includes(','))
+      return { problem: `“${word}” may be one number or two; give values such as 0.5, 1, 2, with a space after each comma.` }
     const value = parse(word)
     if (value === null) return { problem: `“${word}” is not a number; give values such as 0.5, 1, 2.` }
     if (limits && (value < limits.low || value > limits.high))

@@ -160,8 +160,8 @@ class Attraction(Described):
     contradicting: Count = 0
     """Measured: rays on which the loop did not return from inside the region."""
     difference: float | None = None
-    """Measured: the largest difference between model and loop in any dx/dt, at a point of the region on each ray,
-    relative to its largest there."""
+    """Measured: the largest difference between model and loop in any dx/dt, on each ray at a point of the region and at
+    its boundary, relative to its largest there."""
     sections: list[Section] = []
 
     def facts(self) -> Facts:

@@ -71,7 +71,8 @@ def _measured(of: Facts) -> Spans:
         of_it = " of the volume from which the loop returns in simulation ("
         volume = say("the region has ", percent(of.fraction, 2, "fraction"), of_it, rays, ")")
     apart = say("the rates of model and loop differ by at most ", _upward(of.difference, "", 2, "difference"))
-    return say("measured, not proved: ", volume, ", and at a point of it on each ", apart, " of the largest")
+    where = ", and on each, at a point inside it and at its boundary, "
+    return say("measured, not proved: ", volume, where, apart, " of the largest")
 
 
 def refused(why: Spans) -> Spans:

@@ -19,7 +19,7 @@ class Measured(NamedTuple):
     simulated: Floats
     sections: dict[tuple[int, int], Floats]
     points: Floats
-    """Deviations inside the region, at which model and loop are compared."""
+    """Deviations at which model and loop are compared: on each ray one inside the region and one at its boundary."""
 
 
 def measured(region: Region, simulation: Simulation) -> Measured:
@@ -32,8 +32,9 @@ def measured(region: Region, simulation: Simulation) -> Measured:
         plane = np.zeros((len(some), n))
         plane[:, [i, k]] = some * np.array(of.reach)[[i, k]]
         sections[i, k] = simulation.radii(plane, proved[::EVERY])
-    inside = np.random.default_rng(1).random((len(rays), 1)) * of.certified[:, None]
-    return Measured(simulation.radii(rays, of.certified), sections, rays * inside)
+    boundary = rays * of.certified[:, None]
+    inside = boundary * np.random.default_rng(1).random((len(rays), 1))
+    return Measured(simulation.radii(rays, of.certified), sections, np.concatenate([inside, boundary]))
 
 
 def difference(flow: list[Polynomial], points: Floats, rates: Floats) -> float:

@@ -101,6 +101,18 @@ def test_a_linear_loop_is_certified_up_to_its_limit() -> None:
     assert drawn(found.certificate.v, found.matrix).reach == pytest.approx([math.pi], rel=0.02)
 
 
+def test_model_and_loop_are_compared_at_the_boundary_too() -> None:
+    """They differ most where the deviations are largest: random points inside miss a part of it."""
+    flow: list[Polynomial] = [{(1,): Fraction(-1)}]
+    found = region.found(flow, {0: math.pi}, 2)
+    assert not isinstance(found, str)
+    made = measured(found, Simulation(flow, lambda starts, *_: np.ones(len(starts), bool)))
+    (reach,) = drawn(found.certificate.v, found.matrix).reach
+    assert np.abs(made.points).max() == pytest.approx(reach)
+    rates = -made.points + 0.01 * made.points**3
+    assert difference(flow, made.points, rates) == pytest.approx(0.01 * reach**3 / np.abs(rates).max())
+
+
 def test_without_integral_gains_there_is_no_trim() -> None:
     document = load_file(library()["pioneer_moving"]).document()
     document["scenario"]["controller"]["parameters"]["K_4"] = 0.0

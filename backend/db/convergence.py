@@ -1,4 +1,4 @@
-"""Convergence history of a run: the best cost so far over evaluations, thinned for the sparkline in the run list."""
+"""Convergence history of the searches of a run: their best cost over its evaluations, thinned for the run list."""
 
 from __future__ import annotations
 

@@ -136,7 +136,7 @@ class Run(Base):
     upper_bound: orm.Mapped[float | None]
     """On P(violation), from the sample of the certify stage; without such a stage, from a random search."""
     best_so_far: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
-    """[[evaluations, lowest cost within them]], thinned; see `backend.db.convergence`."""
+    """[[evaluations, lowest cost that a search had evaluated by then]], thinned; see `backend.db.convergence`."""
     # annotations by users
     pinned: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
     notes: orm.Mapped[str] = orm.mapped_column(sa.Text, default="", server_default="")

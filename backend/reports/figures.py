@@ -218,7 +218,7 @@ def histogram(
         left = at > axes.width / 2
         label = f"{name} {of.formatted(value, decimals)}"
         axes.text(at - 4 if left else at + 4, 12 + 12 * i, label, "end" if left else "start", colour, 500)
-    return axes.svg(f"Histogram of {of.symbol} over the independent sample")
+    return axes.svg(f"Histogram of {of.symbol} over the sample")
 
 
 def within(low: float, high: float, nominal: float, worst: float | None) -> Markup:

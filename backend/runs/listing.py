@@ -100,7 +100,7 @@ def _summary(row: Any, units: Units, others: dict[str, Any]) -> RunSummary:
     margin = None if row.worst_cost is None or row.threshold is None else row.worst_cost - row.threshold
     own, code = identity.with_digest(row)
     values |= {"code": code, "unidentified": list(own.unidentified) if own else []}
-    values["not_sampled"] = sampled.of(row)
+    values |= {"not_sampled": sampled.of(row), "bound_source": sampled.bound_source(row, row.upper_bound)}
     values["continues"] = None if row.continues is None else run_name(row.continues)
     values |= {"id": run_name(row.id), "campaign_name": row.campaign_name, "margin": margin}
     values |= {"quantity": row.quantity or quantity, "unit": unit if row.unit is None else row.unit}

@@ -49,8 +49,9 @@ class Outcome(Schema):
     upper_bound: float | None
     """Upper bound on P(violation), from the sample that `bound_source` names; null without one."""
     bound_source: BoundSource | None = None
-    """`certify`: the independent sample of the certify stage. `search`: there is no certify stage, and the sample is a
-    random search with the seed of the campaign, by which nothing is cleared. Null without a bound."""
+    """`certify`: the sample of the certify stage, independent unless its seed was stated. `search`: there is no certify
+    stage, and the sample is a random search with the seed of the campaign, by which nothing is cleared. Null without a
+    bound."""
     violations: int | None
     failed_samples: int | None
     """Of the violations: samples without a value, because their evaluation failed."""
@@ -71,7 +72,6 @@ _STATISTICS = {
     "violations": Run.summary["statistics", "violations"].as_integer(),
     "failed_samples": Run.summary["statistics", "failed"].as_integer(),
     "confidence": Run.summary["statistics", "confidence"].as_float(),
-    "bound_source": Run.summary["statistics", "source"].as_string(),
 }
 
 
@@ -99,7 +99,7 @@ def _outcome(row: Any) -> Outcome:
         **values,
         id=run_name(row.id),
         margin=values["worst_cost"] - row.threshold if known else None,
-        bound_source=None if values["upper_bound"] is None else row.bound_source or "certify",
+        bound_source=sampled.bound_source(row, values["upper_bound"]),
         quantity=row.quantity or "",
         unit=row.unit or "",
         code=None if own is None else own.digest,

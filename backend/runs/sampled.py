@@ -1,4 +1,7 @@
-"""Whether nothing but an independent sample is missing to clear a run: the single source for lists and comparisons."""
+"""The sample of a run's bound, and whether nothing but an independent one is missing to clear it.
+
+The single source for lists and comparisons.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db.tables import Run
-from campaigns.results.verdict import VerdictWord, not_sampled
+from campaigns.results.verdict import BoundSource, VerdictWord, not_sampled
 from campaigns.runs import RunState
 
 COLUMNS = (
@@ -24,6 +27,11 @@ never that of the sample alone; reading the checks takes half the time of a row.
 def of(row: Any) -> bool:
     drawn = row.samples or 0 if row.source in (None, "certify") else 0
     return row.state == RunState.DONE and not_sampled(row.verdict, _failing(row.checks), drawn)
+
+
+def bound_source(row: Any, bound: float | None) -> BoundSource | None:
+    """The stage whose sample gives this bound; verdicts of earlier versions name none, and have that of certify."""
+    return None if bound is None else row.source or "certify"
 
 
 @lru_cache(maxsize=512)

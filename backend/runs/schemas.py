@@ -13,7 +13,7 @@ from campaigns.documents import JsonObject
 from campaigns.identity.identity import Identity
 from campaigns.results import Verdict
 from campaigns.results.sample import SoFar
-from campaigns.results.verdict import VerdictWord
+from campaigns.results.verdict import BoundSource, VerdictWord
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.runs import RunState, StageState
 from campaigns.stages.found import AnyResult, StageKind, declared
@@ -181,10 +181,14 @@ class RunSummary(Schema):
     """The run whose searches this one extends, or whose evaluations it begins with, R-0001."""
     pinned: bool
     best_so_far: list[tuple[int, float]]
-    """Convergence history: evaluations and the lowest cost within them, thinned for a sparkline."""
+    """Convergence history of the searches: the number of evaluations of the run up to then, and the lowest cost that a
+    search had evaluated, thinned for a sparkline. What other stages evaluate enters `worst_cost` only."""
     upper_bound: float | None
-    """Upper bound on P(violation), from the sample of the certify stage; without such a stage, from a random search
-    with the seed of the campaign, by which nothing is cleared. None without such a sample."""
+    """Upper bound on P(violation), from the sample that `bound_source` names; None without one."""
+    bound_source: BoundSource | None
+    """`certify`: the sample of the certify stage, independent unless its seed was stated. `search`: there is no certify
+    stage, and the sample is a random search with the seed of the campaign, by which nothing is cleared. Null without a
+    bound."""
     removed: Instant | None
     """Time of removal from all lists; None if it is listed."""
     removed_by: str | None

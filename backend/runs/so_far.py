@@ -12,7 +12,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from campaigns import Campaign
 from campaigns.asked.distributions import Normal
-from campaigns.claims.stages.sample import Drawn, so_far
+from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
 from campaigns.densities.joint import joint
 from campaigns.results.remedies import bound
 from campaigns.results.sample import SoFar
@@ -27,14 +27,15 @@ def of_run(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
     rows = reader.execute(sa.select(*columns).where(*drawing)).all()
     if not rows:
         return {}
-    of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
-    document = reader.execute(of).scalar_one()
+    of = sa.select(CampaignRow.document, Run.sample_seed_stated)
+    run = reader.execute(of.join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)).one()
+    seed = STATED_SEED if run.sample_seed_stated else ""
     try:
-        campaign = Campaign.model_validate(document)
+        campaign = Campaign.model_validate(run.document)
         outside = _outside(reader, run_id, campaign)
     except ValidationError:
         return {}
-    return {row.position: _shown(row, campaign.confidence, outside) for row in rows if row.counted > row.excluded}
+    return {row.position: _shown(row, campaign.confidence, outside, seed) for row in rows if row.counted > row.excluded}
 
 
 def _outside(reader: sa.Connection, run_id: int, campaign: Campaign) -> float | None:
@@ -45,10 +46,16 @@ def _outside(reader: sa.Connection, run_id: int, campaign: Campaign) -> float | 
     return joint(campaign, known).outside if known.keys() >= campaign.uncertain.keys() else None
 
 
-def _shown(row: Any, confidence: float, outside: float | None) -> SoFar:
+def _shown(row: Any, confidence: float, outside: float | None, seed: str) -> SoFar:
     samples = row.counted - row.excluded
     whole, beyond = max(row.planned, samples), outside or 0.0
     now, end = (min(1.0, bound(row.violations, size, confidence) + beyond) for size in (samples, whole))
-    drawn = Drawn(row.violations, samples, confidence, outside, row.excluded)
-    statement = so_far(drawn, now, whole - samples, end)
-    return SoFar(samples=samples, violations=row.violations, upper_bound=now, at_end=end, statement=statement)
+    drawn = Drawn(row.violations, samples, confidence, outside, row.excluded, seed)
+    return SoFar(
+        samples=samples,
+        violations=row.violations,
+        upper_bound=now,
+        at_end=end,
+        within_bounds=outside is None,
+        statement=so_far(drawn, now, whole - samples, end),
+    )

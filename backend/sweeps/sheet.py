@@ -17,7 +17,7 @@ def csv_of(sweep: SweepDetail) -> bytes:
     headers = [
         headed(sweep.path, sweep.unit), "run", "state", "verdict", headed("criterion", unit),
         headed(f"worst {quantity}", unit), headed("margin", unit), "P(violation) upper bound", "violations",
-        "of these failed", "samples", "confidence", "seed", "code", "error",
+        "of these failed", "samples", "confidence", "seed", "code", "error", "P(violation) bound source",
     ]  # fmt: skip
     return lines([headers, *map(_row, sweep.points)])
 
@@ -30,7 +30,7 @@ def _row(point: SweepPoint) -> list[object]:
     counts = (found.violations, found.failed_samples, found.samples)
     return [
         repr(point.value), point.run, found.state, _word(found), *map(_number, numbers), *counts,
-        _number(found.confidence), found.seed, found.code, found.error,
+        _number(found.confidence), found.seed, found.code, found.error, found.bound_source,
     ]  # fmt: skip
 
 

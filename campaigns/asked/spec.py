@@ -235,7 +235,7 @@ class Campaign(Strict):
             most = f"at most {MAX_COUNTED:,} may be drawn, so give a higher target_probability"
             raise ValueError(
                 f"stages.certify.samples: {certify.samples:,} samples cannot show a probability of {target:g} with "
-                f"{100 * self.confidence:g} % confidence; "
+                f"a confidence of {self.confidence!r}; "
                 f"{f'give at least {math.ceil(least):,}' if least <= MAX_COUNTED else most}"
             )
         return self

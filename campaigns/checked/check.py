@@ -146,7 +146,7 @@ def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from effort.excessive(campaign)
     if campaign.confidence < CONFIDENCE_AT_LEAST:
         text = f"the confidence is too low to support a claim; give at least {CONFIDENCE_AT_LEAST:g}"
-        yield Problem("confidence", f"{campaign.confidence:g}", text)
+        yield Problem("confidence", f"{campaign.confidence!r}", text)
     if campaign.scenario is None:
         return
     known = parameters(campaign, catalogue)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from campaigns.claims.say import at_least, at_most, count, listed, lowest, percent, say, symbol
+from campaigns.claims.say import at_least, at_most, count, listed, lowest, percent, say, sure, symbol
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
 
@@ -27,7 +27,7 @@ def estimate(probability: float, ends: tuple[float, float], confidence: float, o
     return say(
         *("P(violation) is estimated as ", share(probability, name="probability"), ", "),
         *(at_least(ends[0], name="low"), " to ", at_most(ends[1], name="high"), " with "),
-        *(percent(confidence, 6, "confidence"), " confidence, by re-weighting ", count(of.samples, "samples")),
+        *(sure(confidence), " confidence, by re-weighting ", count(of.samples, "samples")),
         *(" stored draws", " that were not excluded" if of.excluded else "", _failed(of)),
         *(" (effective sample size ", count(int(of.effective), "effective"), ")", _width(of)),
         ": an estimate, not a bound",

@@ -59,6 +59,11 @@ def at_least(bound: float, digits: int = 3, name: str = "") -> Span:
     return _quantity(bound, "", Format.AT_LEAST, digits, name)
 
 
+def sure(confidence: float, name: str = "confidence") -> Span:
+    """The confidence of a bound or an interval: never read as a higher one."""
+    return at_least(confidence, 6, name)
+
+
 def lowest(bound: float, unit: str = "", name: str = "", digits: int = 6) -> Span:
     """A lower bound that is no probability, or a number that must not read as the one that it is below."""
     return _quantity(bound, unit, Format.LOWEST, digits, name)

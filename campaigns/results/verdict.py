@@ -71,8 +71,8 @@ class Statistics(Described):
     noise: Noise | None = None
     quantile: QuantileBound | None = None
     source: BoundSource = "certify"
-    """`certify`: the independent sample of the certify stage. `search`: there is no certify stage, and the sample is a
-    random search with the seed of the campaign, by which nothing is cleared."""
+    """`certify`: the sample of the certify stage, independent unless its seed was stated. `search`: there is no certify
+    stage, and the sample is a random search with the seed of the campaign, by which nothing is cleared."""
 
 
 class Worst(Result):

@@ -96,8 +96,9 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     margin = "" if outcome.margin is None else f", worst margin {outcome.margin:.6g} {outcome.unit}".rstrip()
     bound = outcome.upper_bound
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
-    sure = written(outcome.confidence or 0.0, form=Format.PERCENT)
-    sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence)"
+    sure = written(outcome.confidence or 0.0, form=Format.AT_LEAST)
+    source = ", from a random search" if outcome.bound_source == "search" else ""
+    sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence{source})"
     return f"{start}  {headline(str(outcome.verdict), outcome.not_sampled)}{margin}{sampled}"
 
 

@@ -209,10 +209,15 @@ class Run(RunAnswer):
     """The run whose searches this one extends, or whose evaluations it begins with, R-0001."""
     pinned: bool | None = None
     best_so_far: list[tuple[int, float]] = []
-    """Convergence history: evaluations and the lowest cost within them, thinned for a sparkline."""
+    """Convergence history of the searches: the number of evaluations of the run up to then, and the lowest cost that a
+    search had evaluated, thinned for a sparkline. What other stages evaluate enters `worst_cost` only.
+    """
     upper_bound: float | None = None
-    """Upper bound on P(violation), from the sample of the certify stage; without such a stage, from a random search
-    with the seed of the campaign, by which nothing is cleared. None without such a sample.
+    """Upper bound on P(violation), from the sample that `bound_source` names; None without one."""
+    bound_source: str | None = None
+    """`certify`: the sample of the certify stage, independent unless its seed was stated. `search`: there is no certify
+    stage, and the sample is a random search with the seed of the campaign, by which nothing is cleared. None without a
+    bound.
     """
     removed: AwareDatetime | None = None
     """Time of removal from all lists; None if it is listed."""
@@ -478,8 +483,9 @@ class Outcome(Answer):
     upper_bound: float | None
     """Upper bound on P(violation), from the sample that `bound_source` names; None without one."""
     bound_source: str | None = None
-    """`certify`: the independent sample of the certify stage. `search`: there is no certify stage, and the sample is a
-    random search with the seed of the campaign, by which nothing is cleared. None without a bound.
+    """`certify`: the sample of the certify stage, independent unless its seed was stated. `search`: there is no certify
+    stage, and the sample is a random search with the seed of the campaign, by which nothing is cleared. None without a
+    bound.
     """
     violations: int | None = None
     failed_samples: int | None = None

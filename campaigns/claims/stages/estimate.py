@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from campaigns.claims.say import Part, at_least, at_most, count, joined, lowest, number, percent, say
+from campaigns.claims.say import Part, at_least, at_most, count, joined, lowest, number, percent, say, sure
 from campaigns.claims.say import probability as probable
 from campaigns.claims.spans import Spans
 
@@ -56,7 +56,7 @@ def estimated(probability: float, ends: tuple[float, float], confidence: float, 
             " to ",
             at_most(ends[1], 2, "high"),
             ", ",
-            percent(confidence, 6, "confidence"),
+            sure(confidence),
             " confidence], for the stated distributions, from ",
         ),
         *(count(draws.drawn, "draws"), " draws (effective ", count(round(draws.effective), "effective"), ")"),

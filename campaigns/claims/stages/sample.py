@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from campaigns.claims.say import at_most, count, goal, listed, lowest, number, percent, probability, say, symbol
+from campaigns.claims.say import at_most, count, goal, listed, lowest, number, percent, probability, say, sure, symbol
 from campaigns.claims.spans import Spans, words
 
 
@@ -17,6 +17,10 @@ class Terms:
     drawn: str = ""
     holds: str = ""
 
+
+STATED_SEED = " with a stated seed"
+CAMPAIGN_SEED = " with the seed of the campaign"
+"""After the samples, where the seed was not drawn at the launch, so that it may have been chosen."""
 
 WITHOUT = Terms()
 DRAWN = Terms(", each with its own noise realisation,")
@@ -50,14 +54,16 @@ class Counts:
     terms: Terms
     simulator: bool = False
     """Whether a simulator excluded draws, for reasons of its own."""
+    seed: str = ""
+    """Which seed the samples have, in words; empty if it was drawn at the launch."""
 
     def bound(self, upper: float) -> Spans:
         """How many violate, and the bound on P(violation)."""
-        drawn = f" samples drawn from the stated distributions{self.terms.drawn}"
+        drawn = f" samples drawn from the stated distributions{self.seed}{self.terms.drawn}"
         seen = say(count(self.violations, "violations"), " of ", count(self.samples, "samples"), drawn)
         return say(
             *(seen, violate(self.failed), f": P(violation){_over(self.excluded, self.outside)} is at most "),
-            *(at_most(upper, name="upper_bound"), " with ", percent(self.confidence, 6, "confidence")),
+            *(at_most(upper, name="upper_bound"), " with ", sure(self.confidence)),
             *(" confidence", self._beyond(), self._conditions(over_all=self.outside > 0.0)),
         )
 
@@ -84,7 +90,7 @@ class Counts:
         counted = _over(self.excluded, self.outside) or (" that are not excluded" if self.excluded else "")
         return say(
             *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
-            *(lowest(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence"), " confidence"),
+            *(lowest(value, unit, "bound"), ", with ", sure(self.confidence), " confidence"),
         )
 
     def _conditions(self, over_all: bool = False) -> Spans:
@@ -122,13 +128,14 @@ def counted(draws: int, blocks: int, stored: int) -> Spans:
 
 class Drawn(NamedTuple):
     """What is known of a sample while it is drawn; outside: the probability beyond the bounds, None if not known;
-    excluded: how many further draws were excluded."""
+    excluded: how many further draws were excluded; seed: as of `Counts`."""
 
     violations: int
     samples: int
     confidence: float
     outside: float | None
     excluded: int = 0
+    seed: str = ""
 
 
 def violate(failed: int) -> Spans:
@@ -144,7 +151,7 @@ def interim(statement: Spans, looks: int, level: float) -> Spans:
         statement,
         "; early stopping spends the error over interim analyses (alpha spending), so all their bounds hold together; "
         "this is interim analysis ",
-        *(count(looks, "looks"), ", at ", percent(level, 6, "level")),
+        *(count(looks, "looks"), ", at ", sure(level, "level")),
     )
 
 
@@ -172,8 +179,11 @@ def so_far(counts: Drawn, upper: float, left: int, at_end: float) -> Spans:
     )
     return say(
         *("so far ", count(counts.violations, "violations"), " of ", count(counts.samples, "samples")),
-        *(f" samples violate the criterion: P(violation){where} is at most ", at_most(upper, name="upper_bound")),
-        *(" with ", percent(counts.confidence, 6, "confidence"), " confidence if it ended now, "),
+        *(
+            f" samples{counts.seed} violate the criterion: P(violation){where} is at most ",
+            at_most(upper, name="upper_bound"),
+        ),
+        *(" with ", sure(counts.confidence), " confidence if it ended now, "),
         *(at_most(at_end, name="at_end"), " if none of the other ", count(left, "left"), " does"),
         beyond if counts.outside else (),
     )

@@ -1,6 +1,7 @@
 // Outcomes of runs over a value or over time, as charts and texts. A run that is not done has no numbers.
 import type { Outcome } from '../client'
-import { atMost, confidenceText, decimalsFor, fixed, margin, plain, probability } from '../format/numbers'
+import { boundText } from '../format/counts'
+import { confidenceText, decimalsFor, fixed, margin, plain, probability } from '../format/numbers'
 import { outcomeOf, type Outcome as Word, wordOf } from '../ui/VerdictBadge'
 import type { Line, PlotSpec, Point } from './spec'
 
@@ -84,7 +85,7 @@ export function boundsOf(points: readonly At[], axis: Axis, height: number, sync
   const observed = points.map(({ outcome }) => part(fractionOf(outcome)))
   const highest = Math.max(...bounds.map((bound) => bound ?? 0), ...observed.map((fraction) => fraction ?? 0))
   const lines: Line[] = [
-    { key: 'bound', label: boundName(points), colour: '--c-bound', y: bounds, texts: points.map(({ outcome }) => atMost(outcome?.upper_bound)), dots: true },
+    { key: 'bound', label: boundName(points), colour: '--c-bound', y: bounds, texts: points.map(({ outcome }) => boundText(outcome?.upper_bound, outcome?.bound_source)), dots: true },
     { key: 'observed', label: observedName(points), colour: '--c-nom', y: observed, dots: true },
   ]
   return {
@@ -102,7 +103,7 @@ export function boundName(points: readonly At[]): string {
   return confidences.length === 1 ? `Upper bound, ${confidenceText(confidences[0])} confidence` : 'Upper bound'
 }
 
-/** The fraction of the independent sample that violates. */
+/** The fraction of the sample that violates. */
 export const fractionOf = (outcome: Outcome | null): number | null =>
   outcome?.samples && outcome.violations !== null ? outcome.violations / outcome.samples : null
 

@@ -6,7 +6,7 @@ import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
-import { boundOf, type Compared, unitOf } from './data'
+import { boundOf, boundSourceOf, type Compared, unitOf } from './data'
 import { apartColumn, runColumns } from './Picks'
 
 interface Line {
@@ -23,6 +23,8 @@ interface Line {
   apart?: (difference: number) => string
   /** The total of each value, if totals differ: then no difference is shown. */
   outOf?: (number | null)[]
+  /** What follows a value, if anything. */
+  notes?: string[]
 }
 
 export function Results({ runs, className }: { runs: Compared[]; className: string | undefined }) {
@@ -57,12 +59,13 @@ export function Results({ runs, className }: { runs: Compared[]; className: stri
   )
 }
 
-function Value({ line: { values, decimals, text = fixed, outOf }, run }: { line: Line; run: number }) {
+function Value({ line: { values, decimals, text = fixed, outOf, notes }, run }: { line: Line; run: number }) {
   const value = values[run]
   return (
     <>
       {text(value ?? null, decimals)}
       {value != null && outOf && <span className="mut small"> of {count(outOf[run])}</span>}
+      {value != null && notes?.[run] && <span className="mut small"> {notes[run]}</span>}
     </>
   )
 }
@@ -102,6 +105,7 @@ function linesOf(runs: Compared[]): Line[] {
       unit: '',
       decimals: 0,
       values: runs.map(boundOf),
+      notes: runs.map(boundSourceOf),
       text: (bound) => atMost(bound),
       apart: (difference) => `${difference > 0 ? '+' : ''}${probability(difference)}`,
     },

@@ -1,6 +1,6 @@
-// The independent samples of the runs on one axis, each as a density, so that samples of different size can be compared.
+// The random samples of the runs on one axis, each as a density, so that samples of different size can be compared.
 import { clsx } from 'clsx'
-import { independentSample } from '../api/stages'
+import { independentSample, sampleTitle } from '../api/stages'
 import type { Sample } from '../client'
 import { AxisBelow } from '../charts/axes'
 import { ChartCard } from '../charts/ChartCard'
@@ -19,9 +19,11 @@ interface Drawn {
   /** Fraction of the sample per unit of the value. */
   density: number[]
   sample: Sample
+  /** What it is called: independent only if its seed was drawn at the launch. */
+  title: string
 }
 
-/** The independent samples of all runs; none where the runs have different units. */
+/** The samples of all runs that bound P(violation); none where the runs have different units. */
 export const samplesIn = (runs: Compared[]): Drawn[] =>
   (unitOf(runs) === null ? [] : runs).flatMap((of): Drawn[] => {
     const sample = independentSample(of.stages)
@@ -29,11 +31,12 @@ export const samplesIn = (runs: Compared[]): Drawn[] =>
     const total = counts.reduce((sum, n) => sum + n, 0)
     if (!sample || total === 0) return []
     const density = counts.map((n, i) => n / total / ((edges[i + 1] ?? 0) - (edges[i] ?? 0) || 1))
-    return [{ of, edges, density, sample }]
+    return [{ of, edges, density, sample, title: sampleTitle(of.stages, sample) }]
   })
 
 export function Samples({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const drawn = samplesIn(runs)
+  const titles = [...new Set(drawn.map(({ title }) => title))]
   const table = () => ({
     name: 'samples',
     columns: ['run', 'from', 'to', 'density'],
@@ -41,14 +44,14 @@ export function Samples({ runs, className }: { runs: Compared[]; className: stri
   })
   return (
     <ChartCard
-      title="Independent samples"
+      title={titles.length === 1 ? `${titles[0]}s` : 'Random samples'}
       className={className}
       id="samples"
       run={runs.map(({ id }) => id).join('-')}
       data={table}
       right={<RunKeys runs={drawn.map(({ of }) => of)} />}
       footer={drawn
-        .map(({ of, sample }) => `${of.letter}: ${violatedOf(sample)}`)
+        .map(({ of, sample, title }) => `${of.letter}: ${titles.length === 1 ? '' : `${title.toLowerCase()}, `}${violatedOf(sample)}`)
         .join('. ')}
     >
       <Densities drawn={drawn} />
@@ -73,7 +76,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
   return (
     <div ref={holder}>
       <div className={figures.ytitle}>Density of the sampled evaluations</div>
-      <svg className={figures.ch} height={HEIGHT} role="img" aria-label="Independent samples of the runs as densities">
+      <svg className={figures.ch} height={HEIGHT} role="img" aria-label="Samples of the runs as densities">
         <AxisBelow
           ticks={ticks}
           at={x}

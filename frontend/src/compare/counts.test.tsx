@@ -49,6 +49,12 @@ it('writes no bound below itself, no margin as zero, and a confidence only if al
   expect(row('bound', [bounded('A', 0.02, 0.995, 1), bounded('B', 0.01, 0.995, 1)])).toEqual(['P(violation), 99.5 % bound', '2 %', '1 %', '−1 %'])
 })
 
+it('names a random search as the source of a bound', () => {
+  const [one, other] = [bounded('A', 0.02, 0.95, 1), bounded('B', 0.01, 0.95, 1)]
+  if (other.run.summary?.statistics) other.run.summary.statistics.source = 'search'
+  expect(row('bound', [one, other]).slice(1)).toEqual(['2 %', '1 %', 'random search', '−1 %'])
+})
+
 it('several runs together are no better than the gravest of them', () => {
   expect(gravest(['cleared', 'failed', 'inconclusive'])).toBe('failed')
   expect(gravest(['cleared', 'inconclusive'])).toBe('inconclusive')

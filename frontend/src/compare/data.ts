@@ -3,6 +3,7 @@ import { useQueries } from '@tanstack/react-query'
 import { asCampaign, hasScenario } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
 import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, TraceData } from '../client'
+import { sourceOf } from '../format/counts'
 import { worstOf } from '../run/data/chosen'
 import { uncertainOf, type UncertainParameter } from '../run/data/data'
 import { DASHES, LETTERS } from './search'
@@ -81,6 +82,7 @@ const traceOf = (id: string, name: string, traced: boolean) => {
 }
 
 export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null
+export const boundSourceOf = ({ run }: Compared): string => sourceOf(run.summary?.statistics?.source)
 
 /** The description of a parameter in the first run that has it. */
 export const parameterOf = (runs: readonly Compared[], path: string): UncertainParameter | undefined =>

@@ -1,7 +1,7 @@
 // Texts on the numbers of evaluations, failures and exclusions of a run; the counts come from the run itself and are
 // therefore the same everywhere.
-import type { RunSummary } from '../client'
-import { count } from './numbers'
+import type { Outcome, RunSummary } from '../client'
+import { atMost, count } from './numbers'
 
 export type Counted = Pick<RunSummary, 'evaluations' | 'failed_evaluations' | 'excluded_evaluations'>
 
@@ -25,6 +25,13 @@ export function unknownOf({ evaluations, failed_evaluations: failed }: Counted):
   if (failed === 0) return ''
   return `${count(failed)} of ${count(evaluations)} evaluations failed and have no margin`
 }
+
+/** What a bound on P(violation) rests on, if that is no sample of its own; empty for that of a certify stage. */
+export const sourceOf = (source: Outcome['bound_source'] | undefined): string => (source === 'search' ? 'random search' : '')
+
+/** At most 1 %, or "1 %, random search", by which nothing is cleared. */
+export const boundText = (bound: number | null | undefined, source: Outcome['bound_source'] | undefined): string =>
+  [atMost(bound), bound != null && sourceOf(source)].filter(Boolean).join(', ')
 
 interface Sample {
   samples: number

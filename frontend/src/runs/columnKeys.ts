@@ -49,7 +49,7 @@ const TABLE = {
     name: 'Excluded evaluations', head: 'Excluded', under: 'evaluations', width: 84, num: true, result: true,
     field: 'excluded_evaluations', kind: 'count',
   },
-  course: { name: 'Best so far', under: 'evaluations, log', width: 116, usual: true },
+  course: { name: 'Best of searches', under: 'evaluations, log', width: 116, usual: true },
   campaign: { name: 'Campaign', width: 190, sort: 'campaign', field: 'campaign_name', kind: 'text' },
   tags: { name: 'Tags', width: 176, sort: 'tags', usual: true, removed: true, wide: 1226 },
   duration: { name: 'Duration', width: 80, sort: 'duration', down: true, num: true, usual: true, wide: 1300 },

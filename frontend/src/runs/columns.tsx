@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'
-import { withoutValue } from '../format/counts'
+import { sourceOf, withoutValue } from '../format/counts'
 import { atMost, count, duration, NONE } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { MethodName } from '../ui/MethodMark'
@@ -68,7 +68,10 @@ const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?:
       run.upper_bound === null ? (
         <span className="mut">not sampled</span>
       ) : (
-        <span className="sec">≤ {atMost(run.upper_bound)}</span>
+        <span className="sec">
+          ≤ {atMost(run.upper_bound)}
+          {sourceOf(run.bound_source) && <div className="mut small">{sourceOf(run.bound_source)}</div>}
+        </span>
       ),
   },
   evaluations: {
@@ -79,7 +82,7 @@ const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?:
     ),
   },
   course: {
-    head: ({ quantity }) => <>Best {quantity ? <Sign text={quantity} /> : 'value'} so far</>,
+    head: ({ quantity }) => <>Best {quantity ? <Sign text={quantity} /> : 'value'} of searches</>,
     cell: (run) => (
       <Spark
         course={run.best_so_far}

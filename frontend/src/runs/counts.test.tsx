@@ -3,13 +3,14 @@ import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { asCampaign } from '../api/campaign'
 import * as fixtures from '../../tests/fixtures'
-import type { DescribedCheck, RunDetail, StageProgress } from '../client'
+import type { DescribedCheck, Outcome, RunDetail, StageProgress } from '../client'
 import { withoutValue } from '../format/counts'
 import { COLUMNS } from '../runs/columns'
 import { Standing } from '../run/verdict/Banner'
 import { countsOf } from '../run/search/failed'
 import { FiveFigures } from '../run/verdict/FiveFigures'
-import { StageStrip } from '../run/search/StageStrip'
+import { boundSoFar, StageStrip } from '../run/search/StageStrip'
+import { boundOf } from '../trends/cells'
 
 const stage = (kind: StageProgress['kind'], evaluations: number, failed: number, excluded: number, position: number) =>
   fixtures.progress({ position, kind, method: kind === 'search' ? 'direct' : null, planned: evaluations, evaluations, failed, excluded, best: 1, best_index: 0 })
@@ -56,6 +57,25 @@ it('shows no margin without the evaluations that have none', () => {
   expect(cell('margin', RUN)).not.toContain('--ok-solid')
   expect(text(figures(whole))).not.toContain('no margin')
   expect(cell('margin', whole)).toContain('--ok-solid')
+})
+
+it('names a random search as the source of a bound in list, figures and tables', () => {
+  const by = (source: 'certify' | 'search'): RunDetail => {
+    const summary = RUN.summary && { ...RUN.summary, statistics: RUN.summary.statistics && { ...RUN.summary.statistics, source } }
+    return { ...RUN, summary, bound_source: source }
+  }
+  for (const [source, named] of [['certify', false], ['search', true]] as const) {
+    expect(text(cell('bound', by(source))).includes('random search')).toBe(named)
+    expect(text(figures(by(source))).includes('random search')).toBe(named)
+    expect(boundOf({ upper_bound: 0.01, bound_source: source } as Outcome).includes('random search')).toBe(named)
+  }
+})
+
+it('writes within the bounds where what is beyond them is not known', () => {
+  const so_far = { samples: 100, violations: 0, upper_bound: 0.03, at_end: 0.01, within_bounds: true, text: '', statement: [] }
+  const running = fixtures.progress({ kind: 'certify', evaluations: 100, planned: 300 })
+  expect(boundSoFar(running, so_far)).toContain('P within the bounds ≤ 3')
+  expect(boundSoFar(running, { ...so_far, within_bounds: false })).not.toContain('within')
 })
 
 it('marks a check green only where nothing is open', () => {

@@ -1,7 +1,8 @@
 // Cells that the tables of outcomes share.
 import { Link } from '@tanstack/react-router'
 import type { Outcome } from '../client'
-import { atMost, decimalsFor, margin, NONE } from '../format/numbers'
+import { boundText } from '../format/counts'
+import { decimalsFor, margin, NONE } from '../format/numbers'
 import { rfc3339, when } from '../format/time'
 import { unreadOf } from './code'
 import { Digest } from '../ui/Digests'
@@ -20,7 +21,7 @@ export const marginOf = (outcome: Outcome | null): string => {
 }
 
 export const boundOf = (outcome: Outcome | null): string =>
-  outcome?.upper_bound === null || outcome?.upper_bound === undefined ? NONE : `≤ ${atMost(outcome.upper_bound)}`
+  outcome?.upper_bound === null || outcome?.upper_bound === undefined ? NONE : `≤ ${boundText(outcome.upper_bound, outcome.bound_source)}`
 
 /** campaign: its name, shown where the run's is another one. */
 export function RunCell({ run, name, campaign = name }: { run: string; name?: string; campaign?: string }) {

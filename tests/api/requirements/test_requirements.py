@@ -98,6 +98,9 @@ def test_the_matrix_states_which_sample_each_bound_is_of(service: Service, clien
     finish_fully(service, statistics=None)
     sources = dict(zip(runs, ("certify", "search", None), strict=True))
     assert {one["id"]: one["bound_source"] for one in row(client, "REQ-1")["runs"]} == sources
+    assert {one["id"]: one["bound_source"] for one in client.get("/api/v1/runs").json()["items"]} == sources
+    trend = client.get("/api/v1/trends", params={"name": client.get(f"/api/v1/runs/{runs[0]}").json()["campaign_name"]})
+    assert {one["id"]: one["bound_source"] for one in trend.json()["runs"]} == sources
     lines = csv.DictReader(io.StringIO(client.get(f"{AT}/export/matrix.csv").text))
     written = {line["run"]: (bool(line["p_violation_bound"]), line["p_violation_bound_source"]) for line in lines}
     assert written == {run: (source is not None, source or "") for run, source in sources.items()}

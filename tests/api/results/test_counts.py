@@ -47,7 +47,7 @@ STAGES = {
 FIGURES = {
     "gaps": "{} of these evaluations have no value; the curves have gaps there",
     "bound": "Omitted, because they have no value at one of their bounds: ",
-    "sample": "of the {} that have a value, of {} independent",
+    "sample": "of the {} that have a value, of {} random",
     "draws": "{} of which failed and count as violations",
 }
 """What is said where evaluations without a value are left out of a figure, or count in an estimate."""
@@ -272,7 +272,7 @@ def test_the_report_counts_the_same(ran: Ran) -> None:
     assert f"{failed} evaluations failed: " in text
     assert f"{excluded} evaluations were excluded" in text
     sample = ran.api()["summary"]["statistics"]
-    assert f"{grouped(sample['samples'])} independent samples" in text
+    assert f"{grouped(sample['samples'])} random samples" in text
     assert f" {grouped(sample['failed'])} failed " in text
     assert f"{grouped(sample['excluded'])} draws were excluded" in text
 

@@ -6,12 +6,13 @@ import hashlib
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import Audit
 from tests.given.databases import BOTH
-from tests.given.finished_runs import Work, finish
+from tests.given.finished_runs import Work, finish, search
 from tests.given.problem_documents import problem
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
@@ -148,6 +149,13 @@ def test_the_list_has_the_convergence_history_and_the_bound(service: Service, cl
     assert list(evaluations) == sorted(set(evaluations))
     assert list(costs) == sorted(set(costs), reverse=True)
     assert costs[-1] == float(f"{item['worst_cost']:.6g}")
+    lower = search(0, 1)
+    work.store.begin(1)
+    work.store.append(1, 0, lower._replace(costs=np.full((1, 1), -1.0)))
+    (after,) = client.get("/api/v1/runs").json()["items"]
+    assert (after["worst_cost"], after["best_so_far"]) == (-1.0, item["best_so_far"]), (
+        "the history is of searches alone"
+    )
     assert item["upper_bound"] is None
 
 

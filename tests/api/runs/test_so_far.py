@@ -53,6 +53,7 @@ def test_the_bound_counts_what_is_beyond_the_bounds(service: Service, client: ht
     assert found["upper_bound"] == pytest.approx(bound(VIOLATIONS, DRAWN, 0.95) + TAILS, rel=1e-9)
     assert found["at_end"] == pytest.approx(bound(VIOLATIONS, SAMPLES, 0.95) + TAILS, rel=1e-9)
     assert found["text"] == sentence(TAILS)
+    assert not found["within_bounds"]
 
 
 def test_without_tails_nothing_is_added(service: Service, client: httpx.Client) -> None:
@@ -71,3 +72,4 @@ def test_where_the_bounds_are_not_known_the_sentence_says_so(service: Service, c
     (stage,) = (s for s in client.get("/api/v1/runs/R-0001").json()["stages"] if s["kind"] == "certify")
     assert stage["so_far"]["upper_bound"] == bound(VIOLATIONS, DRAWN, 0.95)
     assert stage["so_far"]["text"] == sentence(None)
+    assert stage["so_far"]["within_bounds"], "as the sentence has it, the strip of the page has it"

@@ -165,6 +165,7 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
     assert rows[0]["worst d_min [m]"] == "1.3"
     assert [row["margin [m]"] or "" for row in rows[1:]] == [""] * 5
     assert rows[0]["verdict"] == "inconclusive"
+    assert [row["P(violation) bound source"] or "" for row in rows] == ["certify", *[""] * 5]
     with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="cleared", summary={})):
         (row, *_) = csv.DictReader(io.StringIO(client.get("/api/v1/sweeps/S-0001/table.csv").text))
     assert row["verdict"] == headline("cleared", True)

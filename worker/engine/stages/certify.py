@@ -36,7 +36,7 @@ from worker.engine.stages.parts.context import Asking, Context, Seeded, Through
 from worker.engine.stages.parts.counting import Counting, Drawing, kept
 from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.outcome import Outcome, Stage
-from worker.engine.stages.parts.sample import DRAWN, Noise, Sample
+from worker.engine.stages.parts.sample import DRAWN, Noise, Sample, certifying
 from worker.engine.stages.parts.seeds import some
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import System, slotted
@@ -68,7 +68,8 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     assert driven.columns is not None
     own = problem.realisations.random
     kind = DRAWN if own else Noise.of_calls(context, single=True)
-    sample = Sample.of(some(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
+    rows = some(driven.columns, 0, drawn.draws)
+    sample = Sample.of(rows, problem, context.campaign.confidence, kind, certifying(seed))
     stated, statement = _whole(sample, context, request)
     tally = driven.tally
     result = CertifyResult(
@@ -93,7 +94,7 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
     counting = _counting(context, position, request)
     found = counting.fly()
     kind = DRAWN if problem.realisations.random else Noise.of_calls(context, single=True)
-    sample = Sample.of_counted(found, problem, context.campaign.confidence, kind)
+    sample = Sample.of_counted(found, problem, context.campaign.confidence, kind, certifying(seed))
     columns, flights = kept(found), found.kept.indices
     context.store.keep(position, columns)
     context.columns[position] = columns

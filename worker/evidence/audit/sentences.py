@@ -62,7 +62,7 @@ def of_sample(run: Run, k: int, sample: Tree) -> Tree:
     # One that is short of samples has the number that was requested, so that another one disagrees.
     size = run.draws(k) - excluded
     numbers = sample["violations"], size, failed, excluded, outside, run.campaign.confidence
-    counts = templates.Counts(*numbers, terms, run.campaign.simulator is not None)
+    counts = templates.Counts(*numbers, terms, run.campaign.simulator is not None, _seed(run, k))
     statement = counts.bound(sample["upper_bound"])
     if sample.get("looks"):
         level = 1.0 - (1.0 - run.campaign.confidence) / (sample["looks"] * (sample["looks"] + 1))
@@ -131,6 +131,13 @@ def _same(stated: Span, expected: Span) -> bool:
         return stated == expected
     near = math.isclose(stated.value, expected.value, rel_tol=1e-9, abs_tol=1e-15)
     return near and stated == expected.model_copy(update={"value": stated.value})
+
+
+def _seed(run: Run, k: int) -> str:
+    """Which seed a sample has: that of the campaign, of a certify stage one of its own, drawn unless it was stated."""
+    if k in run.searches:
+        return templates.CAMPAIGN_SEED
+    return "" if run.claims["results"][k].get("drawn_at_launch") is True else templates.STATED_SEED
 
 
 def _terms(run: Run, certify: bool) -> templates.Terms:

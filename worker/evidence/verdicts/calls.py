@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from campaigns import rules
 from campaigns.asked.spec import Simulator
-from campaigns.claims.say import capital, case, count, finding, joined, listed, number, percent, say
+from campaigns.claims.say import capital, case, count, finding, joined, listed, number, say, sure
 from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding
@@ -69,7 +69,7 @@ def repeated(problem: Problem, violation: Finding) -> Spans:
     lowest = min(v for v in repeats.values if v is not None)
     return say(
         *(" In calls independent of the search, ", finding(violation.label), " ", repeats.statement),
-        *(" (", percent(repeats.confidence, 6), " confidence), the lowest at ", number(lowest, problem.unit), "."),
+        *(" (", sure(repeats.confidence, ""), " confidence), the lowest at ", number(lowest, problem.unit), "."),
     )
 
 

@@ -135,10 +135,10 @@ function textOf(run: RunDetail, kind: StageSummary, stages: StageProgress[]): st
 }
 
 /** The bound of a sample as it falls, and where it will be when the sample is drawn. */
-export function boundSoFar({ evaluations, planned, seconds }: StageProgress, { violations, upper_bound, at_end }: SoFar): string {
+export function boundSoFar({ evaluations, planned, seconds }: StageProgress, { violations, upper_bound, at_end, within_bounds }: SoFar): string {
   const seen = violations > 0 ? `${count(violations)} ${violations === 1 ? 'violation' : 'violations'}, ` : ''
   const left = (Math.max(0, planned - evaluations) * seconds) / Math.max(1, evaluations)
-  return `${seen}P ≤ ${atMost(upper_bound, 2)}, ${atMost(at_end, 2)} in ${duration(left)}`
+  return `${seen}P${within_bounds ? ' within the bounds' : ''} ≤ ${atMost(upper_bound, 2)}, ${atMost(at_end, 2)} in ${duration(left)}`
 }
 
 function costText({ threshold, unit }: RunDetail, cost: number): string {

@@ -1,5 +1,5 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
-import { unknownOf, violatedOf, withoutValue } from '../../format/counts'
+import { sourceOf, unknownOf, violatedOf, withoutValue } from '../../format/counts'
 import { atMost, confidenceText, count, decimalsFor, duration, exact, fixed, goal, margin, NONE } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
@@ -76,7 +76,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           unit={percents}
           note={
             statistics
-              ? `${violatedOf(statistics)}${target === null ? '' : `; target ${goal(target)}`}`
+              ? `${violatedOf(statistics)}${sourceOf(statistics.source) && `; ${sourceOf(statistics.source)}`}${target === null ? '' : `; target ${goal(target)}`}`
               : 'no independent sample'
           }
         />

@@ -20,7 +20,8 @@ SOURCES = [
     for file in sorted((ROOT / folder).rglob("*.py"))
     if "migrations" not in file.parts
 ]
-UPWARD, DOWNWARD = {"upper_bound", "at_end", "high", "redrawn"}, {"low", "bound", "effective"}
+UPWARD = {"upper_bound", "at_end", "high", "redrawn"}
+DOWNWARD = {"low", "bound", "effective", "confidence", "level"}
 """The names of the numbers that are upper bounds, and of those that are lower ones or must not reach what they miss."""
 NEAREST = {"number", "probability", "share", "probable", "percent", "signed"}
 """What writes a span to the nearest digit."""
@@ -47,6 +48,7 @@ def test_no_bound_is_rounded_to_the_nearest(file: Path) -> None:
     for call in _calls(file):
         if _function(call) in NEAREST:
             assert not _named(call) & (UPWARD | DOWNWARD), ast.unparse(call)
+            assert "confidence" not in ast.unparse(call.args[0]), ast.unparse(call)
         if _function(call) == "at_most":
             assert not _named(call) & DOWNWARD, ast.unparse(call)
         if _function(call) == "at_least":
@@ -58,19 +60,20 @@ def test_no_bound_is_rounded_to_the_nearest(file: Path) -> None:
                 assert not (bounded and _function(after) in {"probability", "share", "probable"}), ast.unparse(call)
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.FormattedValue) and node.format_spec is not None:
-            assert "upper_bound" not in ast.unparse(node.value), ast.unparse(node)
+            assert not any(word in ast.unparse(node.value) for word in ("upper_bound", "confidence")), ast.unparse(node)
 
 
 def _sentences(value: float) -> Iterator[Spans]:
     """Every sentence that states a bound or an interval, of this awkward number."""
-    counts = sample.Counts(1, 300, 0, 7, value, 0.95, sample.WITHOUT)
+    counts = sample.Counts(1, 300, 0, 7, value, value, sample.WITHOUT)
     yield counts.bound(value)
+    yield sample.interim((), 3, value)
     yield counts.quantile(0.05, "d_min", "m", 3, 59, value)
     yield counts.quantile(0.05, "d_min", "m", 0, None, None)
-    yield sample.so_far(sample.Drawn(1, 300, 0.95, value), value, 10, value)
+    yield sample.so_far(sample.Drawn(1, 300, value, value), value, 10, value)
     yield calls.independent(1, 0, 10, value, value)
-    yield estimate.estimated(value, (value, value), 0.95, estimate.Draws(100, 50.0, outside=value))
-    yield reweighted.estimate(value, (value, value), 0.95, reweighted.Draws(300, 0, 7, 200.0, value, few=False))
+    yield estimate.estimated(value, (value, value), value, estimate.Draws(100, 50.0, outside=value))
+    yield reweighted.estimate(value, (value, value), value, reweighted.Draws(300, 0, 7, 200.0, value, few=False))
     yield reweighted.outside(value, 0.05)
     yield reweighted.redrawn(value)
 

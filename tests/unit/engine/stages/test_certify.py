@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from campaigns import CampaignError, check
+from campaigns.claims.stages import sample as sentences
 from campaigns.results.sample import QuantileBound
 from campaigns.results.sample import Sample as Statement
+from campaigns.sample_seed import SampleSeed
 from campaigns.stages.certify import CertifyResult
 from campaigns.stages.plan import plan
 from campaigns.stored.records import Columns
@@ -104,6 +106,18 @@ def test_the_sentence_of_a_certificate(name: str) -> None:
     found = ran(stage, flown)
     assert facts(found.statement) == expected
     assert found.text == words
+
+
+def test_a_bound_names_a_seed_that_was_not_drawn_at_the_launch() -> None:
+    """Of a certify stage one that was stated; of a random search that of the campaign."""
+    for stage in ({"samples": 100}, {"samples": 100, "keep": "lowest"}):
+        of = context(asked({"certify": stage}))
+        assert " seed" not in certify.run(of, 0).result.sample.text
+        of = context(asked({"certify": stage}))
+        of.store.sample_seed = SampleSeed(1)
+        found = certify.run(of, 0).result
+        for text in (found.text, found.sample.text):
+            assert text.count(sentences.STATED_SEED) == 1
 
 
 def test_the_distribution_function_is_that_of_the_sample() -> None:

@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from campaigns.claims.stages import sample as sentences
 from campaigns.results.base import FAILED, OK
 from campaigns.results.sample import FIRST
 from campaigns.sample_seed import SampleSeed
 from campaigns.stored import blocks as stored
 from campaigns.stored.blocks import Block, Counted, Kept, Scale, size
-from tests.given.corrupted_records import RUNS, Folder, copied, counting, made
+from tests.audited import audited
+from tests.given.corrupted_records import RUNS, Folder, copied, counting, made, ran
 from worker.engine.stages import certify
 from worker.engine.stages.parts import counting as engine
 from worker.evidence.audit import counted
@@ -105,3 +107,15 @@ def test_honest_blocks_fit_their_stored_flights_whatever_their_size(failing: flo
 def test_an_honest_sample_in_which_most_violate_is_accepted() -> None:
     assert upper_bound(132, 128, 0.95) == 1.0
     assert counting(3000, "target", target_probability=0.05).shared is False
+
+
+def test_a_bound_names_whose_seed_its_sample_has_and_follows() -> None:
+    """Stated at the launch, or of the campaign where the sample is that of a random search."""
+    campaign, store = RUNS["counted"](), MemoryStore(sample_seed=SampleSeed(1))
+    execute(campaign, store, threads=1)
+    audited(store, campaign)
+    _, searched = ran("violated")
+    for of, seed in ((store, sentences.STATED_SEED), (searched, sentences.CAMPAIGN_SEED)):
+        assert of.verdict is not None
+        assert of.verdict.statistics is not None
+        assert seed in of.verdict.statistics.text

@@ -16,6 +16,7 @@ from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sample import Distribution, QuantileBound
 from campaigns.results.sample import Noise as NoiseKind
 from campaigns.results.sample import Sample as Statement
+from campaigns.sample_seed import SampleSeed
 from campaigns.stored.blocks import Counted
 from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
@@ -71,21 +72,25 @@ class Sample:
     noise: Noise = Noise()
     simulator: bool = False
     """Whether it is of a simulator, which may exclude draws for reasons of its own."""
+    seed: str = ""
+    """Which seed it has, in words; empty if it was drawn at the launch."""
 
     @staticmethod
-    def of(columns: Columns, problem: Problem, confidence: float, noise: Noise | None = None) -> Sample:
+    def of(columns: Columns, problem: Problem, confidence: float, noise: Noise | None = None, seed: str = "") -> Sample:
         """The sample of these evaluations, by default under the realisations stated in the campaign."""
         costs = np.sort(columns.costs[columns.status == OK, 0])
         excluded = int(np.count_nonzero(columns.status == EXCLUDED))
         failed = len(columns.status) - excluded - len(costs)
         violations = int(np.count_nonzero(costs <= problem.threshold)) + failed
-        return _sample(Ordered(costs), (violations, failed, excluded), problem, confidence, noise)
+        return _sample(Ordered(costs), (violations, failed, excluded), problem, confidence, noise, seed)
 
     @staticmethod
-    def of_counted(counted: Counted, problem: Problem, confidence: float, noise: Noise | None = None) -> Sample:
+    def of_counted(
+        counted: Counted, problem: Problem, confidence: float, noise: Noise | None = None, seed: str = ""
+    ) -> Sample:
         """The sample of which only the lowest flights are kept."""
         counts = counted.violations, counted.failed, counted.excluded
-        return _sample(Binned(counted), counts, problem, confidence, noise)
+        return _sample(Binned(counted), counts, problem, confidence, noise, seed)
 
     @property
     def size(self) -> int:
@@ -95,7 +100,7 @@ class Sample:
     def counts(self) -> sentences.Counts:
         """What its sentences state."""
         numbers = self.violations, self.size, self.failed, self.excluded, self.outside, self.confidence
-        return sentences.Counts(*numbers, self.noise.terms, self.simulator)
+        return sentences.Counts(*numbers, self.noise.terms, self.simulator, self.seed)
 
     def statement(self, level: float | None = None, counted: int | None = None) -> Statement:
         """Counts, moments, histogram and the bound on P(violation), whose own `level` may be stricter.
@@ -156,17 +161,23 @@ class Sample:
 
 
 def _sample(
-    shape: Shape, counts: tuple[int, int, int], problem: Problem, confidence: float, noise: Noise | None
+    shape: Shape, counts: tuple[int, int, int], problem: Problem, confidence: float, noise: Noise | None, seed: str
 ) -> Sample:
     simulator, outside = problem.campaign.simulator is not None, problem.distributions.outside
-    return Sample(shape, *counts, outside, confidence, noise or Noise.stated(problem.realisations), simulator)
+    return Sample(shape, *counts, outside, confidence, noise or Noise.stated(problem.realisations), simulator, seed)
+
+
+def certifying(seed: SampleSeed) -> str:
+    """Which seed the sample of a certify stage has, in words."""
+    return sentences.STATED_SEED if seed.stated else ""
 
 
 def of_search(context: Context, method: Method, options: Any, columns: Columns) -> Statement:
     """The statement of a random search: a bound only if its points are independent; with early stopping, one that
     allows for the interim analyses."""
     confidence = context.campaign.confidence
-    sample = Sample.of(columns, context.problem, confidence, Noise.of_calls(context, single=False))
+    kind = Noise.of_calls(context, single=False)
+    sample = Sample.of(columns, context.problem, confidence, kind, sentences.CAMPAIGN_SEED)
     drawn = method.sampling(options, len(columns.status), confidence)
     if drawn.barred:
         return sample.unclaimed(drawn.points, drawn.barred)

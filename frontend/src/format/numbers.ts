@@ -124,19 +124,6 @@ export function parse(text: string): number | null {
   return Number.isFinite(value) ? value : null
 }
 
-/** "0,5" between spaces or semicolons: one number with a decimal comma, or two; nobody knows which it is. */
-const UNCLEAR = /^[+-]?\d+,\d+(e[+-]?\d+)?,?$/i
-
-/**
- * The words of a list of numbers separated by commas, semicolons or spaces. What may be a decimal comma is not split, and
- * is no number: it still has its comma.
- */
-export const numbersIn = (text: string): string[] =>
-  text
-    .split(/[;\s]+/)
-    .flatMap((word) => (UNCLEAR.test(word.replaceAll(MINUS, '-')) ? word.replace(/,$/, '') : word.split(',')))
-    .filter(Boolean)
-
 /** A fraction as percent. */
 export function percent(share: Maybe, digits = 3): string {
   if (!known(share)) return NONE

@@ -1,7 +1,7 @@
 // Numbers as text, one or several: not reformatted while typing; invalid text is kept, so that the service reports it.
 import { type InputHTMLAttributes, useState } from 'react'
 import type { Raw } from '../../api/campaign'
-import { numbersIn, parse, field as shown } from '../../format/numbers'
+import { parse, field as shown } from '../../format/numbers'
 import { idOf, useProblems } from './problems'
 import fields from '../../ui/fields.module.css'
 
@@ -64,10 +64,13 @@ interface ListCellProps extends Pick<TypedCellProps<Raw[]>, 'field' | 'label' | 
 
 export const listText = (values: readonly Raw[]): string => values.map(textOf).join(', ')
 
-/** A word that may have a decimal comma stays text, which the service reports. */
-export const listOf = (text: string): Raw[] => numbersIn(text).map((word) => (word.includes(',') ? word : (parse(word) ?? word)))
+export const listOf = (text: string): Raw[] =>
+  text
+    .split(/[,;\s]+/)
+    .filter(Boolean)
+    .map((word) => parse(word) ?? word)
 
-/** Several numbers, separated by commas. */
+/** Several whole numbers, separated by commas. */
 export const ListCell = ({ values, ...cell }: ListCellProps) => (
   <TypedCell value={values} textOf={listText} meaningOf={listOf} deep {...cell} />
 )

@@ -92,13 +92,6 @@ it('keeps every digit of what it shows', () => {
   })
 })
 
-it('keeps what may be a decimal comma as text, which the service reports, and reads any other list', () => {
-  expect(listOf('0,5')).toEqual(['0,5'])
-  expect(listOf('1 2,5')).toEqual([1, '2,5'])
-  for (const list of ['0, 5', '0 5', '0;5', ' 0, 5,']) expect(listOf(list)).toEqual([0, 5])
-  expect(listOf('1,2,3')).toEqual([1, 2, 3])
-})
-
 it('loses nothing by way of YAML and back', () => {
   const edited = Object.fromEntries(
     Object.entries(campaigns).map(([name, { document }]) => {

@@ -1,5 +1,5 @@
 // The values of a sweep as typed: numbers separated by commas, semicolons or spaces.
-import { numbersIn, parse } from '../../format/numbers'
+import { MINUS, parse } from '../../format/numbers'
 
 /** As the service allows. */
 export const MOST = 50
@@ -9,6 +9,19 @@ export interface Limits {
   high: number
   unit: string
 }
+
+/** "0,5" between spaces or semicolons: one number with a decimal comma, or two; nobody knows which it is. */
+const UNCLEAR = /^[+-]?\d+,\d+(e[+-]?\d+)?,?$/i
+
+/**
+ * The words of a list separated by commas, semicolons or spaces. What may be a decimal comma is not split, and
+ * is no number: it still has its comma.
+ */
+const numbersIn = (text: string): string[] =>
+  text
+    .split(/[;\s]+/)
+    .flatMap((word) => (UNCLEAR.test(word.replaceAll(MINUS, '-')) ? word.replace(/,$/, '') : word.split(',')))
+    .filter(Boolean)
 
 /** The values, or why the text cannot be used; an empty reason for an empty text. */
 export function valuesOf(text: string, limits: Limits | undefined): { values: number[] } | { problem: string } {

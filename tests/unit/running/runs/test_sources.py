@@ -134,7 +134,7 @@ EVERY = {
 }
 WORDS = {
     "campaigns.claims.stages.ends": b"used its budget of",
-    "campaigns.claims.stages.sample": b" samples violate the criterion: ",
+    "campaigns.claims.stages.sample": b"none of the other ",
     "campaigns.claims.stages.calls": b"repeats bit by bit",
     "campaigns.claims.stages.surroundings": b"varying one parameter alone",
     "campaigns.claims.stages.earlier_run": b"was not evaluated",

@@ -172,6 +172,7 @@ def test_it_needs_no_pytest() -> None:
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+@pytest.mark.nightly  # it compiles all that they import
 def test_contracts_refuse_to_run_without_their_asserts() -> None:
     ended = subprocess.run([sys.executable, "-O", "-c", "import clearance.testing"], capture_output=True, text=True)
     assert ended.returncode == 1

@@ -55,7 +55,7 @@ PAGES = {
     "audit": ("/access/audit", "role=cell[name=session.opened]"),
 }
 """Each with its address and what is seen once it is there."""
-BY_DAY = ("runs", "run", "launch", "compare", "help-components", "users")
+BY_DAY = ("runs", "run", "launch")
 """One of each kind; the others are tested nightly."""
 PARTS = {
     "help-components": ["vehicle-unicycle", "avoider-potential_field"],

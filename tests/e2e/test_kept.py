@@ -107,6 +107,7 @@ def test_an_updated_service_is_told_from_one_out_of_reach(visit: Visit) -> None:
     still_named(page)
 
 
+@pytest.mark.nightly  # by day the search, and what is edited before its code is there
 def test_the_editor_of_the_text_is_loaded_again(visit: Visit) -> None:
     page = visit.page
     named(visit)

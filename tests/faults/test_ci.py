@@ -28,6 +28,8 @@ STAGES = {
     ],
     "validate": {"neighbours": 20, "evaluations": 20_000},
 }
+# By day each part: tests/api/clients, tests/api/runs/test_submit_ci.py, tests/unit/engine/stages/test_baseline.py.
+pytestmark = pytest.mark.nightly
 POLICY = {"fail_on": ["violation", "new_violation", "worse"], "tolerance": 0.001}
 
 

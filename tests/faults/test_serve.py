@@ -50,13 +50,6 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFi
         code, _, statement = here(capsys, "serve", "--data", str(service.data))
         assert (code, f"(process {service.pid})" in statement) == (WRONG_INPUT, True)
 
-        for words, name in (("-m backend", "backend"), ("-m clearance worker", "worker 1")):
-            old = service.part(words)
-            kill(old)
-            until(lambda words=words, old=old: service.part(words) not in (0, old), f"another {name}")
-            until(lambda name=name: f"The {name} ended with signal 9 (SIGKILL)" in service.text(), "it is reported")
-        until(service.healthy, "healthy again")
-
         engine, run_id = long_run(service.data)
         family = service.family()
         assert len(family) >= 4
@@ -66,6 +59,17 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFi
         assert service.text().endswith("Stopped.\n")
         assert (state(engine, run_id).state, state(engine, run_id).error) == ("queued", None)
         engine.dispose()
+
+
+@pytest.mark.nightly
+def test_what_serve_started_is_started_again(tmp_path: Path) -> None:
+    with serving(tmp_path, CLEARANCE_THREADS="1") as service:
+        for words, name in (("-m backend", "backend"), ("-m clearance worker", "worker 1")):
+            old = service.part(words)
+            kill(old)
+            until(lambda words=words, old=old: service.part(words) not in (0, old), f"another {name}")
+            until(lambda name=name: f"The {name} ended with signal 9 (SIGKILL)" in service.text(), "it is reported")
+        until(service.healthy, "healthy again")
 
 
 @pytest.mark.parametrize("made", [True, False])

@@ -12,7 +12,7 @@ from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunLabel,
 from backend.reports import kept
 from backend.reports import service as reports
 from backend.reports.kept import Kept, Page
-from tests.given.databases import BOTH
+from tests.given.databases import AT_NIGHT
 from tests.given.finished_runs import Work
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
@@ -77,7 +77,7 @@ def run(service: Service, client: httpx.Client) -> str:
     return run
 
 
-@BOTH
+@AT_NIGHT
 @pytest.mark.parametrize("change", CHANGES)
 def test_what_changes_a_report_changes_its_key(service: Service, client: httpx.Client, run: str, change: str) -> None:
     before = _key(service)

@@ -21,7 +21,7 @@ from campaigns.claims import earlier, numbers
 from campaigns.results.slices import Curve
 from campaigns.runs import RunState
 from tests.given import declared_traces
-from tests.given.databases import AT_NIGHT, BOTH
+from tests.given.databases import AT_NIGHT
 from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully, missing
@@ -64,7 +64,7 @@ def test_it_has_every_section_and_figure(client: httpx.Client, run: str) -> None
     assert len(set(re.findall(r"<b>(?:Figure|Table) \d\.</b>", text))) == 11
 
 
-@BOTH
+@AT_NIGHT
 def test_its_numbers_are_those_that_are_stored(client: httpx.Client, run: str) -> None:
     text = html.unescape(re.sub(r"<[^>]+>", "", report(client, run)))
     for statement in (

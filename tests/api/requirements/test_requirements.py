@@ -24,7 +24,7 @@ from backend.requirements import uploads
 from backend.signoffs.texts import OTHER_TEXT
 from campaigns.runs import run_number
 from tests.given.code_versions import CODE, OTHER, edited
-from tests.given.databases import AT_NIGHT, BOTH
+from tests.given.databases import AT_NIGHT
 from tests.given.joined_users import joined
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import SEARCHED, finish_fully
@@ -179,7 +179,7 @@ def test_a_violation_is_neither_outrun_nor_hidden(service: Service, client: http
     assert " R-0001 " in found["sentence"]
 
 
-@BOTH
+@AT_NIGHT
 def test_a_run_that_is_no_evidence_can_still_speak_against_it(service: Service, client: httpx.Client) -> None:
     """Cancelled, with the requirement left out, of a sweep, or with another threshold; and no goal is supported."""
     ran(service, client)
@@ -201,7 +201,7 @@ def test_a_run_that_is_no_evidence_can_still_speak_against_it(service: Service, 
         assert row(client, "REQ-1")["status"] == "met"
 
 
-@BOTH
+@AT_NIGHT
 def test_what_speaks_against_a_requirement_needs_no_verdict_of_its_own_run(
     service: Service, client: httpx.Client
 ) -> None:
@@ -224,7 +224,7 @@ def test_what_speaks_against_a_requirement_needs_no_verdict_of_its_own_run(
         assert row(client, "REQ-1")["status"] == "no verdict"
 
 
-@BOTH
+@AT_NIGHT
 def test_what_only_the_first_evaluations_found_counts_and_outlives_a_purge(
     service: Service, client: httpx.Client
 ) -> None:

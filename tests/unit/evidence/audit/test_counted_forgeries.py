@@ -82,7 +82,7 @@ def test_a_false_count_is_rejected(name: str, tmp_path: Path, monkeypatch: pytes
         return  # such a result cannot be read, or not be made
 
 
-@pytest.mark.parametrize("failing", [0.0, 0.01])
+@pytest.mark.parametrize("failing", [pytest.param(0.0, marks=pytest.mark.nightly), 0.01])
 def test_honest_blocks_fit_their_stored_flights_whatever_their_size(failing: float) -> None:
     """Those of more draws than are all stored of the first ones, too."""
     samples, random, threshold = 2_500_000, np.random.default_rng(5), -4.0

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.given.at_night import nightly_but
 from tests.given.component_mistakes import COMPILED, DECLARED, FLOWN, READ, Slip
 from worker.engine.components import own as own_package
 from worker.engine.kernels.component import Component, Vehicle, declared
@@ -84,7 +85,7 @@ def test_a_mistake_that_only_the_compiler_finds(slip: Slip, folder: Path) -> Non
     reported(Mistake(result.text, result.line), text, slip)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", nightly_but(("avoider",), KINDS))
 def test_what_is_written_to_start_from_can_be_used(kind: str, folder: Path) -> None:
     file = folder / f"my_{kind}.py"
     file.write_text((SKELETONS / f"{kind}.py").read_text(encoding="utf-8"), encoding="utf-8")

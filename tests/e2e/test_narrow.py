@@ -52,7 +52,7 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "audit": ("/access/audit", ["role=cell[name=/session.opened/]"]),
 }
 """Each with its address and what is drawn once it is scrolled to."""
-BY_DAY = ("runs", "run-intruder", "run-several-criteria", "launch", "compare", "first-campaign")
+BY_DAY = ("runs", "run-intruder", "launch", "compare", "first-campaign")
 """One of each kind; the others are tested nightly."""
 GUIDES = (
     "first-campaign",

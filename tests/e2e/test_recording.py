@@ -61,6 +61,7 @@ def test_the_file_opens_from_disk_without_requests(
         visit.shot("recording-file", full=False)
 
 
+@pytest.mark.nightly  # by day the file, and tests/api/scenes
 def test_a_link_from_the_run_page_plays_without_a_viewer(recorded: Service, browser: Browser) -> None:
     with visiting(browser, recorded.url, views=False) as visit:
         visit.page.context.grant_permissions(["clipboard-read", "clipboard-write"])

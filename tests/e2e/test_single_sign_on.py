@@ -22,6 +22,7 @@ pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
 ROOT = "/clearance"
 
 
+@pytest.mark.nightly  # by day tests/api/provider, with a real provider
 def test_a_shared_link_leads_through_the_provider_to_the_run(browser: Browser, tmp_path: Path) -> None:
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))

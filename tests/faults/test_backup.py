@@ -39,7 +39,7 @@ def queued(engine: sa.Engine) -> int:
         return submit(connection, case(), name="long", tags=[], owner="", planned=most(case()))
 
 
-@AT_NIGHT
+@pytest.mark.nightly  # by day each part: what is backed up, what is restored, a run that goes on after its worker
 def test_a_backup_made_while_a_run_writes_goes_on_where_it_was(database: sa.Engine, tmp_path: Path) -> None:
     url = database.url.render_as_string(hide_password=False)
     run_id, file = queued(database), tmp_path / "backup"

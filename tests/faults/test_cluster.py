@@ -195,6 +195,7 @@ def test_a_killed_node_loses_nothing_and_repeats_only_what_was_running(
     assert 0 < running <= 30
 
 
+@pytest.mark.nightly  # by day a node that is killed
 def test_a_killed_process_repeats_only_what_was_running(
     nodes: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

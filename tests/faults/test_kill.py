@@ -23,7 +23,6 @@ from tests.audited import audited
 from tests.faults import postgres
 from tests.faults.long import ONCE, TWICE, case
 from tests.faults.processes import alive, kill, until, worker
-from tests.given.databases import AT_NIGHT
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -33,8 +32,8 @@ SEED = SampleSeed.drawn()
 """Of the sample of all runs here, so that the undisturbed run that they are compared with is the same."""
 
 
-@AT_NIGHT
-@pytest.mark.parametrize("further", [0, pytest.param(1, marks=pytest.mark.nightly)])
+@pytest.mark.nightly  # by day one of two workers is killed, and nothing is lost: tests/faults/test_worker.py
+@pytest.mark.parametrize("further", [0, 1])
 def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
     database: sa.Engine, tmp_path: Path, request: pytest.FixtureRequest, further: int
 ) -> None:

@@ -152,7 +152,7 @@ def cancel(engine: sa.Engine, run: int) -> None:
         request_cancel(connection, run)
 
 
-BY_DAY = {("lines", "cancel"), ("in process", "worker killed")}
+BY_DAY = {("lines", "worker killed")}
 
 
 @pytest.mark.parametrize(

@@ -225,6 +225,7 @@ def test_a_worker_takes_no_run_without_space_and_says_so_once_a_minute(tmp_path:
     assert "CLEARANCE_MIN_FREE" in line["message"]
 
 
+@pytest.mark.nightly  # by day an error of a child is one line
 def test_every_line_of_a_worker_states_run_and_stage(tmp_path: Path) -> None:
     """Also those of its child, whose errors have many lines."""
     url = f"sqlite:///{tmp_path}/clearance.sqlite3"

@@ -183,6 +183,7 @@ def test_workers_give_the_same_numbers() -> None:
     assert np.array_equal(beside.costs[beside.method == "direct"], here.costs[here.method == "direct"])
 
 
+@pytest.mark.nightly  # by day tests/unit/evidence/verdicts/test_sureness.py
 def test_a_chance_of_a_lower_case_is_stated_without_workers_only() -> None:
     """It was set on searches in one process; with workers the members of `auto` have other shares."""
     alone, beside = (searched(methods={"auto": 120}, workers=workers) for workers in (None, 2))

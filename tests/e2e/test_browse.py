@@ -390,6 +390,7 @@ def test_help_explains_methods_verdicts_and_components(signed_in: Visit) -> None
     expect(page.locator("#vehicle-unicycle")).to_be_in_viewport()
 
 
+@pytest.mark.nightly  # by day tests/api/http, which holds the document to the answers
 def test_the_api_page_describes_and_tries_the_api(signed_in: Visit) -> None:
     page = signed_in.page
     signed_in.move("/docs")

@@ -356,6 +356,7 @@ def test_a_run_is_removed_and_restored(visit: Visit) -> None:
     expect(page.locator("tr[data-run]")).to_have_count(2)
 
 
+@pytest.mark.nightly  # by day a removed one, and tests/api/runs/test_removal.py
 def test_a_purged_run_explains_what_was_removed(finished: Service, visit: Visit) -> None:
     page = visit.page
     visit.go("/runs/R-0001")

@@ -165,6 +165,7 @@ def test_how_sure_the_search_is(home: Home, place: str, run: str, known: bool) -
     assert ("not a bound" in text) == known
 
 
+@pytest.mark.nightly  # by day every other place, above
 def test_the_pages(home: Home, browser: Browser) -> None:
     with visiting(browser, home.service.url) as visit:
         page = visit.page

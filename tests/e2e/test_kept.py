@@ -242,6 +242,7 @@ def test_notes_outlive_the_session(visit: Visit, service: Service) -> None:
     expect(notes).to_contain_text("precious")
 
 
+@pytest.mark.nightly  # by day a campaign outlives the session
 def test_without_anything_to_lose_signing_in_is_in_this_tab(visit: Visit, service: Service) -> None:
     page = visit.page
     visit.go("/runs")
@@ -257,6 +258,7 @@ def test_without_anything_to_lose_signing_in_is_in_this_tab(visit: Visit, servic
     expect(page.locator("tr[data-run=R-0001]")).to_be_visible()
 
 
+@pytest.mark.nightly  # by day a campaign outlives the session
 def test_another_user_gets_a_page_of_their_own(visit: Visit, service: Service) -> None:
     page = visit.page
     visit.go("/runs")

@@ -147,6 +147,7 @@ def test_a_rectangle_in_a_cell_is_a_range_on_both_axes(visit: Visit, card: Locat
     expect(card.get_by_role("button", name=re.compile("^Clear range of"))).to_have_count(1)
 
 
+@pytest.mark.nightly  # by day an evaluation is chosen by keys
 def test_a_range_is_set_by_keys(visit: Visit, card: Locator) -> None:
     card.get_by_role("slider", name="d_min, to").press("PageDown")
     expect(kept(card)).to_have_text(re.compile("^894 of 1.?000 evaluations selected, lowest dmin 1.007 m"))

@@ -24,6 +24,7 @@ from campaigns.stored.records import Trace
 from tests import results
 from tests.e2e.browser import Visit, space_of, visiting
 from tests.e2e.stored import served
+from tests.given.at_night import nightly_but
 from tests.given.finished_runs import COLUMNS, flight
 from tests.given.reported_runs import PARAMETERS, finish_fully
 from tests.given.service import Service
@@ -135,7 +136,7 @@ def right(of: Locator) -> float:
     return box["x"] + box["width"]
 
 
-@pytest.mark.parametrize("run", ["R-0001", "R-0002", pytest.param("R-0004", marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("run", nightly_but(("R-0001",), ("R-0001", "R-0002", "R-0004")))
 def test_verdict_figures_and_view_share_the_first_screen(visit: Visit, run: str) -> None:
     visit.go(f"/runs/{run}")
     page = visit.page

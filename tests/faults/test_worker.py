@@ -183,6 +183,7 @@ def test_a_beat_between_the_last_write_and_the_answer_does_not_kill_the_child(be
     assert bench.worker.child() == child
 
 
+@pytest.mark.nightly  # by day what cannot be loaded is reported, and a child that crashes
 def test_a_child_that_cannot_start_ends_the_worker_with_its_reason(
     tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

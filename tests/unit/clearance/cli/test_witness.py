@@ -108,13 +108,14 @@ def command(folder: Path, *words: str, ends: str = "") -> int:
     return ended.returncode
 
 
+@pytest.mark.nightly  # by day the endings of any child, above, and a method that calls sys.exit
 @pytest.mark.parametrize(
     "words",
     [
         ("run", "campaign.json"),
-        pytest.param(("check-simulator", "stops"), marks=pytest.mark.nightly),
-        pytest.param(("replay", "out", "F1", "1:0", "1:1", "1:2"), marks=pytest.mark.nightly),
-        pytest.param(("audit", "out", "--replay", "5"), marks=pytest.mark.nightly),
+        ("check-simulator", "stops"),
+        ("replay", "out", "F1", "1:0", "1:1", "1:2"),
+        ("audit", "out", "--replay", "5"),
     ],
     ids=lambda words: words[0],
 )

@@ -156,6 +156,7 @@ def test_a_long_valley_is_descended_to_its_end() -> None:
     assert min(float(values.min()) for _, _, values in first) < 1e-6
 
 
+@pytest.mark.nightly
 def test_cma_es_goes_on_from_where_the_model_has_come() -> None:
     """Along a sharp ridge, where the model still improves when its share has ended."""
 

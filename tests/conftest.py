@@ -110,5 +110,5 @@ def pytest_collection_finish(session: pytest.Session) -> None:
         load()
     gc.collect()
     gc.freeze()
-    gc.set_threshold(50_000, 20, 20)
+    gc.set_threshold(200_000, 20, 20)
     gc.enable()

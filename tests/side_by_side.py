@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import gc
 import os
 import sys
 import traceback
@@ -241,9 +242,14 @@ def _alone(config: pytest.Config) -> None:
 
 
 def _run_tests(session: pytest.Session, connection: Connection) -> None:
-    """Asks for another group before the last test of one: which test is next tells which fixtures end."""
+    """Asks for another group before the last test of one: which test is next tells which fixtures end.
+
+    What a group leaves behind is not searched for garbage again.
+    """
 
     def asked() -> list[int]:
+        gc.collect()
+        gc.freeze()
         connection.send(("ready", None))
         group: list[int] = connection.recv()
         return group

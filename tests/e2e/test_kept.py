@@ -141,7 +141,7 @@ def test_what_is_edited_before_its_code_is_there_is_saved_once_it_is(visit: Visi
     expect(page.get_by_role("textbox", name="Campaign as YAML")).to_contain_text("4.25")
 
 
-@pytest.mark.nightly  # by day the search and the editor, which are loaded in the same way
+@pytest.mark.nightly  # by day the search, which is loaded in the same way
 def test_notes_are_written_without_their_preview(visit: Visit) -> None:
     page = visit.page
     visit.go("/runs/R-0001")

@@ -206,7 +206,7 @@ def test_a_node_that_is_killed(tmp_path: Path) -> None:
         engine.dispose()
 
 
-@pytest.mark.nightly  # by day a run that is cancelled, and a worker that is killed
+@pytest.mark.nightly  # by day a worker that is killed
 def test_a_child_that_is_ended_while_it_removes_its_folders(tmp_path: Path) -> None:
     """As at the end of a run: its slots have ended in order, so that no guard removes anything any more."""
     site = Site(tmp_path, "lines")

@@ -176,7 +176,6 @@ def test_a_search_of_another_criterion_or_of_other_stages_is_not_resumed() -> No
         searched(resume=first, methods={"direct": 60})
 
 
-@pytest.mark.nightly  # by day the statements of a search with workers, below
 def test_workers_give_the_same_numbers() -> None:
     beside = searched(workers=2, methods={"direct": 30}, validation=20)
     here = searched(methods={"direct": 30}, validation=20)

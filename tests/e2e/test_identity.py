@@ -252,7 +252,7 @@ def fetched(home: Home, run: str) -> str:
 
 def swept(reader: sa.Connection, run_id: int) -> str:
     (found,) = outcomes(reader, [Run.id == run_id])
-    return next(csv.reader([",".join(map(str, sheet._row(SweepPoint(value=1.0, run=found.id, outcome=found))))]))[-2]
+    return next(csv.reader([",".join(map(str, sheet._row(SweepPoint(value=1.0, run=found.id, outcome=found))))]))[-3]
 
 
 def matrix(home: Home, run: str) -> str:

@@ -82,7 +82,6 @@ const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?:
     ),
   },
   course: {
-    head: ({ quantity }) => <>Best {quantity ? <Sign text={quantity} /> : 'value'} of searches</>,
     cell: (run) => (
       <Spark
         course={run.best_so_far}

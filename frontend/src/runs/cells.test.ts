@@ -8,6 +8,6 @@ it('writes every digit of a value that its column has room for, and any other on
   expect(of(0.9417402, 0.5, true)).toBe('0.9417 m')
   expect(of(8.257e-6)).toBe('8.257e\u22126')
   expect(of(2.5e8, 1)).toBe('2.5e8')
-  expect(of(0)).toBe('0.000')
+  expect([of(0), of(0, 1)]).toEqual(['0', '0.000'])
   expect(of(null)).toBe('\u2013')
 })

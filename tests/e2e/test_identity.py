@@ -40,8 +40,7 @@ from tests.given.at_night import nightly_but
 from tests.given.own_files import POST
 from tests.given.printed_words import printed_words
 
-# By day tests/faults/test_code.py: no result of one version of a component is taken for one of another.
-pytestmark = [pytest.mark.e2e, pytest.mark.nightly, pytest.mark.timeout(420)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(420)]
 DRAWS = False
 REQUIREMENT = "SYS-1"
 

@@ -64,7 +64,7 @@ class Joint:
     def outside(self) -> float:
         """The probability of a draw outside the bounds; with correlations an upper bound, the sum of the tails."""
         tails = [one.outside for one in self.shapes.values()]
-        return min(1.0, sum(tails)) if self.mixed else special.any_of(tails)
+        return min(1.0, sum(tails)) if self.mixed else 1.0 - math.prod(1.0 - tail for tail in tails)
 
     def point(self, values: Mapping[str, float]) -> Floats:
         """Values by path as a point (n,) of the unit cube."""

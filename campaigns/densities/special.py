@@ -7,7 +7,7 @@ for whole degrees of freedom (Abramowitz and Stegun, 26.4.4 and 26.4.5).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from statistics import NormalDist
 
 import numpy as np
@@ -22,12 +22,6 @@ def _each(function: Callable[[float], float], values: ArrayLike) -> Floats:
     """What a function of one number gives for each; `np.vectorize` takes half as long again."""
     given = np.asarray(values, dtype=np.float64)
     return np.fromiter(map(function, given.ravel().tolist()), np.float64, given.size).reshape(given.shape)
-
-
-def any_of(chances: Iterable[float]) -> float:
-    """The probability that at least one of independent events happens; 1 - Π(1 - p) would be 0 below 1e-16."""
-    each = list(chances)
-    return 1.0 if max(each, default=0.0) >= 1.0 else -math.expm1(math.fsum(math.log1p(-p) for p in each))
 
 
 def normal(z: ArrayLike) -> Floats:

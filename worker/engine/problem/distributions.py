@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from campaigns.asked.distributions import Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
 from campaigns.checked.uncertainty import matrix
-from campaigns.densities.special import any_of
 
 Floats = NDArray[np.float64]
 
@@ -48,7 +47,7 @@ class Distributions:
         """Indices of the correlated parameters."""
         self.factor: Floats = np.linalg.cholesky(np.array(matrix(correlations, paths))[np.ix_(self.mixed, self.mixed)])
         beyond = [_beyond(r) for r in ranges]
-        self.outside = any_of(beyond)
+        self.outside = float(1.0 - np.prod([1.0 - p for p in beyond]))
         """The probability that a draw is outside the bounds; with correlations an upper bound, the sum of the tail
         probabilities (union bound)."""
         if any(beyond[k] > 0.0 for k in self.mixed):

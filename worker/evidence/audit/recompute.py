@@ -15,7 +15,6 @@ import numpy as np
 from campaigns import Catalogue, cube
 from campaigns.checked.check import parameters, seeded
 from campaigns.claims.wording import reworded
-from campaigns.densities.special import any_of
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
@@ -330,4 +329,4 @@ class Run:
         mixed = {path for c in self.campaign.correlations if c.value != 0.0 for path in c.between}
         if any(tail > 0.0 and path in mixed for path, tail in tails.items()):
             return min(1.0, sum(tails.values()))
-        return any_of(tails.values())
+        return 1.0 - math.prod(1.0 - tail for tail in tails.values())

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from scipy import special as scipy_special
@@ -14,8 +11,6 @@ from campaigns.asked.distributions import Beta, Distribution, Normal, Triangular
 from campaigns.densities import special
 from campaigns.densities.shapes import shape
 from tests.given.stated_densities import HIGH, LOW, drawn, made
-from worker.engine.problem.distributions import Distributions, Range
-from worker.evidence.audit import recompute
 
 UNIFORM = np.random.default_rng(11).random(100_000)
 
@@ -30,27 +25,6 @@ KINDS: dict[str, tuple[Distribution, stats.rv_continuous]] = {
     "beta of two heaps": (Beta(alpha=0.5, beta=0.5), stats.beta(0.5, 0.5, 4, 2)),
     "beta from a bound": (Beta(alpha=1.0, beta=3.0), stats.beta(1, 3, 4, 2)),
 }
-
-
-@pytest.mark.parametrize("deviations", [1.0, 6.0, 9.0, 12.0, 30.0])
-def test_tails_beyond_the_bounds_have_a_probability_however_small(deviations: float) -> None:
-    """In densities, in what a run states and in what the audit recomputes: 1 - Π(1 - p) is 0 below 1e-16."""
-    kinds = [Normal(mean=5.0, deviation=1.0 / deviations)] * 3
-    tail = math.erfc(deviations / math.sqrt(2.0))
-    ranges = [Range(f"a.{k}", k, LOW, HIGH, 5.0, kind) for k, kind in enumerate(kinds)]
-    asked = {one.path: SimpleNamespace(distribution=one.distribution) for one in ranges}
-    run = SimpleNamespace(
-        bounds={one.path: (LOW, HIGH) for one in ranges}, campaign=SimpleNamespace(uncertain=asked, correlations=[])
-    )
-    for found in (made(*kinds).outside, Distributions(ranges).outside, recompute.Run.outside(run)):  # type: ignore[arg-type]
-        assert found == pytest.approx(3 * tail - 3 * tail**2 + tail**3, rel=1e-9)
-        assert found > 0.0
-
-
-def test_what_is_sure_stays_so() -> None:
-    assert special.any_of([]) == special.any_of([0.0, 0.0]) == 0.0
-    assert special.any_of([0.5, 1.0]) == 1.0
-    assert special.any_of([0.5, 0.5]) == pytest.approx(0.75, rel=1e-15)
 
 
 @pytest.mark.parametrize("name", KINDS)

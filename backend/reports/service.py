@@ -127,6 +127,7 @@ def _context(record: Record) -> dict[str, object]:
         "checks": [] if verdict is None else verdict.checks,
         "sample": charts.sample(record),
         "certified": any(result.certificate is not None for result in record.every),
+        "seed_drawn": charts.seed_drawn(record),
         "counted": next((result.counted for result in record.every if result.counted is not None), None),
         "estimate": next((result.estimation for result in record.every if result.estimation is not None), None),
         "attraction": attraction.stated(record),

@@ -25,13 +25,13 @@ never that of the sample alone; reading the checks takes half the time of a row.
 
 
 def of(row: Any) -> bool:
-    drawn = row.samples or 0 if row.source in (None, "certify") else 0
+    drawn = row.samples or 0 if row.source == "certify" else 0
     return row.state == RunState.DONE and not_sampled(row.verdict, _failing(row.checks), drawn)
 
 
 def bound_source(row: Any, bound: float | None) -> BoundSource | None:
-    """The stage whose sample gives this bound; verdicts of earlier versions name none, and have that of certify."""
-    return None if bound is None else row.source or "certify"
+    """The stage whose sample gives this bound; a verdict that names none is older than the certify stage."""
+    return None if bound is None else row.source or "search"
 
 
 @lru_cache(maxsize=512)

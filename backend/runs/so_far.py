@@ -27,9 +27,10 @@ def of_run(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
     rows = reader.execute(sa.select(*columns).where(*drawing)).all()
     if not rows:
         return {}
-    of = sa.select(CampaignRow.document, Run.sample_seed_stated)
+    of = sa.select(CampaignRow.document, Run.sample_seed, Run.sample_seed_stated)
     run = reader.execute(of.join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)).one()
-    seed = STATED_SEED if run.sample_seed_stated else ""
+    # Without one it is that of the campaign, which somebody stated.
+    seed = STATED_SEED if run.sample_seed is None or run.sample_seed_stated else ""
     try:
         campaign = Campaign.model_validate(run.document)
         outside = _outside(reader, run_id, campaign)

@@ -70,7 +70,7 @@ class Statistics(Described):
     """As of the sample."""
     noise: Noise | None = None
     quantile: QuantileBound | None = None
-    source: BoundSource = "certify"
+    source: BoundSource = "search"  # what names none is older than the certify stage
     """`certify`: the sample of the certify stage, independent unless its seed was stated. `search`: there is no certify
     stage, and the sample is a random search with the seed of the campaign, by which nothing is cleared."""
 

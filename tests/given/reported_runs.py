@@ -74,7 +74,7 @@ def finish_fully(
         findings=list(found) or [finding(), second],
         traces=[flight("F1", 301, 0.8), flight("F2", 301, 0.85)],
     )
-    stated = Statistics.model_validate(sample().model_dump())
+    stated = Statistics.model_validate(sample().model_dump() | {"source": "certify"})
     checks = [
         Check(code="nominal", ok=True, statement=results.statement("margin +0.9 m")),
         Check(code="x", ok=False, statement=results.statement(checked)),

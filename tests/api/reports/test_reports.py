@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
-from backend.db.tables import CatalogueDocument, Run, Trace
+from backend.db.tables import CatalogueDocument, Run, Stage, Trace
 from backend.reports import charts, figures, pdf, plot, words
 from backend.reports.service import _STATES
 from campaigns.claims import earlier, numbers
@@ -299,3 +299,16 @@ def test_a_simulator_is_drawn_from_the_columns_that_it_declares(
         for name in ("kite", "tower", "balloon"):
             assert name in drawn
     assert 'data-missing="drawing"' not in text
+
+
+@pytest.mark.parametrize("drawn", [True, False])
+def test_a_sample_whose_seed_was_stated_is_told_so(
+    service: Service, client: httpx.Client, run: str, drawn: bool
+) -> None:
+    with service.engine.begin() as connection:
+        of = Stage.kind == "certify"
+        result = connection.execute(sa.select(Stage.result).where(of)).scalar_one()
+        connection.execute(sa.update(Stage).where(of).values(result=result | {"seed": 7, "drawn_at_launch": drawn}))
+    text = report(client, run)
+    assert "independent of the searches" in text
+    assert ("whose seed was stated by somebody" in text) != drawn

@@ -73,3 +73,13 @@ def test_where_the_bounds_are_not_known_the_sentence_says_so(service: Service, c
     assert stage["so_far"]["upper_bound"] == bound(VIOLATIONS, DRAWN, 0.95)
     assert stage["so_far"]["text"] == sentence(None)
     assert stage["so_far"]["within_bounds"], "as the sentence has it, the strip of the page has it"
+
+
+@pytest.mark.parametrize("seed", [{"sample_seed_stated": True}, {"sample_seed": None, "sample_seed_stated": False}])
+def test_a_seed_that_somebody_stated_is_named(service: Service, client: httpx.Client, seed: dict[str, Any]) -> None:
+    """A run without a seed of its own is of an earlier version, and has that of the campaign."""
+    assert claims.STATED_SEED not in drawing(service, client)["text"]
+    with service.engine.begin() as connection:
+        connection.execute(sa.update(Run).values(seed))
+    (stage,) = (s for s in client.get("/api/v1/runs/R-0001").json()["stages"] if s["kind"] == "certify")
+    assert claims.STATED_SEED in stage["so_far"]["text"]

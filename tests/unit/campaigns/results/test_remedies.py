@@ -142,7 +142,7 @@ def test_no_global_method_asks_for_one() -> None:
 def test_a_bound_above_the_target_asks_for_the_sample_that_would_meet_it() -> None:
     asked = campaign(target_probability=0.002, stages__certify={"samples": 1000})
     upper = bound(0, 1000, 0.95)
-    stated = Statistics(samples=1000, violations=0, confidence=0.95, upper_bound=upper)
+    stated = Statistics(source="certify", samples=1000, violations=0, confidence=0.95, upper_bound=upper)
     remedy = only(remedies(failing(CheckCode.TARGET), ran(asked, statistics=stated)))
     assert remedy.text == "with 1\u202f500 samples"
     certify = again(asked, remedy).stages.certify
@@ -152,9 +152,13 @@ def test_a_bound_above_the_target_asks_for_the_sample_that_would_meet_it() -> No
 
 def test_no_sample_meets_a_target_below_the_observed_fraction() -> None:
     asked = campaign(target_probability=0.002, stages__certify={"samples": 1000})
-    stated = Statistics(samples=1000, violations=900, confidence=0.95, upper_bound=bound(900, 1000, 0.95))
+    stated = Statistics(
+        source="certify", samples=1000, violations=900, confidence=0.95, upper_bound=bound(900, 1000, 0.95)
+    )
     assert remedies(failing(CheckCode.TARGET), ran(asked, statistics=stated)) == []
-    tails = Statistics(samples=1000, violations=0, confidence=0.95, upper_bound=0.003 + bound(0, 1000, 0.95))
+    tails = Statistics(
+        source="certify", samples=1000, violations=0, confidence=0.95, upper_bound=0.003 + bound(0, 1000, 0.95)
+    )
     assert remedies(failing(CheckCode.TARGET), ran(asked, statistics=tails)) == [], "the tails alone exceed it"
 
 

@@ -169,12 +169,6 @@ def sample(record: Record) -> Sample | None:
     return next((s for s in searched if s is not None and s.upper_bound is not None), None)
 
 
-def seed_drawn(record: Record) -> bool:
-    """Whether nobody chose the points of that sample: its seed was drawn at the launch."""
-    seeds = [result.sample_seed for result in record.every if result.certificate is not None]
-    return any(seed is not None and not seed.stated for seed in seeds)
-
-
 def _histogram(record: Record) -> Markup | None:
     stated = sample(record)
     if stated is None or stated.histogram is None or not any(stated.histogram.counts):

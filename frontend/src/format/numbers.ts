@@ -95,7 +95,9 @@ export function powered(value: number, digits: number): string {
 /** As `fixed`, but as a power of ten if that would be longer than nine characters. */
 export function short(value: Maybe, decimals = 2): string {
   const text = fixed(value, decimals)
-  return known(value) && text.length > LONG ? plain(value, 4) : text
+  if (!known(value) || text.length <= LONG) return text
+  const brief = plain(value, 4)
+  return brief.length > LONG ? powered(value, 4) : brief
 }
 
 /** Without trailing zeros after the dot. */

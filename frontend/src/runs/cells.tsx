@@ -4,7 +4,7 @@ import { IconAlertTriangle, IconPinned } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import type { RunSummary } from '../client'
 import { unknownOf } from '../format/counts'
-import { decimalsFor, fixed, margin, NONE, powered } from '../format/numbers'
+import { decimalsFor, margin, NONE, short } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { MarginBar } from '../ui/bars'
 import type { CellContext } from './columns'
@@ -34,10 +34,8 @@ export function RunName({ run, campaign }: { run: RunSummary; campaign: boolean 
 
 /** A value in the criterion's unit; a power of ten where its column would cut off its last digits. */
 export function amount(value: number | null, run: Pick<RunSummary, 'worst_cost' | 'threshold' | 'unit'>, { units }: Pick<CellContext, 'units'>): string {
-  if (value === null) return NONE
-  const decimals = decimalsFor([run.worst_cost, run.threshold])
-  const text = decimals > 6 || Math.abs(value) >= 1e7 ? powered(value, 4) : fixed(value, decimals)
-  return units && run.unit ? `${text} ${run.unit}` : text
+  const text = short(value, decimalsFor([run.worst_cost, run.threshold]))
+  return units && value !== null && run.unit ? `${text} ${run.unit}` : text
 }
 
 export function Time({ at, now }: { at: number | null; now: number }) {

@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'
 import { sourceOf, withoutValue } from '../format/counts'
-import { atMost, count, duration, NONE } from '../format/numbers'
+import { atMost, count, duration, exact, NONE } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
@@ -53,7 +53,7 @@ const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?:
     under: unitOf,
     cell: (run, { units }) => (
       <span className="sec">
-        {run.threshold ?? NONE}
+        {exact(run.threshold)}
         {units && run.unit ? ` ${run.unit}` : ''}
       </span>
     ),

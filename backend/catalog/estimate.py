@@ -134,5 +134,4 @@ def _simulated(reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, 
         return _Time(None, None, None, f"The time is not known yet: {measure}, and so does the first stage of a run.")
     again = made_again(campaign, catalogue, cost.noisy, entry is not None and entry.step is not None)
     usual, statement = cost.lasts(evaluations.usual, calls, again)
-    least = cost.lasts(evaluations.least, calls, again)[0]
-    return _Time(usual, least, cost.most(evaluations.most, calls), statement)
+    return _Time(usual, *cost.bounds(evaluations.least, evaluations.most, calls), statement)

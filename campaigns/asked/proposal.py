@@ -109,11 +109,12 @@ class Cost:
         turns, at_once = self._turns(calls)
         return math.ceil(evaluations / busy(at_once)) * (self.seconds + self.start) * turns
 
-    def most(self, evaluations: int, calls: int = 1) -> float:
-        """Time that so many evaluations take at most at this speed [s]: each in a fresh process, and as many slots idle
-        as members of `auto` leave idle while they wait for each other."""
-        turns, at_once = self._turns(calls)
-        return self.start + math.ceil(evaluations / _busy_at_least(at_once)) * (self.seconds + self.start) * turns
+    def bounds(self, least: int, most: int, calls: int = 1) -> tuple[float, float]:
+        """Time that between `least` and `most` evaluations take at this speed [s]: those with all slots busy, these one
+        after the other, each in a fresh process. A search may request one point at a time."""
+        each, at_once = self.of(calls)
+        alone = (self.seconds + self.start) * self._turns(calls)[0]
+        return self.start + math.ceil(least / at_once) * each, self.start + most * alone
 
     def _turns(self, calls: int) -> tuple[int, int]:
         """How many calls of an evaluation follow each other in a slot, and how many evaluations run side by side."""
@@ -128,8 +129,8 @@ class Cost:
         each, at_once = self.of(calls)
         seconds = self.start + math.ceil(evaluations / busy(at_once)) * each + self.again(again, calls)
         more = f"; {again:,} more{self.fresh} confirm results" if again else ""
-        idle = ", of which a search may leave half idle" if _waits(at_once) else _counted(at_once)
-        return seconds, f"{self.sentence(calls)}, on {self._on}{idle}{more}."
+        longest = " The most is the time of one evaluation after the other." if at_once > 1 else ""
+        return seconds, f"{self.sentence(calls)}, on {self._on}{_counted(at_once)}{more}.{longest}"
 
     @property
     def fresh(self) -> str:
@@ -205,11 +206,6 @@ def taking(seconds: float, slots: int) -> str:
 def busy(slots: int) -> int:
     """How many of the slots count, in every time that is stated."""
     return min(slots, BUSY)
-
-
-def _busy_at_least(slots: int) -> int:
-    """How many slots evaluate at any time, on average, while members wait: half of those that count, as measured."""
-    return max(min(slots, WAITING), busy(slots) // 2)
 
 
 def _waits(slots: int) -> bool:

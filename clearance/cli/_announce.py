@@ -32,7 +32,7 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
     evaluations, calls = total(expected(campaign, installed)), campaign.simulator.calls
     more = again(campaign, installed, cost.noisy, halved)
     seconds, known = cost.lasts(evaluations.usual, calls, more)
-    longest = lasting(cost.most(evaluations.most, calls))
+    longest = lasting(cost.bounds(evaluations.least, evaluations.most, calls)[1])
     taken = f"about {lasting(seconds)}, at most {longest}"
     again_called = called(campaign, evaluations.most)
     typer.echo(f"{evaluations.text} evaluations{again_called}; {taken} at this speed. {known}", err=True)

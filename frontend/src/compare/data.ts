@@ -39,7 +39,9 @@ export function useCompared(ids: readonly string[]): Comparison {
   const stages = useQueries({ queries: known.map(stagesQuery) })
   const findings = useQueries({ queries: known.map(findingsQuery) })
   const evaluations = useQueries({ queries: known.map(evaluationsQuery) })
-  const traced = known.filter((id) => hasScenario(asCampaign(runs[ids.indexOf(id)]?.data?.campaign)))
+  const traced = known.filter(
+    (id, i) => hasScenario(asCampaign(runs[ids.indexOf(id)]?.data?.campaign)) && stages[i]?.data?.some((stage) => stage.evaluations > 0),
+  )
   const nominal = useQueries({ queries: known.map((id) => traceOf(id, 'nominal', traced.includes(id))) })
   const worst = useQueries({ queries: known.map((id) => traceOf(id, worstOf(runs[ids.indexOf(id)]?.data ?? { summary: null }), traced.includes(id))) })
   const components = useQueries({ queries: known.map(componentsQuery) })

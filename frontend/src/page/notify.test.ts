@@ -60,10 +60,17 @@ it('reads whatever is stored', () => {
   expect(notify.readWanted('{"mine": "yes", "runs": "R-0001"}')).toEqual({ mine: false, runs: [] })
 })
 
-it('finds those that are live no more', () => {
-  const live = [{ id: 'R-0002' }, { id: 'R-0003' }] as RunSummary[]
-  expect(notify.endedOf(new Set(['R-0001', 'R-0002']), live)).toEqual(['R-0001'])
-  expect(notify.endedOf(new Set(), live)).toEqual([])
+it('tells of those that have ended, not of those that a list with a limit leaves out', async () => {
+  browser(Shown)
+  const states: Record<string, string> = { 'R-0001': 'done', 'R-0002': 'running', 'R-0003': 'queued' }
+  const run = (id: string) => ({ ...ENDED, id, state: states[id] }) as RunSummary
+  vi.doMock('../api/calls', async (original) => ({ ...(await original<object>()), getRun: (id: string) => Promise.resolve(run(id)) }))
+  vi.resetModules()
+  notify = await import('./notify')
+  const live = await notify.looked(new Set(['R-0001', 'R-0002']), [run('R-0003')], () => true, () => undefined)
+  expect([...live].sort()).toEqual(['R-0002', 'R-0003'])
+  expect(Shown.made.map(({ options }) => options?.tag)).toEqual(['R-0001'])
+  vi.doUnmock('../api/calls')
 })
 
 it('states the outcome', () => {

@@ -3,7 +3,7 @@
 import { useQuery } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 import { getRun, listRuns } from '../api/calls'
-import { sessionQuery } from '../api/queries'
+import { isLive, sessionQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { decimalsFor, margin } from '../format/numbers'
 import { at } from '../format/root'
@@ -59,6 +59,9 @@ function made(title: string, options?: NotificationOptions): Notification | null
   }
 }
 
+/** Opens the page of a run. */
+type Open = (run: string) => void
+
 type Asked = 'granted' | 'denied' | 'insecure' | 'unavailable'
 
 const WHY: Record<Asked, string> = {
@@ -98,25 +101,29 @@ export function useToggle(toggle: () => Promise<Asked>): [why: string, press: ()
   return [WHY[unable.useValue() ? 'unavailable' : answer], () => void toggle().then(setAnswer)]
 }
 
-/** Requested runs that were active and have ended. */
-export function endedOf(before: ReadonlySet<string>, live: readonly RunSummary[]): string[] {
-  const now = new Set(live.map((run) => run.id))
-  return [...before].filter((id) => !now.has(id))
+/** Tells of followed runs that have ended; the live ones, also those that are not in a list with a limit. */
+export async function looked(before: ReadonlySet<string>, listed: readonly RunSummary[], follows: (run: RunSummary) => boolean, open: Open): Promise<Set<string>> {
+  const live = new Set(listed.filter(follows).map((run) => run.id))
+  for (const id of [...before].filter((id) => !listed.some((run) => run.id === id))) {
+    const run = await getRun(id)
+    if (isLive(run)) live.add(id)
+    else tell(run, open)
+  }
+  return live
 }
 
 /** Notifies of ended runs while this tab is open. */
-export function useNotifier(open: (run: string) => void): void {
+export function useNotifier(open: Open): void {
   const { mine, runs } = useWanted()
   const user = useQuery(sessionQuery).data?.account
   const on = (mine || runs.length > 0) && 'Notification' in window && Notification.permission === 'granted'
   useEffect(() => {
     if (!on) return
     let before = new Set(wanted.get().runs)
+    const follows = (run: RunSummary) => (mine && run.owner === user) || runs.includes(run.id)
     const look = async () => {
       const { items } = await listRuns({ state: [...LIVE] }, null, 200)
-      const ended = endedOf(before, items)
-      before = new Set(items.filter((run) => (mine && run.owner === user) || runs.includes(run.id)).map((run) => run.id))
-      for (const id of ended) tell(await getRun(id), open)
+      before = await looked(before, items, follows, open)
     }
     // A failed request is repeated at the next interval.
     const timer = setInterval(() => void look().catch(() => undefined), PERIOD)
@@ -125,7 +132,7 @@ export function useNotifier(open: (run: string) => void): void {
   }, [on, mine, runs, user, open])
 }
 
-export function tell(run: RunSummary, open: (run: string) => void): void {
+export function tell(run: RunSummary, open: Open): void {
   // The tag merges notifications from several tabs.
   const message = made(`${run.id} ${wordOf(run).toLowerCase()}`, { body: bodyOf(run), tag: run.id, icon: at('/favicon.svg') })
   if (!message) return

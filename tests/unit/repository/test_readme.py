@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import sys
@@ -52,6 +53,16 @@ def commands() -> list[list[str]]:
     shown = [*lines(), *(code for text in TEXTS.values() for code in re.findall(r"`(clearance [^`]*)`", text))]
     called = [re.search(r"(?:^|/|\()clearance ([^#)]*)", line) for line in shown]
     return [shlex.split(match[1]) for match in called if match]
+
+
+def test_the_picture_states_the_stored_verdict_and_size_of_its_campaign() -> None:
+    """The independent sample is drawn at every launch, so that the number of evaluations varies by a few."""
+    found = re.search(r'library/(\w+)\.yaml`\*: verdict "(\w+)", about ([\d ]+) evaluations', TEXTS["README.md"])
+    assert found
+    campaign, verdict, evaluations = found.groups()
+    known = json.loads((REPOSITORY / "tests/golden/library_verdicts.json").read_text(encoding="utf-8"))[campaign]
+    assert verdict == known["verdict"]
+    assert int(evaluations.replace(" ", "")) == pytest.approx(sum(known["evaluations"].values()), rel=0.01)
 
 
 @pytest.mark.parametrize("horizon", [5.0, pytest.param(15.0, marks=pytest.mark.nightly)])

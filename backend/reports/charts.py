@@ -162,9 +162,8 @@ def _tornado(record: Record) -> Markup | None:
 
 def sample(record: Record) -> Sample | None:
     """The independent sample behind the statistical statement: that of certify, else of the first random search."""
-    certified = [result.certificate.sample for result in record.every if result.certificate is not None]
-    if certified:
-        return certified[0]
+    if record.certificate is not None:
+        return record.certificate.sample
     searched = [result.sample for _, result in record.results(SearchResult)]
     return next((s for s in searched if s is not None and s.upper_bound is not None), None)
 

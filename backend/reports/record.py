@@ -32,6 +32,7 @@ from campaigns.catalogue import ParameterEntry
 from campaigns.checked.check import parameters
 from campaigns.results import StageResult, TraceHead
 from campaigns.results.likelihood import MostLikely
+from campaigns.results.sample import Certificate
 from campaigns.symbols import labels
 
 R = TypeVar("R", bound=StageResult)
@@ -87,6 +88,11 @@ class Record:
     def every(self) -> list[StageResult]:
         """The results of all stages that have one."""
         return [stage.result for stage in self.stages if stage.result is not None]
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """The sample of the certify stage, and where its seed came from."""
+        return next((result.certificate for result in self.every if result.certificate is not None), None)
 
     def results(self, kind: type[R]) -> list[tuple[StageDetail, R]]:
         return [(stage, stage.result) for stage in self.stages if isinstance(stage.result, kind)]

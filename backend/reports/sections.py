@@ -205,7 +205,7 @@ def findings(record: Record) -> list[Row]:
             "evaluated": "" if f.granted == f.cost else numbers.fixed(f.cost, decimals),
             "margin": numbers.margin(f.margin, decimals),
             "violates": f.margin <= 0,
-            "methods": ", ".join(titles.get(m, m) for m in f.methods) or unsearched(f.validation),
+            "methods": ", ".join(titles.get(m, m) for m in f.methods) or unsearched(f.validation, record.certificate),
             "bounds": [(record.symbol_html(path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
             "seed": validated.seed(f.validation),

@@ -126,7 +126,7 @@ def _context(record: Record) -> dict[str, object]:
         "limits": limits.conditions(record),
         "checks": [] if verdict is None else verdict.checks,
         "sample": charts.sample(record),
-        "certificate": next((result.certificate for result in record.every if result.certificate is not None), None),
+        "certificate": record.certificate,
         "counted": next((result.counted for result in record.every if result.counted is not None), None),
         "estimate": next((result.estimation for result in record.every if result.estimation is not None), None),
         "attraction": attraction.stated(record),

@@ -14,7 +14,8 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from backend.http.schema import Instant, Schema
 from backend.runs import identity, sampled
-from campaigns.results.verdict import BoundSource, VerdictWord
+from backend.runs.sampled import BoundSource
+from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
 
@@ -49,9 +50,9 @@ class Outcome(Schema):
     upper_bound: float | None
     """Upper bound on P(violation), from the sample that `bound_source` names; null without one."""
     bound_source: BoundSource | None = None
-    """`certify`: the sample of the certify stage, independent unless its seed was stated. `search`: there is no certify
-    stage, and the sample is a random search with the seed of the campaign, by which nothing is cleared. Null without a
-    bound."""
+    """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which
+    somebody may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
+    the campaign. Nothing is cleared by the last two. Null without a bound."""
     violations: int | None
     failed_samples: int | None
     """Of the violations: samples without a value, because their evaluation failed."""

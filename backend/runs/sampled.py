@@ -7,18 +7,25 @@ from __future__ import annotations
 
 import json
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import sqlalchemy as sa
 
 from backend.db.tables import Run
-from campaigns.results.verdict import BoundSource, VerdictWord, not_sampled
+from campaigns.results.verdict import VerdictWord, not_sampled
 from campaigns.runs import RunState
+
+BoundSource: TypeAlias = Literal["certify", "certify_stated", "search"]
+"""The sample of a bound on P(violation); that of a certify stage by whether somebody may have chosen its seed."""
+
+STATED = sa.or_(Run.sample_seed.is_(None), Run.sample_seed_stated)
+"""Whether the seed of the sample was stated; without one it is that of the campaign, which somebody stated."""
 
 COLUMNS = (
     sa.case((Run.verdict == VerdictWord.INCONCLUSIVE, Run.summary["checks"].as_string())).label("checks"),
     Run.summary["statistics", "source"].as_string().label("source"),
     Run.summary["statistics", "samples"].as_integer().label("samples"),
+    STATED.label("stated"),
 )
 """The columns that `of` needs besides state and verdict. A check of a cleared run does not fail, and in a violated one
 never that of the sample alone; reading the checks takes half the time of a row."""
@@ -30,8 +37,12 @@ def of(row: Any) -> bool:
 
 
 def bound_source(row: Any, bound: float | None) -> BoundSource | None:
-    """The stage whose sample gives this bound; a verdict that names none is older than the certify stage."""
-    return None if bound is None else row.source or "search"
+    """The sample that gives this bound; a verdict that names none is older than the certify stage."""
+    if bound is None:
+        return None
+    if row.source == "certify":
+        return "certify_stated" if row.stated else "certify"
+    return "search"
 
 
 @lru_cache(maxsize=512)

@@ -8,12 +8,13 @@ from pydantic import Field, computed_field
 
 from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Instant, Schema
+from backend.runs.sampled import BoundSource
 from campaigns import Catalogue
 from campaigns.documents import JsonObject
 from campaigns.identity.identity import Identity
 from campaigns.results import Verdict
 from campaigns.results.sample import SoFar
-from campaigns.results.verdict import BoundSource, VerdictWord
+from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.runs import RunState, StageState
 from campaigns.stages.found import AnyResult, StageKind, declared
@@ -186,9 +187,9 @@ class RunSummary(Schema):
     upper_bound: float | None
     """Upper bound on P(violation), from the sample that `bound_source` names; None without one."""
     bound_source: BoundSource | None
-    """`certify`: the sample of the certify stage, independent unless its seed was stated. `search`: there is no certify
-    stage, and the sample is a random search with the seed of the campaign, by which nothing is cleared. Null without a
-    bound."""
+    """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which
+    somebody may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
+    the campaign. Nothing is cleared by the last two. Null without a bound."""
     removed: Instant | None
     """Time of removal from all lists; None if it is listed."""
     removed_by: str | None

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from backend.catalog.service import bounds, described
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
+from backend.runs import sampled
 from campaigns import Campaign
 from campaigns.asked.distributions import Normal
 from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
@@ -27,10 +28,9 @@ def of_run(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
     rows = reader.execute(sa.select(*columns).where(*drawing)).all()
     if not rows:
         return {}
-    of = sa.select(CampaignRow.document, Run.sample_seed, Run.sample_seed_stated)
+    of = sa.select(CampaignRow.document, sampled.STATED.label("stated"))
     run = reader.execute(of.join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)).one()
-    # Without one it is that of the campaign, which somebody stated.
-    seed = STATED_SEED if run.sample_seed is None or run.sample_seed_stated else ""
+    seed = STATED_SEED if run.stated else ""
     try:
         campaign = Campaign.model_validate(run.document)
         outside = _outside(reader, run_id, campaign)

@@ -250,9 +250,12 @@ def _again(store: MemoryStore) -> list[str]:
 
 def _how_found(store: MemoryStore) -> list[str]:
     lines = []
+    drawn = (stage.result.certificate for stage in store.stages if stage.result is not None)
+    certificate = next(filter(None, drawn), None)
     for finding in store.findings:
         ways = [f"{named('search', by.method)[8:]} after {count(by.evaluations)}" for by in finding.found]
-        how = f"found by {words(listed(ways))} evaluations" if ways else f"found by {unsearched(finding.validation)}"
+        by = f"{words(listed(ways))} evaluations" if ways else unsearched(finding.validation, certificate)
+        how = f"found by {by}"
         if not ways and finding.realisation is None:
             how += (
                 f": none evaluated a point with nearly its cost within {percent(SAME_PLACE)} of every range; it was "

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from campaigns.claims.numbers import Format, written
+from campaigns.claims.stages.sample import STATED_SEED
 from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 HOW = "give a parameter and its values, such as --sweep avoider.d_0=1,2,3"
 TABLE = "sweep.csv"
+SOURCES = {"search": ", from a random search", "certify_stated": f",{STATED_SEED}"}
+"""What a bound rests on, if its seed was not drawn at the launch."""
 
 
 def parsed(option: str) -> tuple[str, list[float]]:
@@ -97,7 +100,7 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     bound = outcome.upper_bound
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
     sure = written(outcome.confidence or 0.0, form=Format.AT_LEAST)
-    source = ", from a random search" if outcome.bound_source == "search" else ""
+    source = SOURCES.get(outcome.bound_source or "", "")
     sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence{source})"
     return f"{start}  {headline(str(outcome.verdict), outcome.not_sampled)}{margin}{sampled}"
 

@@ -48,7 +48,11 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     yield lines([["flight", *heads, *columns]])
     parameters = sheet(reader, run_id, runs.campaign(reader, run_id)).parameters
     units = "; ".join(f"{name} [{unit}]" for name, unit in [("margin", run.unit), *parameters] if unit)
-    nominal = _nominal(reader, run_id)
+    made = [stage.result for stage in runs.stages(reader, run_id) if stage.result is not None]
+    certificate = next((result.certificate for result in made if result.certificate is not None), None)
+    # Without a cost until its stage is done.
+    failed = NominalCase(cost=None, margin=None, status=Status.FAILED)
+    nominal = next((result.at_nominal for result in made if result.at_nominal is not None), failed)
     for name in dict.fromkeys([*flights, *(["nominal"] if nominal.cost is not None else []), *found]):
         head, finding = flights.get(name), found.get(name)
         cost, of = (finding.cost, finding.parameters) if finding else (nominal.cost, nominal.parameters)
@@ -62,7 +66,7 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
         value = criterion_values[0]
         known = None if value is None or run.threshold is None else value - run.threshold
         margin = finding.margin if finding else known
-        by = (" ".join(finding.methods) or unsearched(finding.validation)) if finding else ""
+        by = (" ".join(finding.methods) or unsearched(finding.validation, certificate)) if finding else ""
         drawn = finding.validation.realisation if finding and finding.validation else None
         ok = finding.validation.ok if finding and finding.validation else None
         at = [head.approach.time, head.approach.speed] if head is not None and head.approach else [None, None]
@@ -82,12 +86,6 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
             units,
         ]
         yield lines([row])
-
-
-def _nominal(reader: sa.Connection, run_id: int) -> NominalCase:
-    """The nominal case; without a cost until its stage is done."""
-    found = (stage.result.at_nominal for stage in runs.stages(reader, run_id) if stage.result is not None)
-    return next(filter(None, found), NominalCase(cost=None, margin=None, status=Status.FAILED))
 
 
 export = Format(

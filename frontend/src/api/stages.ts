@@ -1,5 +1,6 @@
 // The result of a stage, by its kind or by what it has: the API's results are a union whose members `stage` distinguishes.
 import type { Sample, StageDetail } from '../client'
+import { STATED_SEED } from '../format/counts'
 
 type Result = NonNullable<StageDetail['result']>
 type Kind = Result['stage']
@@ -48,6 +49,10 @@ export function sampleTitle(stages: readonly Pick<StageDetail, 'result'>[], samp
   const drawn = certified !== null && certified.sample === sample && certified.drawn_at_launch === true
   return drawn && sample.upper_bound !== null ? 'Independent sample' : 'Random sample'
 }
+
+/** What to name as the finder of a case that the sample drew: with a stated seed, somebody may have chosen its points. */
+export const samplerOf = (stages: readonly Pick<StageDetail, 'result'>[]): string =>
+  resultWith(stages, 'grid')?.drawn_at_launch === false ? `a random sample with a ${STATED_SEED}` : 'the independent sample'
 
 /** The independent sample, or else a random one. */
 export const randomSample = (stages: readonly Pick<StageDetail, 'result'>[]): Sample | null =>

@@ -59,9 +59,9 @@ it('reads a bound out as the table has it, never below itself', () => {
   expect(spec && observed && valueText(spec, observed, 0)).toBe('0\u202f%')
 })
 
-it('names a random search as the source of a bound, and nothing of a certify stage', () => {
-  const at = (['certify', 'search'] as const).map((bound_source, x): At => ({ x, run: '', outcome: outcome({ upper_bound: 0.01, bound_source }) }))
-  expect(boundsOf(at, axis, 200, 's')?.lines[0]?.texts).toEqual(['1\u202f%', '1\u202f%, random search'])
+it('names a random search or a stated seed as what a bound rests on, and nothing of an independent sample', () => {
+  const at = (['certify', 'search', 'certify_stated'] as const).map((bound_source, x): At => ({ x, run: '', outcome: outcome({ upper_bound: 0.01, bound_source }) }))
+  expect(boundsOf(at, axis, 200, 's')?.lines[0]?.texts).toEqual(['1\u202f%', '1\u202f%, random search', '1\u202f%, stated seed'])
 })
 
 it('has no chart without a number', () => {

@@ -51,7 +51,7 @@ it('writes no bound below itself, no margin as zero, and a confidence only if al
 
 it('names a random search as the source of a bound', () => {
   const [one, other] = [bounded('A', 0.02, 0.95, 1), bounded('B', 0.01, 0.95, 1)]
-  if (other.run.summary?.statistics) other.run.summary.statistics.source = 'search'
+  other.run.bound_source = 'search'
   expect(row('bound', [one, other]).slice(1)).toEqual(['2 %', '1 %', 'random search', '−1 %'])
 })
 

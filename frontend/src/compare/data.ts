@@ -84,7 +84,7 @@ const traceOf = (id: string, name: string, traced: boolean) => {
 }
 
 export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null
-export const boundSourceOf = ({ run }: Compared): string => sourceOf(run.summary?.statistics?.source)
+export const boundSourceOf = ({ run }: Compared): string => sourceOf(run.bound_source)
 
 /** The description of a parameter in the first run that has it. */
 export const parameterOf = (runs: readonly Compared[], path: string): UncertainParameter | undefined =>

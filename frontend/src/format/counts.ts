@@ -26,11 +26,16 @@ export function unknownOf({ evaluations, failed_evaluations: failed }: Counted):
   return `${count(failed)} of ${count(evaluations)} evaluations failed and have no margin`
 }
 
-/** What a bound on P(violation) rests on, if that is no sample of its own; empty for that of a certify stage. */
-export const sourceOf = (source: Outcome['bound_source'] | undefined): string => (source === 'search' ? 'random search' : '')
+type BoundSource = Outcome['bound_source'] | undefined
 
-/** At most 1 %, or "1 %, random search", by which nothing is cleared. */
-export const boundText = (bound: number | null | undefined, source: Outcome['bound_source'] | undefined): string =>
+export const STATED_SEED = 'stated seed'
+
+/** What a bound on P(violation) rests on, if its seed was not drawn at the launch; empty for an independent sample. */
+export const sourceOf = (source: BoundSource): string =>
+  source === 'search' ? 'random search' : source === 'certify_stated' ? STATED_SEED : ''
+
+/** At most 1 %, or "1 %, random search" and "1 %, stated seed", by which nothing is cleared. */
+export const boundText = (bound: number | null | undefined, source: BoundSource): string =>
   [atMost(bound), bound != null && sourceOf(source)].filter(Boolean).join(', ')
 
 interface Sample {

@@ -3,7 +3,8 @@ import { TagsInput } from '@mantine/core'
 import { Fragment } from 'react'
 import type { Campaign, Raw } from '../api/campaign'
 import type { Catalogue, Checked, ComponentEntry, ResultEntry } from '../client'
-import { atMost, confidenceText, count, goal, thinned, NONE } from '../format/numbers'
+import { boundText } from '../format/counts'
+import { confidenceText, count, goal, thinned, NONE } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
@@ -102,7 +103,7 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
         {bound !== null && (
           <>
             <dt>Bound on P(violation)</dt>
-            <dd>{atMost(bound)}</dd>
+            <dd>{boundText(bound, campaign.stages.certify ? 'certify' : 'search')}</dd>
           </>
         )}
         {target !== null && (

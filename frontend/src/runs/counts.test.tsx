@@ -1,11 +1,16 @@
 // Evaluations without a value are reported consistently next to every count, margin and check.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
-import { asCampaign } from '../api/campaign'
+import { asCampaign, type Campaign } from '../api/campaign'
 import * as fixtures from '../../tests/fixtures'
-import type { DescribedCheck, Outcome, RunDetail, StageProgress } from '../client'
+import { boundsOf } from '../charts/outcomes'
+import type { Catalogue, DescribedCheck, Outcome, RunDetail, StageDetail, StageProgress } from '../client'
+import type { Compared } from '../compare/data'
+import { Results } from '../compare/Results'
 import { withoutValue } from '../format/counts'
+import { Estimate } from '../launch/Side'
 import { COLUMNS } from '../runs/columns'
+import { FoundBy } from '../run/findings/FindingsCard'
 import { Standing } from '../run/verdict/Banner'
 import { countsOf } from '../run/search/failed'
 import { FiveFigures } from '../run/verdict/FiveFigures'
@@ -29,7 +34,7 @@ const RUN = fixtures.run({
 })
 
 const text = (html: string) => html.replace(/<[^>]+>/g, '').replaceAll('\u202f', ' ')
-const figures = (run: RunDetail) => renderToStaticMarkup(<FiveFigures data={{ run, campaign: asCampaign(run.campaign), findings: [] }} />)
+const figures = (run: RunDetail) => renderToStaticMarkup(<FiveFigures data={{ run, campaign: asCampaign(run.campaign), findings: [], stages: [] }} />)
 const cell = (key: string, run: RunDetail) => {
   const column = COLUMNS.find((c) => c.key === key)
   return renderToStaticMarkup(<>{column?.cell(run, { units: false, now: 0, onTag: () => undefined, onLabel: () => undefined })}</>)
@@ -59,15 +64,43 @@ it('shows no margin without the evaluations that have none', () => {
   expect(cell('margin', whole)).toContain('--ok-solid')
 })
 
-it('names a random search as the source of a bound in list, figures and tables', () => {
-  const by = (source: 'certify' | 'search'): RunDetail => {
-    const summary = RUN.summary && { ...RUN.summary, statistics: RUN.summary.statistics && { ...RUN.summary.statistics, source } }
-    return { ...RUN, summary, bound_source: source }
+/** What a bound rests on in words, where its seed was not drawn at the launch. */
+const SOURCES: Record<NonNullable<Outcome['bound_source']>, string[]> = { certify: [], certify_stated: ['stated seed'], search: ['random search'] }
+const sourcesIn = (html: string) => Object.values(SOURCES).flat().filter((words) => text(html).includes(words))
+
+it.each(['certify', 'certify_stated', 'search'] as const)('states what a bound rests on in every place: %s', (bound_source) => {
+  const of = { ...RUN, bound_source }
+  const outcome = { state: 'done', upper_bound: 0.01, bound_source } as Outcome
+  const compared = [{ id: 'R-0001', letter: 'A', dash: [], findings: [], parameters: [], stages: [], run: of }]
+  const places = {
+    list: cell('bound', of),
+    figures: figures(of),
+    tables: boundOf(outcome),
+    charts: String(boundsOf([{ x: 0, run: '', outcome }], { xTitle: '', xText: String }, 200, 's')?.lines[0]?.texts),
+    compare: renderToStaticMarkup(<Results runs={compared as unknown as Compared[]} className="" />),
   }
-  for (const [source, named] of [['certify', false], ['search', true]] as const) {
-    expect(text(cell('bound', by(source))).includes('random search')).toBe(named)
-    expect(text(figures(by(source))).includes('random search')).toBe(named)
-    expect(boundOf({ upper_bound: 0.01, bound_source: source } as Outcome).includes('random search')).toBe(named)
+  for (const [place, html] of Object.entries(places)) expect([place, sourcesIn(html)]).toEqual([place, SOURCES[bound_source]])
+})
+
+it('predicts what a bound will rest on before the launch', () => {
+  const search = [{ method: 'monte_carlo', evaluations: 300 }]
+  const methods = [{ name: 'monte_carlo', kind: 'random' }]
+  const predicted = (certify: { samples: number } | null) => {
+    const campaign = { ...asCampaign(RUN.campaign), stages: { search, certify } } as Campaign
+    return renderToStaticMarkup(<Estimate checked={undefined} campaign={campaign} catalogue={{ methods } as Catalogue} />)
+  }
+  for (const html of [predicted(null), predicted({ samples: 300 })]) expect(text(html)).toContain('0.994 %')
+  expect(sourcesIn(predicted(null))).toEqual(SOURCES.search)
+  expect(sourcesIn(predicted({ samples: 300 }))).toEqual(SOURCES.certify)
+})
+
+it.each([[true, false], [false, true]])('names what drew a case that no search found: seed drawn %s', (drawn_at_launch, named) => {
+  const found = fixtures.finding('F1', { methods: [], found: [], validation: fixtures.validation({ realisation: 7 }) })
+  const stages = [fixtures.stage({ grid: null, drawn_at_launch } as StageDetail['result'])]
+  const worst = renderToStaticMarkup(<FiveFigures data={{ run: RUN, campaign: asCampaign(RUN.campaign), findings: [found], stages }} />)
+  for (const html of [worst, renderToStaticMarkup(<FoundBy finding={found} stages={stages} />)]) {
+    expect(text(html).includes('a random sample with a stated seed')).toBe(named)
+    expect(text(html).includes('the independent sample')).toBe(!named)
   }
 })
 

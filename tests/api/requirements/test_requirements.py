@@ -27,7 +27,7 @@ from tests.given.code_versions import CODE, OTHER, edited
 from tests.given.databases import AT_NIGHT
 from tests.given.joined_users import joined
 from tests.given.problem_documents import problem
-from tests.given.reported_runs import SEARCHED, finish_fully
+from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service, until
 from tests.given.small_catalogue import campaign
@@ -89,21 +89,6 @@ def test_sign_offs_of_runs_that_speak_against_it_are_stated(service: Service, cl
     signed = {line["run"]: (line["signed"], line["signed_by"][:12]) for line in lines}
     assert signed[violating] == ("yes", "Grace Hopper")
     assert (found[variant]["part"], found[variant]["changes"]) == ("violation", []), "it is compared with no campaign"
-
-
-def test_the_matrix_states_which_sample_each_bound_is_of(service: Service, client: httpx.Client) -> None:
-    runs = [submit(client, seed=seed, criterion=stating({"id": "REQ-1", "text": TEXT})) for seed in (1, 2, 3)]
-    finish_fully(service)
-    finish_fully(service, statistics=SEARCHED)
-    finish_fully(service, statistics=None)
-    sources = dict(zip(runs, ("certify", "search", None), strict=True))
-    assert {one["id"]: one["bound_source"] for one in row(client, "REQ-1")["runs"]} == sources
-    assert {one["id"]: one["bound_source"] for one in client.get("/api/v1/runs").json()["items"]} == sources
-    trend = client.get("/api/v1/trends", params={"name": client.get(f"/api/v1/runs/{runs[0]}").json()["campaign_name"]})
-    assert {one["id"]: one["bound_source"] for one in trend.json()["runs"]} == sources
-    lines = csv.DictReader(io.StringIO(client.get(f"{AT}/export/matrix.csv").text))
-    written = {line["run"]: (bool(line["p_violation_bound"]), line["p_violation_bound_source"]) for line in lines}
-    assert written == {run: (source is not None, source or "") for run, source in sources.items()}
 
 
 @AT_NIGHT

@@ -10,12 +10,14 @@ from typing import Any
 
 import httpx
 import pytest
+import sqlalchemy as sa
 import yaml
 
 from backend.db.queue import Queue
-from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
+from backend.db.tables import Run
+from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, _sweep, invoke
 from clearance.client import drivers
-from tests.given.reported_runs import finish_fully
+from tests.given.reported_runs import SEARCHED, finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 
@@ -73,6 +75,21 @@ def test_the_worst_run_decides(submit: Submit, service: Service, capsys: Any, tm
             else:
                 assert f"{verdict}, worst margin 0.8 m, P(violation) at most 0.0999 % (95 % confidence)" in line
         assert (tmp_path / "sweep.csv").read_text().count("\n") == 3
+
+
+def test_a_line_states_what_its_bound_rests_on(submit: Submit, service: Service, capsys: Any) -> None:
+    def work() -> Iterator[object]:
+        with service.engine.begin() as writer:
+            writer.execute(sa.update(Run).where(Run.id == 2).values(sample_seed_stated=True))
+        finish_fully(service)
+        finish_fully(service)
+        finish_fully(service, statistics=SEARCHED)
+        yield None
+
+    submit("--sweep", "avoider.d_0=1,2,3", work=work())
+    lines = capsys.readouterr().out.splitlines()
+    found = [[source for source, text in _sweep.SOURCES.items() if text in line] for line in lines]
+    assert found == [[], ["certify_stated"], ["search"]]
 
 
 def test_only_its_number_or_its_json(submit: Submit, client: httpx.Client, capsys: Any) -> None:

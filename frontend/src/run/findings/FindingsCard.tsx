@@ -3,6 +3,7 @@ import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { Fragment, type MouseEvent } from 'react'
 import { hasScenario } from '../../api/campaign'
+import { samplerOf } from '../../api/stages'
 import type { FindingDetail, Gathered, Span, ValidateResult } from '../../client'
 import { count, decimalsApart, fixed, margin as marginText, NONE, percent } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
@@ -135,7 +136,7 @@ function Row({ data, decimals, choose, on, finding }: RowProps & { finding: Find
         <Bounds finding={finding} parameters={parameters} />
       </td>
       <td>
-        <FoundBy finding={finding} />
+        <FoundBy finding={finding} stages={data.stages} />
       </td>
       <td className="nw">
         <Validated finding={finding} />
@@ -229,9 +230,9 @@ function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: U
   ))
 }
 
-function FoundBy({ finding }: { finding: FindingDetail }) {
+export function FoundBy({ finding, stages }: { finding: FindingDetail; stages: RunData['stages'] }) {
   if (finding.found.length === 0)
-    return <span className="sec">{drawn(finding) ? 'the independent sample' : 'no search: refined from another point, or of another stage'}</span>
+    return <span className="sec">{drawn(finding) ? samplerOf(stages) : 'no search: refined from another point, or of another stage'}</span>
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   return (
     <span className={styles.finders}>

@@ -1,4 +1,5 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
+import { samplerOf } from '../../api/stages'
 import { sourceOf, unknownOf, violatedOf, withoutValue } from '../../format/counts'
 import { atMost, confidenceText, count, decimalsFor, duration, exact, fixed, goal, margin, NONE } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
@@ -11,9 +12,10 @@ import runStyles from '../run.module.css'
 import { whereOf } from './where'
 import cards from '../../ui/cards.module.css'
 
-export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' | 'findings'> }) {
+export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' | 'findings' | 'stages'> }) {
   const { run, campaign } = data
   const statistics = run.summary?.statistics ?? null
+  const source = sourceOf(run.bound_source)
   const decimals = decimalsFor([run.worst_cost, run.nominal_cost, run.threshold])
   const share = run.margin !== null && run.threshold ? run.margin / Math.abs(run.threshold) : null
   const lower = run.nominal_cost !== null && run.worst_cost !== null ? run.nominal_cost - run.worst_cost : null
@@ -41,7 +43,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           note={
             method
               ? `${methodLook(method).title}${whereOf(at, run.worst_cost)}`
-              : !worst ? 'none found' : drawn(worst) ? 'the independent sample' : 'found by no search'
+              : !worst ? 'none found' : drawn(worst) ? samplerOf(data.stages) : 'found by no search'
           }
         />
         <Stat
@@ -76,7 +78,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           unit={percents}
           note={
             statistics
-              ? `${violatedOf(statistics)}${sourceOf(statistics.source) && `; ${sourceOf(statistics.source)}`}${target === null ? '' : `; target ${goal(target)}`}`
+              ? `${violatedOf(statistics)}${source && `; ${source}`}${target === null ? '' : `; target ${goal(target)}`}`
               : 'no independent sample'
           }
         />

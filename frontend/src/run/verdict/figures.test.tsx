@@ -9,7 +9,7 @@ const found = (worst_cost: number, ...bests: [best: number | null, best_index: n
   const stages = bests.map(([best, best_index], position) => progress({ position, method: 'direct', best, best_index }))
   const of = run({ worst_cost, margin: worst_cost - 1, worst_method: 'direct', stages })
   const findings = [finding('F1', { cost: worst_cost, methods: ['direct'], found: [{ method: 'direct' }] as never })]
-  const html = renderToStaticMarkup(<FiveFigures data={{ run: of, campaign: asCampaign(of.campaign), findings }} />)
+  const html = renderToStaticMarkup(<FiveFigures data={{ run: of, campaign: asCampaign(of.campaign), findings, stages: [] }} />)
   return /DIRECT[^<]*/.exec(html)?.[0]
 }
 
@@ -24,7 +24,7 @@ const bound = (upper_bound: number, target_probability: number) => {
   const statistics = { source: 'certify', samples: 300, violations: 0, failed: 0, excluded: 0, confidence: 0.9496, upper_bound, noise: 'none' }
   const of = run({ summary: { statistics } as never })
   const campaign = { ...asCampaign(of.campaign), target_probability }
-  return renderToStaticMarkup(<FiveFigures data={{ run: of, campaign, findings: [] }} />)
+  return renderToStaticMarkup(<FiveFigures data={{ run: of, campaign, findings: [], stages: [] }} />)
 }
 
 it('never shows a bound above the target as one that meets it, nor a higher confidence', () => {

@@ -18,7 +18,7 @@ from campaigns.claims.numbers import NONE
 from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
 from campaigns.results import SearchResult, ValidateResult, verdicts
-from campaigns.results.finding import unsearched
+from campaigns.results.unsearched import unsearched
 from campaigns.results.validate import Compared
 from campaigns.runs import ENDED, StageState
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from campaigns.claims.stages.sample import STATED_SEED
 from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Result, Values
-from campaigns.results.sample import Certificate
 from campaigns.results.slices import Slices
 from campaigns.results.trace import Closest
 
@@ -97,14 +95,6 @@ class Validation(Result):
         """Whether one of the values that are compared is missing."""
         others = (self.half_step, self.integrator, self.again)
         return self.cost is None or any(other is not None and other.cost is None for other in others)
-
-
-def unsearched(case: Validation | None, certificate: Certificate | None) -> str:
-    """What to name as the finder of a case that no search found: only the sample draws noise for an evaluation."""
-    if case is None or case.realisation is None:
-        return "no search"
-    stated = certificate is not None and not certificate.drawn_at_launch
-    return f"a random sample{STATED_SEED}" if stated else "the independent sample"
 
 
 def granted(cost: float, case: Validation | None) -> float:

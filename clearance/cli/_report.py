@@ -19,8 +19,8 @@ from campaigns.claims.spans import words
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import OK
-from campaigns.results.finding import unsearched
 from campaigns.results.regression import Regression, Standing
+from campaigns.results.unsearched import unsearched
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
 from clearance.cli import CODES, INCONCLUSIVE, VIOLATED

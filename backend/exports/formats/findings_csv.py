@@ -13,8 +13,8 @@ from backend.http.written import headed, lines
 from backend.results import service as results
 from backend.runs import service as runs
 from campaigns.results.base import Status
-from campaigns.results.finding import unsearched
 from campaigns.results.nominal import NominalCase
+from campaigns.results.unsearched import unsearched
 
 LIKELY = ("standard deviations", "density of the highest", "draws no more likely")
 """How likely a finding is under the stated distributions; empty where all points of the box are equally likely."""

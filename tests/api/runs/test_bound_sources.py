@@ -18,7 +18,7 @@ from backend.db.engine import read
 from backend.db.tables import Stage, SweepRun
 from backend.webhooks import body
 from campaigns.claims.stages.sample import STATED_SEED
-from campaigns.results.finding import unsearched
+from campaigns.results.unsearched import unsearched
 from campaigns.runs import run_number
 from campaigns.stages.certify import CertifyResult
 from campaigns.stored.records import StagePlan

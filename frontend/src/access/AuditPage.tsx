@@ -10,7 +10,7 @@ import { count } from '../format/numbers'
 import { viaOf } from '../format/people'
 import { moment } from '../format/time'
 import { Loaded } from '../page/Trouble'
-import { Button } from '../ui/Button'
+import { Button, ButtonAnchor, TextButton } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { type Column, Table } from '../ui/Table'
 import { Digests } from '../ui/Digests'
@@ -18,7 +18,6 @@ import { CopyButton } from '../ui/files'
 import { AccessFrame } from './AccessFrame'
 import { at } from '../format/root'
 import styles from './access.module.css'
-import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 
 const auditQuery = (actor: string, action: string) => paged(['audit', actor, action], (cursor) => listAudit(actor, action, cursor), 0)
@@ -33,9 +32,9 @@ export function AuditPage() {
       title="Audit trail"
       actions={
         first && (
-          <a className={buttons.btn} href={at('/api/v1/audit/export')} download="clearance-audit.jsonl">
-            <IconDownload className="i s" aria-hidden /> Export as JSON lines
-          </a>
+          <ButtonAnchor icon={IconDownload} href={at('/api/v1/audit/export')} download="clearance-audit.jsonl">
+            Export as JSON lines
+          </ButtonAnchor>
         )
       }
     >
@@ -110,9 +109,7 @@ function EntriesList({ entries, onAll }: { entries: readonly AuditEntry[]; onAll
     return (
       <p className={clsx('sec', styles.none)}>
         No row matches.{' '}
-        <button type="button" className={buttons.linkbtn} onClick={onAll}>
-          Show all rows
-        </button>
+        <TextButton onClick={onAll}>Show all rows</TextButton>
       </p>
     )
   return <Table stack rows={entries} by={({ id }) => id} columns={COLUMNS} />

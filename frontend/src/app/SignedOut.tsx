@@ -1,7 +1,6 @@
 // Above the page of a browser whose session has ended: how to sign in. The page stays below with what was typed, and goes on
 // once its user has signed in again, in this tab or in another.
 import { useQueryClient } from '@tanstack/react-query'
-import { clsx } from 'clsx'
 import { useEffect, useLayoutEffect, useRef, useState } from 'react'
 import { answer } from '../api/calls'
 import { sessionQuery } from '../api/queries'
@@ -10,7 +9,7 @@ import { getSession, type SessionInfo } from '../client'
 import { BrandMark } from './Brand'
 import { at } from '../format/root'
 import { unsaved } from '../page/unsaved'
-import buttons from '../ui/buttons.module.css'
+import { ButtonAnchor } from '../ui/Button'
 import cards from '../ui/cards.module.css'
 import styles from './app.module.css'
 
@@ -48,9 +47,9 @@ export function SignedOut() {
             ? 'Your session has ended. What you typed on this page is kept. Sign in on a new tab, then come back to this one.'
             : 'Your session has ended. After signing in you return to this page.'}
         </p>
-        <a className={clsx(buttons.btn, buttons.p)} href={back} target={kept ? '_blank' : undefined}>
+        <ButtonAnchor main href={back} target={kept ? '_blank' : undefined}>
           {kept ? 'Sign in on a new tab' : 'Sign in'}
-        </a>
+        </ButtonAnchor>
         <p className="small sec">
           Without a password: open the login link that Clearance prints when it starts, in this browser and within 15 minutes; it is
           single-use. For a new link, run this on the machine where Clearance runs; earlier unused links become invalid:

@@ -2,7 +2,6 @@
 import { Popover } from '@mantine/core'
 import { IconAlertTriangle, IconCpu, IconLoader, IconMoon, IconPlayerPlay } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
-import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import { useStreamStatus } from '../api/events'
@@ -12,6 +11,7 @@ import { count, fixed, thinned } from '../format/numbers'
 import { age, moment } from '../format/time'
 import { methodLook } from '../ui/methods'
 import { Popup } from '../ui/Popup'
+import { RunLink } from '../ui/RunLink'
 import { useNow } from '../ui/useNow'
 import { usePolling } from '../ui/usePolling'
 import buttons from '../ui/buttons.module.css'
@@ -92,10 +92,7 @@ function Listed({ data, ahead, onLeave }: { data: Known; ahead: number; onLeave:
       )}
       {data.still.map(({ run, since }) => (
         <p key={run}>
-          <Link to="/runs/$id" params={{ id: run }} onClick={onLeave}>
-            {run}
-          </Link>{' '}
-          stands still: no new evaluation for {age(now - since)}.
+          <RunLink run={run} onClick={onLeave} /> stands still: no new evaluation for {age(now - since)}.
         </p>
       ))}
       <Room space={data.space} />
@@ -136,11 +133,7 @@ function Spans({ data, now }: { data: Known; now: number }) {
 }
 
 function Doing({ worker, now, onLeave }: { worker: WorkerOut; now: number; onLeave: () => void }) {
-  const run = worker.run && (
-    <Link to="/runs/$id" params={{ id: worker.run }} onClick={onLeave}>
-      {worker.run}
-    </Link>
-  )
+  const run = worker.run && <RunLink run={worker.run} onClick={onLeave} />
   if (worker.state === 'silent')
     return (
       <>

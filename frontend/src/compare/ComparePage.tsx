@@ -1,7 +1,7 @@
 // Compares two to four runs: differences of their campaigns and results. The runs are in the address.
 import { clsx } from 'clsx'
 import { IconAlertTriangle, IconArrowsExchange, IconGitCompare } from '@tabler/icons-react'
-import { Link, useNavigate, useSearch } from '@tanstack/react-router'
+import { useNavigate, useSearch } from '@tanstack/react-router'
 import { type ReactNode, useMemo } from 'react'
 import { PageHead } from '../page/PageHead'
 import { Loading } from '../page/Trouble'
@@ -22,8 +22,7 @@ import { Samples, samplesIn } from './Samples'
 import { idsOf, MOST } from './search'
 import { Tracks } from './Tracks'
 import { WorstParameters } from './WorstParameters'
-import { Button } from '../ui/Button'
-import buttons from '../ui/buttons.module.css'
+import { Button, ButtonLink } from '../ui/Button'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 
@@ -63,9 +62,7 @@ export function ComparePage() {
             dashed.
           </p>
           <div className={layout.acts}>
-            <Link to="/runs" className={buttons.btn}>
-              List of runs
-            </Link>
+            <ButtonLink to="/runs">List of runs</ButtonLink>
           </div>
         </div>
       )}

@@ -5,12 +5,12 @@ import { Contents } from '../help/HelpFrame'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { ButtonAnchor } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { CopyButton } from '../ui/files'
 import { OperationCard } from './OperationCard'
 import { type OpenApi, operationsOf } from './openapi'
 import { at, ROOT } from '../format/root'
-import buttons from '../ui/buttons.module.css'
 import guide from '../ui/guide.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './docs.module.css'
@@ -42,9 +42,7 @@ function Page({ document }: { document: OpenApi }) {
       </nav>
       <div className={guide.docbody} data-text>
         <PageHead title="API" note={`${document.info.title} ${document.info.version}. ${document.info.summary ?? ''}`}>
-          <a className={buttons.btn} href={at('/api/v1/openapi.json')} target="_blank" rel="noreferrer">
-            OpenAPI document
-          </a>
+          <ButtonAnchor href={at('/api/v1/openapi.json')} target="_blank" rel="noreferrer">OpenAPI document</ButtonAnchor>
         </PageHead>
         <Card>
           <p>

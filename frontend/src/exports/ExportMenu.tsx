@@ -6,6 +6,7 @@ import { useState } from 'react'
 import { getExports, getFile } from '../api/calls'
 import { asCampaign, caseWord } from '../api/campaign'
 import type { ExportFile, RunDetail } from '../client'
+import { ButtonAnchor } from '../ui/Button'
 import { Popup } from '../ui/Popup'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
@@ -30,10 +31,9 @@ export function ExportMenu({ run }: { run: RunDetail }) {
   return (
     <>
       {run.verdict && (
-        <a className={buttons.btn} href={at(`/api/v1/runs/${run.id}/report.html`)} target="_blank" rel="noreferrer">
-          <IconFileText className="i s" aria-hidden />
+        <ButtonAnchor icon={IconFileText} href={at(`/api/v1/runs/${run.id}/report.html`)} target="_blank" rel="noreferrer">
           Safety-case report
-        </a>
+        </ButtonAnchor>
       )}
       <Popup
         kind="menu"

@@ -5,6 +5,7 @@ import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import type { Draft, Span } from '../client'
 import { moment, when } from '../format/time'
+import { RunLink } from '../ui/RunLink'
 import { Spans } from '../ui/Spans'
 import { useNow } from '../ui/useNow'
 import cards from '../ui/cards.module.css'
@@ -32,10 +33,7 @@ export function Heading({ from, changed = [], baseline, draft }: HeadingProps) {
           Saved by {draft.saved_by} <span title={moment(draft.saved)}>{when(draft.saved, now)}</span>
           {draft.run && (
             <>
-              , started as{' '}
-              <Link to="/runs/$id" params={{ id: draft.run }}>
-                {draft.run}
-              </Link>
+              , started as <RunLink run={draft.run} />
             </>
           )}
           . <Link to="/launch">Begin another campaign</Link>
@@ -43,10 +41,7 @@ export function Heading({ from, changed = [], baseline, draft }: HeadingProps) {
       )}
       {from && !draft && (
         <Note icon={<IconCopy className="i" aria-hidden />}>
-          Starts from{' '}
-          <Link to="/runs/$id" params={{ id: from }}>
-            {from}
-          </Link>
+          Starts from <RunLink run={from} />
           {changed.length > 0 && (
             <>
               , <Spans spans={changed} />

@@ -1,7 +1,6 @@
 // Launching a run: choose a campaign, an earlier run or a draft, edit it as a form or as text, start it or save it as a draft.
-import { clsx } from 'clsx'
 import { useQuery, useQueryClient } from '@tanstack/react-query'
-import { Link, useNavigate, useSearch } from '@tanstack/react-router'
+import { useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo, useState } from 'react'
 import { asCampaign } from '../api/campaign'
 import { Refusal } from '../api/problems'
@@ -12,7 +11,7 @@ import type { Draft, RunDetail } from '../client'
 import { fromDraft, fromLibrary, fromRun, type Start } from './draft/beginning'
 import { Editor } from './Editor'
 import { ordered, type Shelf, shelfOf } from './library/shelf'
-import buttons from '../ui/buttons.module.css'
+import { ButtonLink } from '../ui/Button'
 
 /** An editor whose campaign was saved as a draft continues under the draft's address. */
 interface Own {
@@ -27,11 +26,7 @@ function Waiting() {
     <Notice
       title="Waiting for a worker"
       busy
-      actions={
-        <Link to="/runs" className={buttons.btn}>
-          All runs
-        </Link>
-      }
+      actions={<ButtonLink to="/runs">All runs</ButtonLink>}
     >
       Vehicles, controllers, avoiders and search methods are published by workers, and none has started on this database
       yet. Start one with <code>clearance worker</code>: this page then continues automatically.
@@ -44,11 +39,7 @@ function Absent({ id }: { id: string }) {
   return (
     <Notice
       title="Campaign not found"
-      actions={
-        <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
-          Choose from the library
-        </Link>
-      }
+      actions={<ButtonLink main to="/launch">Choose from the library</ButtonLink>}
     >
       The library of this installation has no campaign “{id}”.
     </Notice>

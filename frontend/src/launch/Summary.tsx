@@ -2,8 +2,7 @@
 import { clsx } from 'clsx'
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { FieldProblem } from '../api/problems'
-import { Button } from '../ui/Button'
-import buttons from '../ui/buttons.module.css'
+import { Button, TextButton } from '../ui/Button'
 import cards from '../ui/cards.module.css'
 import styles from './launch.module.css'
 
@@ -41,12 +40,10 @@ export function Summary({ problems, trouble, recheck, tab, onForm, onText }: Sum
             <li key={problem.field + problem.message}>
               {problem.field && (
                 <span className={styles.where}>
-                  <button type="button" className={clsx(buttons.linkbtn, 'mono')} onClick={() => here(problem.field)}>
-                    {problem.field}
-                  </button>
-                  <button type="button" className={clsx(buttons.linkbtn, 'small')} onClick={() => there(problem.field)}>
+                  <TextButton className="mono" onClick={() => here(problem.field)}>{problem.field}</TextButton>
+                  <TextButton className="small" onClick={() => there(problem.field)}>
                     {tab === 'form' ? 'In the YAML' : 'In the form'}
-                  </button>
+                  </TextButton>
                 </span>
               )}
               {problem.message.charAt(0).toUpperCase() + problem.message.slice(1)}

@@ -1,11 +1,9 @@
 // Placeholders of a page: loading, refused, not found, error.
 import { clsx } from 'clsx'
 import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
-import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { Refusal, statement } from '../api/problems'
-import { Button } from '../ui/Button'
-import buttons from '../ui/buttons.module.css'
+import { Button, ButtonLink } from '../ui/Button'
 import cards from '../ui/cards.module.css'
 import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
@@ -61,9 +59,7 @@ export function Trouble({ error, retry, onward = true, below = false }: TroubleP
             <Button main onClick={again}>Try again</Button>
           )}
           {onward && (
-            <Link to="/runs" className={again ? buttons.btn : clsx(buttons.btn, buttons.p)}>
-              All runs
-            </Link>
+            <ButtonLink to="/runs" main={!again}>All runs</ButtonLink>
           )}
         </>
       }

@@ -14,7 +14,7 @@ import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { SignedBy } from '../signoffs/SignedBy'
 import { RunCell } from '../trends/cells'
-import { Button } from '../ui/Button'
+import { Button, ButtonAnchor, TextButton } from '../ui/Button'
 import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
@@ -22,7 +22,6 @@ import { Table } from '../ui/Table'
 import { save } from '../ui/files'
 import { SearchBox } from '../ui/SearchBox'
 import { RunBadge } from '../ui/VerdictBadge'
-import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './reports.module.css'
 
@@ -67,9 +66,7 @@ export function ReportsPage() {
             {q ? (
               <>
                 No report matches.{' '}
-                <button type="button" className={buttons.linkbtn} onClick={() => search('')}>
-                  Clear the search
-                </button>
+                <TextButton onClick={() => search('')}>Clear the search</TextButton>
               </>
             ) : (
               <>
@@ -109,9 +106,9 @@ function Reports({ items }: { items: readonly Report[] }) {
             <span className={clsx(layout.row, 'nw')} style={{ gap: 6 }}>
               {report.files.map((file) =>
                 file.format === 'html' ? (
-                  <a key={file.format} className={clsx(buttons.btn, buttons.s)} href={file.href} target="_blank" rel="noreferrer" aria-label={`HTML report of ${report.run}`}>
-                    <IconFileText className="i s" aria-hidden /> HTML
-                  </a>
+                  <ButtonAnchor key={file.format} small icon={IconFileText} href={file.href} target="_blank" rel="noreferrer" aria-label={`HTML report of ${report.run}`}>
+                    HTML
+                  </ButtonAnchor>
                 ) : (
                   <Pdf key={file.format} report={report} file={file} />
                 ),

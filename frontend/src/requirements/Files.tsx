@@ -8,13 +8,12 @@ import type { RequirementFileOut } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { Failed } from '../page/Trouble'
-import { Button } from '../ui/Button'
+import { Button, ButtonAnchor } from '../ui/Button'
 import { Form } from '../ui/Form'
 import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
 import { hiddenHead, Table } from '../ui/Table'
-import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './requirements.module.css'
 
@@ -59,9 +58,7 @@ export function Files({ mayChange }: { mayChange: boolean }) {
               tone: 'num',
               cell: (file) => (
                 <span className={clsx(styles.fileActs, 'nw')}>
-                  <a className={clsx(buttons.btn, buttons.s)} href={contentOf(file)} download aria-label={`Download ${file.name}`}>
-                    <IconDownload className="i s" aria-hidden />
-                  </a>
+                  <ButtonAnchor small icon={IconDownload} href={contentOf(file)} download aria-label={`Download ${file.name}`} />
                   {mayChange && (
                     <Button small danger aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
                       Delete …

@@ -4,12 +4,13 @@ import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { RequirementRow, RequirementRun } from '../client'
 import { NONE } from '../format/numbers'
+import { TextButton } from '../ui/Button'
 import { Digest } from '../ui/Digests'
+import { RunLink } from '../ui/RunLink'
 import { SignedBy } from '../signoffs/SignedBy'
 import { DateCell, marginOf, OutcomeBadge } from '../trends/cells'
 import { leftOut, type Status, STATUSES } from './status'
 import badges from '../ui/badges.module.css'
-import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 import styles from './requirements.module.css'
@@ -93,9 +94,9 @@ function What({ row, onChange }: { row: RequirementRow; onChange: MatrixProps['o
       <span className={clsx(layout.row, 'b')}>
         <span className={layout.wrapAny}>{row.id}</span>
         {onChange && !row.file?.match(/\.(reqif|xml)$/i) && (
-          <button type="button" className={clsx(buttons.linkbtn, 'small', styles.change)} aria-label={`${row.registered ? 'Change' : 'Register'} ${row.id}`} onClick={() => onChange(row)}>
+          <TextButton className={clsx('small', styles.change)} aria-label={`${row.registered ? 'Change' : 'Register'} ${row.id}`} onClick={() => onChange(row)}>
             {row.registered ? 'Change …' : 'Register …'}
-          </button>
+          </TextButton>
         )}
       </span>
       <p className={styles.text}>{row.text || <span className="mut">no text</span>}</p>
@@ -112,9 +113,7 @@ function Cells({ run }: { run: RequirementRun }) {
     <>
       <td data-label="Run">
         <span className={tables.rn}>
-          <Link to="/runs/$id" params={{ id: run.id }}>
-            {run.id}
-          </Link>
+          <RunLink run={run.id} />
           <small>{run.campaign_name}</small>
           {run.role && <small>{run.role}</small>}
         </span>

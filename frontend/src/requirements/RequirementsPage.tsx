@@ -12,7 +12,7 @@ import { count } from '../format/numbers'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
-import { Button } from '../ui/Button'
+import { Button, TextButton } from '../ui/Button'
 import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
 import { SearchBox } from '../ui/SearchBox'
@@ -112,9 +112,7 @@ function Nothing({ of, narrowed, onAll }: { of: number | null; narrowed: boolean
     return (
       <p className="sec">
         {of === null ? 'No requirement matches.' : `None of the first ${count(of)} matches.`}{' '}
-        <button type="button" className={buttons.linkbtn} onClick={onAll}>
-          Show all requirements
-        </button>
+        <TextButton onClick={onAll}>Show all requirements</TextButton>
       </p>
     )
   return (

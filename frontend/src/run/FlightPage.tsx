@@ -8,6 +8,7 @@ import { isLive } from '../api/queries'
 import type { RunDetail } from '../client'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { ButtonLink } from '../ui/Button'
 import { RunBadge } from '../ui/VerdictBadge'
 import { useRunData } from './data/data'
 import { useRun } from './data/useRun'
@@ -19,7 +20,6 @@ import { View } from './flight/view'
 import { WhatIfCard } from './flight/WhatIfCard'
 import { Missing } from './header/Missing'
 import { Purged } from './header/Removed'
-import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './run.module.css'
@@ -46,9 +46,7 @@ function NoTrace({ run }: { run: RunDetail }) {
       </p>
       {!isLive(run) && <Declare />}
       <div className={layout.acts}>
-        <Link to="/runs/$id" params={{ id: run.id }} className={buttons.btn}>
-          Open {run.id}
-        </Link>
+        <ButtonLink to="/runs/$id" params={{ id: run.id }}>Open {run.id}</ButtonLink>
       </div>
     </div>
   )

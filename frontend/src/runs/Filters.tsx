@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import { IconPinned, IconTrash } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { facetsQuery } from '../api/queries'
-import { Chip, ChipCount } from '../ui/Button'
+import { Chip, ChipCount, TextButton } from '../ui/Button'
 import { MethodName } from '../ui/MethodMark'
 import { SearchBox } from '../ui/SearchBox'
 import { lookOf, OutcomeIcon } from '../ui/VerdictBadge'
@@ -12,7 +12,6 @@ import { USUAL, USUAL_REMOVED } from './columnKeys'
 import { DateMenu } from './DateMenu'
 import { FilterMenu } from '../ui/FilterMenu'
 import { CLEARED, isNarrowed, type RunsSearch, SHOWS, type Show } from './search'
-import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 
 interface FiltersProps {
@@ -62,9 +61,7 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
         />
         <DateMenu search={search} onChange={onChange} />
         {isNarrowed(search) && (
-          <button type="button" className={clsx(buttons.linkbtn, 'small')} onClick={() => onChange(CLEARED)}>
-            Clear all
-          </button>
+          <TextButton className="small" onClick={() => onChange(CLEARED)}>Clear all</TextButton>
         )}
         <span className={clsx(layout.row, layout.atend)}>
           <ColumnsMenu cols={search.cols} usual={search.removed ? USUAL_REMOVED : USUAL} onChange={(cols) => onChange({ cols })} />

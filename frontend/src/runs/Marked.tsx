@@ -1,8 +1,6 @@
 // Actions on the selected runs.
-import { clsx } from 'clsx'
 import { IconGitCompare, IconPinned, IconPlayerStop, IconX } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
-import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { cancelRuns, editRun } from '../api/calls'
 import { putRun } from '../api/events'
@@ -12,11 +10,10 @@ import type { RunSummary } from '../client'
 import { MOST, olderFirst } from '../compare/search'
 import { count } from '../format/numbers'
 import { plural, RemoveMarked, RunNames } from '../run/header/Removal'
-import { Button } from '../ui/Button'
+import { Button, ButtonLink } from '../ui/Button'
 import { Form } from '../ui/Form'
 import { IconButton } from '../ui/IconButton'
 import { Modal } from '../ui/Modal'
-import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 
 interface MarkedProps {
@@ -45,10 +42,9 @@ export function Marked({ runs, onClear }: MarkedProps) {
         </Button>
       )}
       {runs.length > 1 && runs.length <= MOST && (
-        <Link to="/compare" search={{ runs: olderFirst(runs.map((run) => run.id)).join(',') }} className={clsx(buttons.btn, buttons.s)}>
-          <IconGitCompare className="i s" aria-hidden />
+        <ButtonLink small icon={IconGitCompare} to="/compare" search={{ runs: olderFirst(runs.map((run) => run.id)).join(',') }}>
           Compare {plural(runs.length)}
-        </Link>
+        </ButtonLink>
       )}
       <CancelMarked key={runs.map((run) => run.id).join()} live={live} />
       <RemoveMarked runs={runs} onDone={onClear} />

@@ -1,13 +1,11 @@
 // The empty list: what Clearance does, and what to do first.
-import { clsx } from 'clsx'
 import { IconFileText } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
-import { Link } from '@tanstack/react-router'
 import { asCampaign } from '../api/campaign'
 import { catalogueQuery, libraryQuery } from '../api/queries'
 import { PlanView } from '../launch/plan/PlanView'
 import { ordered } from '../launch/library/shelf'
-import buttons from '../ui/buttons.module.css'
+import { ButtonLink } from '../ui/Button'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './runs.module.css'
@@ -33,12 +31,8 @@ export function NoRuns() {
           simulates the worst case again before it reports a verdict.
         </p>
         <div className={layout.acts} style={{ marginTop: 8 }}>
-          <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
-            Choose a case study
-          </Link>
-          <Link to="/launch" search={{ tab: 'yaml' }} className={buttons.btn}>
-            <IconFileText className="i s" aria-hidden /> Paste or drop a campaign file
-          </Link>
+          <ButtonLink main to="/launch">Choose a case study</ButtonLink>
+          <ButtonLink icon={IconFileText} to="/launch" search={{ tab: 'yaml' }}>Paste or drop a campaign file</ButtonLink>
         </div>
       </div>
       <ol className={styles.firststeps}>

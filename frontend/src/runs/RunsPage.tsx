@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import { IconPlus } from '@tabler/icons-react'
 import { useInfiniteQuery, useQueryClient } from '@tanstack/react-query'
-import { Link, useNavigate, useSearch } from '@tanstack/react-router'
+import { useNavigate, useSearch } from '@tanstack/react-router'
 import { useCallback, useMemo, useState } from 'react'
 import { useStreamStatus } from '../api/events'
 import { refreshRuns } from '../api/lists'
@@ -15,8 +15,7 @@ import { Marked } from './Marked'
 import { NoRuns } from './NoRuns'
 import { RunTable } from './RunTable'
 import { CLEARED, filterOf, isNarrowed, type RunsSearch } from './search'
-import { Button } from '../ui/Button'
-import buttons from '../ui/buttons.module.css'
+import { Button, ButtonLink } from '../ui/Button'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 import { usePolling } from '../ui/usePolling'
@@ -54,10 +53,7 @@ export function RunsPage() {
     <>
       <PageHead title="Runs">
         {selected.length > 0 && <Marked runs={selected} onClear={() => setMarked(new Set())} />}
-        <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
-          <IconPlus className="i s" aria-hidden />
-          New run
-        </Link>
+        <ButtonLink main icon={IconPlus} to="/launch">New run</ButtonLink>
       </PageHead>
       {none ? (
         <NoRuns />

@@ -2,7 +2,6 @@
 import { clsx } from 'clsx'
 import { IconSignature } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
-import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { getSignoffs, signOff, withdrawSignoff } from '../api/calls'
 import { useBarredFromOwn } from '../api/may'
@@ -16,6 +15,7 @@ import { Field, Form } from '../ui/Form'
 import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
+import { RunLink } from '../ui/RunLink'
 import { hiddenHead, Table } from '../ui/Table'
 import { headlineOf } from '../ui/VerdictBadge'
 import cards from '../ui/cards.module.css'
@@ -149,9 +149,7 @@ function Status({ item, run }: { item: Signoff; run: string }) {
         {other !== null && other !== run && (
           <>
             {item.run === run ? ' by ' : ' from '}
-            <Link to="/runs/$id" params={{ id: other }}>
-              {other}
-            </Link>
+            <RunLink run={other} />
           </>
         )}
       </span>

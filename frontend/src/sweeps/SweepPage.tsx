@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import { IconBan, IconDownload } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
-import { Link, useParams } from '@tanstack/react-router'
+import { useParams } from '@tanstack/react-router'
 import { useState } from 'react'
 import { cancelSweep, getSweep } from '../api/calls'
 import { useBarredFromOwn } from '../api/may'
@@ -18,14 +18,13 @@ import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from '../trends/cells'
-import { Button } from '../ui/Button'
+import { Button, ButtonAnchor, ButtonLink } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { Table } from '../ui/Table'
 import { usePolling } from '../ui/usePolling'
 import { headlineOf } from '../ui/VerdictBadge'
 import { activeOf, statementOf } from './states'
 import { at } from '../format/root'
-import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 
@@ -68,12 +67,8 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
           </>
         }
       >
-        <Link to="/sweeps" className={buttons.btn}>
-          All sweeps
-        </Link>
-        <a className={buttons.btn} href={at(`/api/v1/sweeps/${sweep.id}/table.csv`)} download>
-          <IconDownload className="i s" aria-hidden /> CSV
-        </a>
+        <ButtonLink to="/sweeps">All sweeps</ButtonLink>
+        <ButtonAnchor icon={IconDownload} href={at(`/api/v1/sweeps/${sweep.id}/table.csv`)} download>CSV</ButtonAnchor>
         {activeOf(sweep.states) > 0 && <Cancel sweep={sweep} />}
       </PageHead>
       {codes.length > 1 && (

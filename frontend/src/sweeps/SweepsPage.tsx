@@ -1,5 +1,4 @@
 // The list of sweeps.
-import { clsx } from 'clsx'
 import { IconPlus } from '@tabler/icons-react'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -10,10 +9,10 @@ import { moment, when } from '../format/time'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { ButtonLink } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { Table } from '../ui/Table'
 import { statementOf } from './states'
-import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 
@@ -27,10 +26,7 @@ export function SweepsPage() {
   return (
     <>
       <PageHead title="Sweeps">
-        <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
-          <IconPlus className="i s" aria-hidden />
-          New run or sweep
-        </Link>
+        <ButtonLink main icon={IconPlus} to="/launch">New run or sweep</ButtonLink>
       </PageHead>
       <Card title="All sweeps" note="One campaign with several values of a fixed parameter" flush={data.length > 0}>
         {data.length === 0 && (

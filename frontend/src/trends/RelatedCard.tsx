@@ -1,17 +1,15 @@
 // Other runs with the same input as a run, and those that differ in one thing, with links to compare.
-import { clsx } from 'clsx'
 import { IconArrowsDiff, IconChartDots } from '@tabler/icons-react'
 import { queryOptions, useQuery } from '@tanstack/react-query'
-import { Link } from '@tanstack/react-router'
 import { getRelated } from '../api/calls'
 import type { RelatedRun, RelatedRuns, RunDetail } from '../client'
 import { count } from '../format/numbers'
 import { Failed } from '../page/Trouble'
+import { ButtonLink } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { hiddenHead, Table } from '../ui/Table'
 import { CodeCell, DateCell, outcomeColumns } from './cells'
 import { differenceOf } from './difference'
-import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 
 const relatedQuery = (run: string, state: string) =>
@@ -28,9 +26,7 @@ export function RelatedCard({ run }: { run: RunDetail }) {
       id="related"
       flush={rows.length > 0}
       right={
-        <Link to="/trends" search={{ campaign: run.campaign_digest }} className={clsx(buttons.btn, buttons.s)}>
-          <IconChartDots className="i s" aria-hidden /> Trend
-        </Link>
+        <ButtonLink small icon={IconChartDots} to="/trends" search={{ campaign: run.campaign_digest }}>Trend</ButtonLink>
       }
       footer={
         data && (
@@ -69,9 +65,9 @@ function Others({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {
         {
           head: hiddenHead('Compare'),
           cell: ({ id }) => (
-            <Link to="/compare" search={{ runs: `${own},${id}` }} className={clsx(buttons.btn, buttons.s)} aria-label={`Compare ${own} with ${id}`}>
-              <IconArrowsDiff className="i s" aria-hidden /> Compare
-            </Link>
+            <ButtonLink small icon={IconArrowsDiff} to="/compare" search={{ runs: `${own},${id}` }} aria-label={`Compare ${own} with ${id}`}>
+              Compare
+            </ButtonLink>
           ),
         },
       ]}

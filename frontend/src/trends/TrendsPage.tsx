@@ -12,6 +12,7 @@ import { rfc3339 } from '../format/time'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { ButtonLink } from '../ui/Button'
 import { Card, Seg } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { FilterMenu } from '../ui/FilterMenu'
@@ -23,7 +24,6 @@ import { CodeCell, DateCell, outcomeColumns } from './cells'
 import { namesOf } from './code'
 import type { TrendSearch } from './search'
 import { changesOf } from './changes'
-import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './trends.module.css'
 
@@ -119,9 +119,7 @@ function Shown({ trend }: { trend: Trend }) {
         }
       >
         {trend.digest && (
-          <Link to="/trends" search={{ name: trend.name, label: search.label }} className={buttons.btn}>
-            All campaigns of this name
-          </Link>
+          <ButtonLink to="/trends" search={{ name: trend.name, label: search.label }}>All campaigns of this name</ButtonLink>
         )}
         {(trend.labels.length > 0 || search.label) && (
           <FilterMenu name="Label" options={trend.labels} value={search.label} onChange={narrow} />

@@ -1,7 +1,9 @@
-// A button with words, and an icon before them. What bars the user from it is its tooltip. And the chips of filters.
+// A button with words, and an icon before them. What bars the user from it is its tooltip. And links that look like one,
+// buttons that look like a link, and the chips of filters.
 import type { IconLink } from '@tabler/icons-react'
+import { createLink } from '@tanstack/react-router'
 import { clsx } from 'clsx'
-import type { ButtonHTMLAttributes, ReactNode } from 'react'
+import type { AnchorHTMLAttributes, ButtonHTMLAttributes, ReactNode, Ref } from 'react'
 import { count } from '../format/numbers'
 import buttons from './buttons.module.css'
 
@@ -31,6 +33,26 @@ export function Button({ icon: Icon, small, main, danger, wide, barred, disabled
     </button>
   )
 }
+
+interface AnchorProps extends AnchorHTMLAttributes<HTMLAnchorElement>, Pick<ButtonProps, 'icon' | 'small' | 'main'> {
+  ref?: Ref<HTMLAnchorElement>
+}
+
+/** A link that looks like a button, to a file or out of the pages. */
+export const ButtonAnchor = ({ icon: Icon, small, main, className, children, ...rest }: AnchorProps) => (
+  <a {...rest} className={clsx(buttons.btn, small && buttons.s, main && buttons.p, className)}>
+    {Icon && <Icon className="i s" aria-hidden />}
+    {children}
+  </a>
+)
+
+/** The same, to a page. */
+export const ButtonLink = createLink(ButtonAnchor)
+
+/** A button that looks like a link. */
+export const TextButton = ({ className, ...rest }: ButtonHTMLAttributes<HTMLButtonElement>) => (
+  <button type="button" className={clsx(buttons.linkbtn, className)} {...rest} />
+)
 
 /** A filter that is on or off. */
 export const Chip = ({ on, act, children }: { on: boolean; act: () => void; children: ReactNode }) => (

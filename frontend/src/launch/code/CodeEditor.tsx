@@ -16,7 +16,7 @@ import { hintOf, type Known } from './hints'
 import { ProblemList } from './ProblemList'
 import type { Schema } from '../../api/schema'
 import { diagnosticsOf, fromPage, type Hands, locking, opened, placedIn, unified } from './setup'
-import buttons from '../../ui/buttons.module.css'
+import { TextButton } from '../../ui/Button'
 import styles from './code.module.css'
 
 export interface CodeEditorProps {
@@ -151,9 +151,7 @@ function Standing({ text, cursor, campaign, catalogue, schema, readOnly, onForm 
               {found.hint.text && <span className="mut">. {found.hint.text}</span>}
             </span>
           )}
-          <button type="button" className={buttons.linkbtn} onClick={() => onForm(found.field)}>
-            Show in the form
-          </button>
+          <TextButton onClick={() => onForm(found.field)}>Show in the form</TextButton>
         </>
       ) : (
         <span className="mut">{readOnly ? 'Touch a line to see its description.' : 'Ctrl Space suggests completions, Ctrl F searches, F8 goes to the next problem.'}</span>

@@ -1,8 +1,7 @@
 // The problems of the text by line, with links to the line and to the field in the form.
-import { clsx } from 'clsx'
 import { IconAlertCircle } from '@tabler/icons-react'
 import type { Placed } from './setup'
-import buttons from '../../ui/buttons.module.css'
+import { TextButton } from '../../ui/Button'
 import styles from './code.module.css'
 
 interface ProblemListProps {
@@ -21,18 +20,16 @@ export function ProblemList({ placed, onGo, onForm }: ProblemListProps) {
       {sorted.map(({ problem, from, to, line }) => (
         <li key={problem.field + problem.message} data-problem={problem.field}>
           <IconAlertCircle className="i bad-t" aria-hidden />
-          <button type="button" className={clsx(buttons.linkbtn, 'nw')} onClick={() => onGo(from, to)}>
-            Line {line}
-          </button>
+          <TextButton className="nw" onClick={() => onGo(from, to)}>Line {line}</TextButton>
           <span>
             {!problem.field.startsWith('line ') && problem.field && <span className="mono">{problem.field} </span>}
             {problem.message}
             {problem.given && <span className="mut"> (given {problem.given})</span>}
           </span>
           {problem.field && !problem.field.startsWith('line ') && (
-            <button type="button" className={clsx(buttons.linkbtn, 'nw')} aria-label={`Show ${problem.field} in the form`} onClick={() => onForm(problem.field)}>
+            <TextButton className="nw" aria-label={`Show ${problem.field} in the form`} onClick={() => onForm(problem.field)}>
               In the form
-            </button>
+            </TextButton>
           )}
         </li>
       ))}

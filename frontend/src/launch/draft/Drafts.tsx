@@ -9,13 +9,14 @@ import { draftsQuery } from '../../api/queries'
 import type { DraftSummary } from '../../client'
 import { count } from '../../format/numbers'
 import { moment, when } from '../../format/time'
+import { TextButton } from '../../ui/Button'
 import { Card, Tags } from '../../ui/Card'
 import { type Column, hiddenHead, Table } from '../../ui/Table'
 import { Form } from '../../ui/Form'
 import { IconButton } from '../../ui/IconButton'
 import { Modal } from '../../ui/Modal'
+import { RunLink } from '../../ui/RunLink'
 import { useNow } from '../../ui/useNow'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './draft.module.css'
 
@@ -44,16 +45,7 @@ export function Drafts() {
       cell: ({ owner, saved_by }) => [saved_by, owner !== saved_by && <span key="owner" className="mut">, begun by {owner}</span>],
     },
     { head: 'Saved', tone: 'nw', label: 'Saved', tip: ({ saved }) => moment(saved), cell: ({ saved }) => when(saved, now) },
-    {
-      head: 'Run',
-      label: ({ run }) => (run ? 'Run' : undefined),
-      cell: ({ run }) =>
-        run && (
-          <Link to="/runs/$id" params={{ id: run }} className="mono">
-            {run}
-          </Link>
-        ),
-    },
+    { head: 'Run', label: ({ run }) => (run ? 'Run' : undefined), cell: ({ run }) => run && <RunLink run={run} className="mono" /> },
     { head: hiddenHead('Delete'), tone: layout.acts, cell: (draft) => <Delete draft={draft} onAsk={() => setLeaving(draft)} /> },
   ]
   const shown = all ? data : data.slice(0, FEW)
@@ -65,9 +57,7 @@ export function Drafts() {
       flush
       footer={
         shown.length < data.length && (
-          <button type="button" className={buttons.linkbtn} onClick={() => setAll(true)}>
-            Show {count(data.length - shown.length)} more
-          </button>
+          <TextButton onClick={() => setAll(true)}>Show {count(data.length - shown.length)} more</TextButton>
         )
       }
     >

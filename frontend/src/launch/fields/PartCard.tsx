@@ -5,6 +5,7 @@ import { plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Docstring } from '../../help/Docstring'
 import { HelpLink, idOfComponent } from '../../help/links'
+import { TextButton } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { Choice, RemoveButton } from './Field'
@@ -12,7 +13,6 @@ import { NumberCell } from './NumberCell'
 import { numberOf, type Parameter, type Section } from '../campaign/parameters'
 import { FieldErrors, idOf } from './problems'
 import type { FormProps, SetValue } from './props'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
 import styles from './fields.module.css'
@@ -162,9 +162,7 @@ function Strays({ strays, set }: { strays: Section['strays']; set: SetValue }) {
       <div key={field} id={idOf(field)} tabIndex={-1}>
         <span className={clsx(layout.row, 'small')}>
           <span className="mono">{name}</span> {typeof value === 'number' ? plain(value) : value}
-          <button type="button" className={buttons.linkbtn} aria-label={`Remove ${field}`} onClick={() => set(at, undefined)}>
-            Remove
-          </button>
+          <TextButton aria-label={`Remove ${field}`} onClick={() => set(at, undefined)}>Remove</TextButton>
         </span>
         <FieldErrors field={field} />
       </div>

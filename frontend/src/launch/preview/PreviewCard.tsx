@@ -6,7 +6,7 @@ import type { Campaign } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, Preview } from '../../client'
 import { decimalsApart, duration, exact, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
-import { Button } from '../../ui/Button'
+import { Button, TextButton } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
@@ -17,7 +17,6 @@ import { PreviewPlan } from './PreviewPlan'
 import { hasHeights, PreviewSide } from './PreviewSide'
 import { rangesOf } from './ranges'
 import type { LivePreview } from './usePreview'
-import buttons from '../../ui/buttons.module.css'
 import icons from '../../ui/icons.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './preview.module.css'
@@ -99,9 +98,7 @@ function Flight({ ok, live, criterion }: FlightProps) {
             <IconAlertTriangle className="i s" aria-hidden />
             <span>
               {trouble.message}{' '}
-              <button type="button" className={buttons.linkbtn} onClick={live.again}>
-                Try again
-              </button>
+              <TextButton onClick={live.again}>Try again</TextButton>
             </span>
           </p>
         )}

@@ -14,16 +14,16 @@ import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
 import { launchedBy } from '../../format/people'
 import { dayAndClock, moment } from '../../format/time'
-import { Button } from '../../ui/Button'
+import { Button, ButtonLink } from '../../ui/Button'
 import { Form } from '../../ui/Form'
 import { Tags } from '../../ui/Card'
+import { RunLink } from '../../ui/RunLink'
 import { RunBadge } from '../../ui/VerdictBadge'
 import { Modal } from '../../ui/Modal'
 import { Bell } from './Bell'
 import { EditRun } from './EditRun'
 import { Remove } from './Removed'
 import badges from '../../ui/badges.module.css'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 import runStyles from '../run.module.css'
 
@@ -56,18 +56,12 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           )}
           {run.continues && (
             <span className="small nw">
-              Extends{' '}
-              <Link to="/runs/$id" params={{ id: run.continues }} className="mono">
-                {run.continues}
-              </Link>
+              Extends <RunLink run={run.continues} className="mono" />
             </span>
           )}
           {run.baseline?.run && (
             <span className="small nw">
-              Baseline{' '}
-              <Link to="/runs/$id" params={{ id: run.baseline.run }} className="mono">
-                {run.baseline.run}
-              </Link>
+              Baseline <RunLink run={run.baseline.run} className="mono" />
               {run.summary?.regression?.ok === false && (
                 <>
                   :{' '}
@@ -85,15 +79,10 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
         {isLive(run) && <Freshness stale={stale} />}
         {isLive(run) && <Bell run={run.id} />}
         {isLive(run) && hasScenario(asCampaign(run.campaign)) && (
-          <Link to="/runs/$id/flight" params={{ id: run.id }} className={buttons.btn} title="The flights found so far, and the searches">
-            3D view
-          </Link>
+          <ButtonLink to="/runs/$id/flight" params={{ id: run.id }} title="The flights found so far, and the searches">3D view</ButtonLink>
         )}
         <ExportMenu run={run} />
-        <Link to="/launch" search={{ from: run.id }} className={buttons.btn}>
-          <IconRefresh className="i s" aria-hidden />
-          Run again
-        </Link>
+        <ButtonLink icon={IconRefresh} to="/launch" search={{ from: run.id }}>Run again</ButtonLink>
         {ran === run.id && <Cancel run={run} />}
       </div>
     </div>

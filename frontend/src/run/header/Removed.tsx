@@ -1,16 +1,14 @@
 // Notice of a removed run: who, when and why, and restoration; notice of a purged run.
 import { clsx } from 'clsx'
 import { IconArrowBackUp, IconTrash } from '@tabler/icons-react'
-import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { useBarred } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { moment } from '../../format/time'
-import { Button } from '../../ui/Button'
+import { Button, ButtonLink } from '../../ui/Button'
 import { Digests } from '../../ui/Digests'
 import { RemoveDialog, useRestore } from './Removal'
 import { History } from './History'
-import buttons from '../../ui/buttons.module.css'
 import cards from '../../ui/cards.module.css'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
@@ -50,9 +48,7 @@ export function Purged({ id, statement }: { id: string; statement: string }) {
         <IconTrash size={36} stroke={1.5} aria-hidden />
         <h1>{id} was purged</h1>
         <p className={layout.wrapAny}><Digests text={statement} /></p>
-        <Link to="/runs" className={buttons.btn}>
-          All runs
-        </Link>
+        <ButtonLink to="/runs">All runs</ButtonLink>
       </div>
       <History run={id} />
     </>

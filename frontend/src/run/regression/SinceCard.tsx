@@ -8,19 +8,19 @@ import {
   IconHelpCircle,
   IconSparkles,
 } from '@tabler/icons-react'
-import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { FindingChange, Regression } from '../../client'
 import { decimalsFor, margin, plain } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
+import { TextButton } from '../../ui/Button'
 import { Card } from '../../ui/Card'
+import { RunLink } from '../../ui/RunLink'
 import { Spans } from '../../ui/Spans'
 import { type Column, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { worstOf } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
 import badges from '../../ui/badges.module.css'
-import buttons from '../../ui/buttons.module.css'
 import styles from './regression.module.css'
 
 type Standing = FindingChange['standing']
@@ -109,13 +109,7 @@ export function Changes({ unit, regression, choose }: ChangesProps) {
   const changes = cases.flatMap((c) => (c.change ? [c.change] : []))
   // A change that is not 0 is not shown as 0, down to a millionth.
   const smallest = Math.min(6, Math.max(3, ...changes.map((value) => decimalsFor([value], 2))))
-  const named = RUN.test(regression.run) ? (
-    <Link to="/runs/$id" params={{ id: regression.run }} className="mono">
-      {regression.run}
-    </Link>
-  ) : (
-    <span className={styles.folder}>{regression.run}</span>
-  )
+  const named = RUN.test(regression.run) ? <RunLink run={regression.run} className="mono" /> : <span className={styles.folder}>{regression.run}</span>
   const column = (key: 'margin_before' | 'margin_again' | 'margin', head: string, title: string): Column<FindingChange> => ({
     head,
     title,
@@ -161,8 +155,6 @@ function Status({ change: { standing, fails } }: { change: FindingChange }) {
 function Here({ now, choose }: Pick<FindingChange, 'now'> & Pick<ChangesProps, 'choose'>) {
   if (!now) return <span className="mut">no finding</span>
   return (
-    <button type="button" className={clsx(buttons.linkbtn, 'mono')} onClick={() => choose(now)} title={`Show ${now}`}>
-      {now}
-    </button>
+    <TextButton className="mono" onClick={() => choose(now)} title={`Show ${now}`}>{now}</TextButton>
   )
 }

@@ -1,11 +1,9 @@
 // What may be tried next after an inconclusive verdict: each step opens the launch page with the campaign changed.
-import { clsx } from 'clsx'
 import { IconRefresh } from '@tabler/icons-react'
-import { Link } from '@tanstack/react-router'
 import { keysOf, stepsOf } from '../../api/steps'
 import type { RunDetail } from '../../client'
+import { ButtonLink } from '../../ui/Button'
 import { Spans } from '../../ui/Spans'
-import buttons from '../../ui/buttons.module.css'
 import styles from './verdict.module.css'
 
 export function NextSteps({ run }: { run: RunDetail }) {
@@ -14,17 +12,16 @@ export function NextSteps({ run }: { run: RunDetail }) {
   return (
     <div className={styles.next} role="group" aria-label="Next steps">
       {steps.map((step) => (
-        <Link key={step.key} to="/launch" search={{ from: run.id, remedy: step.key }} className={clsx(buttons.btn, buttons.s)}>
-          <IconRefresh className="i s" aria-hidden />
+        <ButtonLink key={step.key} small icon={IconRefresh} to="/launch" search={{ from: run.id, remedy: step.key }}>
           <span>
             Run again <Spans spans={step.remedy.statement} />
           </span>
-        </Link>
+        </ButtonLink>
       ))}
       {steps.length > 1 && (
-        <Link to="/launch" search={{ from: run.id, remedy: keysOf(steps) }} className={clsx(buttons.btn, buttons.s)}>
+        <ButtonLink small to="/launch" search={{ from: run.id, remedy: keysOf(steps) }}>
           {steps.length === 2 ? 'With both' : `With all ${steps.length}`}
-        </Link>
+        </ButtonLink>
       )}
     </div>
   )

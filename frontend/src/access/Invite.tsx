@@ -1,7 +1,7 @@
 // Inviting a user: name and role, then the link, which is shown only once.
-import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
+import { useChange } from '../api/change'
 import { inviteUser, type Role, ROLES } from '../api/access'
 import type { Invitation } from '../client'
 import { moment } from '../format/time'
@@ -11,12 +11,8 @@ import { Secret } from './Secret'
 import { ROOT } from '../format/root'
 
 export function InviteForm({ onDone }: { onDone: () => void }) {
-  const cache = useQueryClient()
   const [role, setRole] = useState<Role>('engineer')
-  const invite = useMutation({
-    mutationFn: (name: string) => inviteUser({ name, role }),
-    onSuccess: () => cache.invalidateQueries({ queryKey: ['users'] }),
-  })
+  const invite = useChange((name: string) => inviteUser({ name, role }), ['users'])
   if (invite.data) return <InvitationLink invitation={invite.data} onDone={onDone} />
   return (
     <MakingForm

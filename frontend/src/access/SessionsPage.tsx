@@ -1,9 +1,10 @@
 // The browsers that are signed in: your own, for administrators all; and changing your password.
 import { clsx } from 'clsx'
 import { IconLock } from '@tabler/icons-react'
-import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { changePassword, revokeSession, sessionsQuery } from '../api/access'
+import { useChange } from '../api/change'
 import { sessionQuery } from '../api/queries'
 import type { BrowserSession } from '../client'
 import { moment, when } from '../format/time'
@@ -48,11 +49,7 @@ export function SessionsPage() {
 }
 
 function BrowsersList({ sessions }: { sessions: readonly BrowserSession[] }) {
-  const cache = useQueryClient()
-  const revoke = useMutation({
-    mutationFn: revokeSession,
-    onSettled: () => cache.invalidateQueries({ queryKey: ['sessions'] }),
-  })
+  const revoke = useChange(revokeSession, ['sessions'])
   const columns: Column<BrowserSession>[] = [
     { head: 'User', tone: clsx('m', styles.who), cell: ({ user }) => user },
     { head: 'Browser', tone: 'nw', label: 'Browser', tip: ({ agent }) => agent, cell: ({ agent }) => browserOf(agent) },
@@ -88,17 +85,10 @@ function BrowsersList({ sessions }: { sessions: readonly BrowserSession[] }) {
 }
 
 function PasswordForm({ has, user, onDone }: { has: boolean; user: string; onDone: () => void }) {
-  const cache = useQueryClient()
   const [current, setCurrent] = useState('')
   const [next, setNext] = useState('')
   const [again, setAgain] = useState('')
-  const change = useMutation({
-    mutationFn: () => changePassword(current, next),
-    onSuccess: async () => {
-      await Promise.all(['session', 'sessions'].map((key) => cache.invalidateQueries({ queryKey: [key] })))
-      onDone()
-    },
-  })
+  const change = useChange(() => changePassword(current, next), ['session', 'sessions'], onDone)
   const differ = again !== '' && again !== next
   return (
     <Form sent={change} send={has ? 'Change' : 'Set'} off={!next || again !== next} onSend={() => change.mutate()} onLeave={onDone}>

@@ -1,9 +1,10 @@
 // API tokens: your own, for administrators all; creating and revoking.
 import { clsx } from 'clsx'
 import { IconKey } from '@tabler/icons-react'
-import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { createToken, hasRole, revokeToken, tokensQuery } from '../api/access'
+import { useChange } from '../api/change'
 import { sessionQuery } from '../api/queries'
 import type { Token } from '../client'
 import { moment, when } from '../format/time'
@@ -106,14 +107,10 @@ function State({ token }: { token: Token }) {
 }
 
 function CreateForm({ onDone }: { onDone: () => void }) {
-  const cache = useQueryClient()
   const role = useQuery(sessionQuery).data?.role
   const [scope, setScope] = useState<'read' | 'run' | 'admin'>(hasRole(role, 'engineer') ? 'run' : 'read')
   const [days, setDays] = useState<number | null>(90)
-  const create = useMutation({
-    mutationFn: (name: string) => createToken({ name, scope, days }),
-    onSuccess: () => cache.invalidateQueries({ queryKey: ['tokens'] }),
-  })
+  const create = useChange((name: string) => createToken({ name, scope, days }), ['tokens'])
   if (create.data)
     return (
       <Secret text={create.data.secret} copy="Copy the token" onDone={onDone}>
@@ -146,11 +143,7 @@ function CreateForm({ onDone }: { onDone: () => void }) {
 }
 
 function RevokeForm({ token, onDone }: { token: Token; onDone: () => void }) {
-  const cache = useQueryClient()
-  const revoke = useMutation({
-    mutationFn: () => revokeToken(token.name),
-    onSuccess: () => cache.invalidateQueries({ queryKey: ['tokens'] }).then(onDone),
-  })
+  const revoke = useChange(() => revokeToken(token.name), ['tokens'], onDone)
   return (
     <Form sent={revoke} send="Revoke" danger onSend={() => revoke.mutate()} leave="Keep it" onLeave={onDone}>
       <p className="sec">Programs that use it are refused from now on. This cannot be undone, and the name cannot be used again.</p>

@@ -4,6 +4,7 @@ import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useNavigate, useSearch } from '@tanstack/react-router'
 import { useState } from 'react'
 import { changeSettings, changeUser, renewInvitation, type Role, settingsQuery, usersQuery } from '../api/access'
+import { useChange } from '../api/change'
 import { sessionQuery } from '../api/queries'
 import type { User } from '../client'
 import { count } from '../format/numbers'
@@ -93,16 +94,9 @@ function Access({ user }: { user: User }) {
 }
 
 function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
-  const cache = useQueryClient()
   const [role, setRole] = useState<Role>(user.role)
-  const refresh = () => cache.invalidateQueries({ queryKey: ['users'] })
-  const change = useMutation({
-    mutationFn: (changes: { role?: Role; disabled?: boolean }) => changeUser(user, changes),
-    onSuccess: () => refresh().then(onDone),
-    // Refused because another administrator has changed the user: show the current state.
-    onError: refresh,
-  })
-  const renew = useMutation({ mutationFn: () => renewInvitation(user.name), onSuccess: refresh })
+  const change = useChange((changes: { role?: Role; disabled?: boolean }) => changeUser(user, changes), ['users'], onDone)
+  const renew = useChange(() => renewInvitation(user.name), ['users'])
   if (renew.data) return <InvitationLink invitation={renew.data} onDone={onDone} />
   const disabled = user.state === 'disabled'
   return (

@@ -1,8 +1,9 @@
 // The imported files, as they were and to be deleted.
 import { IconDownload } from '@tabler/icons-react'
-import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useQuery } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { useState } from 'react'
+import { useChange } from '../api/change'
 import { contentOf, deleteImport, importsQuery } from '../api/requirements'
 import type { RequirementFileOut } from '../client'
 import { count } from '../format/numbers'
@@ -18,14 +19,9 @@ import layout from '../ui/layout.module.css'
 import styles from './requirements.module.css'
 
 export function Files({ mayChange }: { mayChange: boolean }) {
-  const cache = useQueryClient()
   const { data, error, refetch } = useQuery(importsQuery)
   const [leaving, setLeaving] = useState<RequirementFileOut | null>(null)
-  const remove = useMutation({
-    mutationFn: deleteImport,
-    onSuccess: () =>
-      Promise.all(['requirements', 'requirement-files'].map((key) => cache.invalidateQueries({ queryKey: [key] }))).then(() => setLeaving(null)),
-  })
+  const remove = useChange(deleteImport, ['requirements', 'requirement-files'], () => setLeaving(null))
   if (error && !data)
     return (
       <div style={{ marginTop: 'var(--gap)' }}>

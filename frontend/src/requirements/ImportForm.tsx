@@ -1,6 +1,6 @@
 // Importing a file of requirements: the file, the attributes with id and text, and what has changed.
-import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
+import { useChange } from '../api/change'
 import { importFile } from '../api/requirements'
 import type { Imported } from '../client'
 import { count } from '../format/numbers'
@@ -11,15 +11,10 @@ import layout from '../ui/layout.module.css'
 import styles from './requirements.module.css'
 
 export function ImportForm({ onDone }: { onDone: () => void }) {
-  const cache = useQueryClient()
   const [file, setFile] = useState<File | null>(null)
   const [idAttribute, setId] = useState('')
   const [textAttribute, setText] = useState('')
-  const send = useMutation({
-    mutationFn: importFile,
-    onSuccess: () =>
-      Promise.all(['requirements', 'requirement-files'].map((key) => cache.invalidateQueries({ queryKey: [key] }))),
-  })
+  const send = useChange(importFile, ['requirements', 'requirement-files'])
   if (send.data) return <Done imported={send.data} onDone={onDone} />
   return (
     <Form

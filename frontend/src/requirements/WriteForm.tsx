@@ -1,6 +1,6 @@
 // Adding a requirement, changing its text, deleting it.
-import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
+import { useChange } from '../api/change'
 import { deleteRequirement, writeRequirement } from '../api/requirements'
 import type { RequirementRow } from '../client'
 import { Button } from '../ui/Button'
@@ -13,14 +13,12 @@ interface WriteFormProps {
 }
 
 export function WriteForm({ row, onDone }: WriteFormProps) {
-  const cache = useQueryClient()
   const [id, setId] = useState(row?.id ?? '')
   const [text, setText] = useState(row?.text ?? '')
   // As it was read: what somebody else changes meanwhile is not overwritten, even after the list was read again.
   const [etag] = useState(row?.etag)
-  const onSuccess = () => cache.invalidateQueries({ queryKey: ['requirements'] }).then(onDone)
-  const write = useMutation({ mutationFn: () => writeRequirement(id.trim(), text.trim(), etag), onSuccess })
-  const remove = useMutation({ mutationFn: () => deleteRequirement(id, etag), onSuccess })
+  const write = useChange(() => writeRequirement(id.trim(), text.trim(), etag), ['requirements'], onDone)
+  const remove = useChange(() => deleteRequirement(id, etag), ['requirements'], onDone)
   const [leaving, setLeaving] = useState(false)
   return (
     <Form

@@ -3,6 +3,7 @@ import { IconGitCompare, IconPinned, IconPlayerStop, IconX } from '@tabler/icons
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
 import { cancelRuns, editRun } from '../api/calls'
+import { useChange } from '../api/change'
 import { putRun } from '../api/events'
 import { useBarredFromOwn } from '../api/may'
 import { isLive } from '../api/queries'
@@ -25,12 +26,8 @@ interface MarkedProps {
 export function Marked({ runs, onClear }: MarkedProps) {
   const live = runs.filter((run) => isLive(run) && run.state !== 'cancelling')
   const pinned = runs.every((run) => run.pinned)
-  const cache = useQueryClient()
   const barred = useBarredFromOwn('engineer', ...runs)
-  const pin = useMutation({
-    mutationFn: () => Promise.all(runs.map((run) => editRun(run.id, { pinned: !pinned }))),
-    onSettled: () => cache.invalidateQueries({ queryKey: ['runs'] }),
-  })
+  const pin = useChange(() => Promise.all(runs.map((run) => editRun(run.id, { pinned: !pinned }))), ['runs'])
   return (
     <>
       <span className="small sec nw" role="status">

@@ -1,9 +1,10 @@
 // Reviewers' sign-offs on a run's page: who signed which results, whether these are unchanged, signing, withdrawal.
 import { clsx } from 'clsx'
 import { IconSignature } from '@tabler/icons-react'
-import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { queryOptions, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getSignoffs, signOff, withdrawSignoff } from '../api/calls'
+import { useChange } from '../api/change'
 import { useBarredFromOwn } from '../api/may'
 import { sessionQuery } from '../api/queries'
 import type { RunDetail, Signoff, Signoffs } from '../client'
@@ -158,19 +159,6 @@ function Status({ item, run }: { item: Signoff; run: string }) {
   )
 }
 
-function useChange<T>(run: string, call: (body: T) => Promise<unknown>, onDone: () => void) {
-  const cache = useQueryClient()
-  return useMutation({
-    mutationFn: call,
-    onSuccess: async () => {
-      await cache.invalidateQueries({ queryKey: ['signoffs', run] })
-      onDone()
-    },
-    // Refused because results or texts have changed: show those of now.
-    onError: () => void cache.invalidateQueries({ queryKey: ['signoffs', run] }),
-  })
-}
-
 const TITLES = ['Independent review', 'Safety engineer', 'Safety authority', 'Prepared']
 
 interface SignFormProps {
@@ -191,12 +179,12 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
   const [{ digest, texts }, setRead] = useState(seen)
   const other = digest !== seen.digest || JSON.stringify(texts) !== JSON.stringify(seen.texts)
   const sign = useChange(
-    run.id,
     () => signOff(run.id, { ...(account === null && { name: name.trim() }), role: role.trim(), comment: comment.trim(), digest, texts }),
+    ['signoffs'],
     onDone,
   )
   return (
-    <Form sent={sign} onSend={() => sign.mutate(undefined)} send="Sign off" onLeave={onDone} off={(account === null && !name.trim()) || !role.trim()}>
+    <Form sent={sign} onSend={() => sign.mutate()} send="Sign off" onLeave={onDone} off={(account === null && !name.trim()) || !role.trim()}>
       <p className="sec">
         You sign the verdict <b>{headlineOf(run)}</b> with its findings and stages, sha256{' '}
         <span className="mono">{digest.slice(0, 16)}</span>
@@ -256,9 +244,9 @@ function Texts({ of }: { of: Signoffs['texts'] }) {
 
 function WithdrawForm({ run, signoff, onDone }: { run: string; signoff: Signoff; onDone: () => void }) {
   const [reason, setReason] = useState('')
-  const withdraw = useChange(run, () => withdrawSignoff(run, signoff.id, reason.trim()), onDone)
+  const withdraw = useChange(() => withdrawSignoff(run, signoff.id, reason.trim()), ['signoffs'], onDone)
   return (
-    <Form sent={withdraw} onSend={() => withdraw.mutate(undefined)} send="Withdraw" leave="Keep it" onLeave={onDone} danger off={!reason.trim()}>
+    <Form sent={withdraw} onSend={() => withdraw.mutate()} send="Withdraw" leave="Keep it" onLeave={onDone} danger off={!reason.trim()}>
       <p className="sec">
         The sign-off of {signoff.name} ({signoff.role}) stays on record, with the reason that you give.
       </p>

@@ -1,9 +1,10 @@
 // The drafts stored on the service: user, time, open, delete.
 import { IconTrash } from '@tabler/icons-react'
-import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { deleteDraft } from '../../api/calls'
+import { useChange } from '../../api/change'
 import { useBarredFromOwn } from '../../api/may'
 import { draftsQuery } from '../../api/queries'
 import type { DraftSummary } from '../../client'
@@ -77,12 +78,7 @@ function Delete({ draft, onAsk }: { draft: DraftSummary; onAsk: () => void }) {
 }
 
 function Deletion({ draft, onDone }: { draft: DraftSummary; onDone: () => void }) {
-  const cache = useQueryClient()
-  const removal = useMutation({
-    mutationFn: () => deleteDraft(draft.id, draft.version),
-    onSuccess: onDone,
-    onSettled: () => cache.invalidateQueries({ queryKey: ['drafts'] }),
-  })
+  const removal = useChange(() => deleteDraft(draft.id, draft.version), ['drafts'], onDone)
   return (
     <Form sent={removal} send="Delete" onSend={() => removal.mutate()} leave="Keep it" onLeave={onDone}>
       <p>

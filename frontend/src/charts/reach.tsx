@@ -20,17 +20,7 @@ export function useReach(values: readonly number[], threshold: number | null, un
   const out = extent === 'near'
   return {
     criterion: out ? null : threshold,
-    choice: (
-      <Seg
-        label="Vertical axis"
-        options={[
-          { value: 'near', label: 'Values' },
-          { value: 'all', label: 'With criterion' },
-        ]}
-        value={extent}
-        onChange={setExtent}
-      />
-    ),
+    choice: <Seg label="Vertical axis" options={{ near: 'Values', all: 'With criterion' }} value={extent} onChange={setExtent} />,
     note: out && (
       <p className={figures.fig}>
         The criterion, {exact(threshold)} {unit}, is outside {axis}.

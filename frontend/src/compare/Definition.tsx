@@ -31,10 +31,7 @@ export function Definition({ runs, rows, all, onAll, className }: DefinitionProp
       right={
         <Seg
           label="Settings shown"
-          options={[
-            { value: 'differing', label: 'Only what differs' },
-            { value: 'all', label: 'All' },
-          ]}
+          options={{ differing: 'Only what differs', all: 'All' }}
           value={all ? 'all' : 'differing'}
           onChange={(value) => onAll(value === 'all')}
         />

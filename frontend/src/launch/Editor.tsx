@@ -151,10 +151,7 @@ export function Editor(props: EditorProps) {
         <Seg
           label="How to edit"
           tall
-          options={[
-            { value: 'form', label: 'Form' },
-            { value: 'yaml', label: 'YAML' },
-          ]}
+          options={{ form: 'Form', yaml: 'YAML' }}
           value={tab}
           onChange={(value) => onTab(value === 'yaml' ? 'yaml' : undefined)}
         />

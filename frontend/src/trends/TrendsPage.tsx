@@ -83,7 +83,7 @@ function Campaigns() {
   )
 }
 
-const ALONG = [{ value: 'time', label: 'Time' }, { value: 'order', label: 'Order' }] as const
+const ALONG = { time: 'Time', order: 'Order' }
 
 function Shown({ trend }: { trend: Trend }) {
   const { runs, total } = trend

@@ -101,9 +101,10 @@ export function NumHead({ unit, title, className, children }: NumHeadProps) {
   )
 }
 
-interface SegProps<T extends string> {
+export interface SegProps<T extends string> {
   label: string
-  options: readonly { value: T; label: ReactNode }[]
+  /** The words for each value. */
+  options: Readonly<Partial<Record<T, ReactNode>>>
   value: T
   onChange: (value: T) => void
   tall?: boolean
@@ -112,14 +113,9 @@ interface SegProps<T extends string> {
 export function Seg<T extends string>({ label, options, value, onChange, tall }: SegProps<T>) {
   return (
     <div className={tall ? clsx(buttons.seg, styles.tall) : buttons.seg} role="group" aria-label={label}>
-      {options.map((option) => (
-        <button
-          key={option.value}
-          type="button"
-          aria-pressed={option.value === value}
-          onClick={() => onChange(option.value)}
-        >
-          {option.label}
+      {(Object.keys(options) as T[]).map((option) => (
+        <button key={option} type="button" aria-pressed={option === value} onClick={() => onChange(option)}>
+          {options[option]}
         </button>
       ))}
     </div>

@@ -51,7 +51,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
       ...parameters.map((p) => point.parameters[p.path] ?? null),
     ]),
   })
-  const choices = criteria.map((c) => ({ value: c.name, label: c.title }))
+  const choices = Object.fromEntries(criteria.map((c) => [c.name, c.title]))
   return (
     <ChartCard
       title="Pareto front"

@@ -53,7 +53,7 @@ export function FlightHead({ data, view, shown, alone, onCamera, onFull }: Props
       <Seg
         label="Camera"
         value={(shown?.camera ?? '') as Camera}
-        options={camerasOf(data).map((camera) => ({ value: camera, label: NAMES[camera] ?? `${camera.charAt(0).toUpperCase()}${camera.slice(1)}` }))}
+        options={Object.fromEntries(camerasOf(data).map((camera) => [camera, NAMES[camera] ?? camera.charAt(0).toUpperCase() + camera.slice(1)]))}
         onChange={onCamera}
       />
       <span className={layout.row} style={{ gap: 4 }}>

@@ -50,15 +50,7 @@ export function SampleCard({ data, sample, grid, blocks, className }: SampleCard
       data={table}
       right={
         drawn && (
-          <Seg
-            label="Shape"
-            options={[
-              { value: 'bars', label: 'Histogram' },
-              { value: 'curve', label: 'Distribution' },
-            ]}
-            value={shape}
-            onChange={setShape}
-          />
+          <Seg label="Shape" options={{ bars: 'Histogram', curve: 'Distribution' }} value={shape} onChange={setShape} />
         )
       }
       footer={

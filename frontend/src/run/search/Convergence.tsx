@@ -110,25 +110,9 @@ export function Convergence({ data, className, height }: ConvergenceProps) {
       <div className={runStyles.tools} data-control>
         {choice}
         {by === 'evaluations' && (
-          <Seg
-            label="Scale of evaluations"
-            options={[
-              { value: 'log', label: 'Log' },
-              { value: 'linear', label: 'Linear' },
-            ]}
-            value={scale}
-            onChange={setScale}
-          />
+          <Seg label="Scale of evaluations" options={{ log: 'Log', linear: 'Linear' }} value={scale} onChange={setScale} />
         )}
-        <Seg
-          label="Horizontal axis"
-          options={[
-            { value: 'evaluations', label: 'Evaluations' },
-            { value: 'seconds', label: 'Time' },
-          ]}
-          value={by}
-          onChange={setBy}
-        />
+        <Seg label="Horizontal axis" options={{ evaluations: 'Evaluations', seconds: 'Time' }} value={by} onChange={setBy} />
       </div>
       {curves.length === 0 ? (
         <p className="sec" style={{ minHeight: height }}>

@@ -56,7 +56,7 @@ export function Minima({ data, search, position, className, tall }: MinimaProps)
       right={
         <Seg
           label={`Minima of ${search.title}`}
-          options={[{ value: 'distinct', label: 'Distinct' }, { value: 'every', label: 'Every descent' }]}
+          options={{ distinct: 'Distinct', every: 'Every descent' }}
           value={every ? 'every' : 'distinct'}
           onChange={(value) => setEvery(value === 'every')}
         />

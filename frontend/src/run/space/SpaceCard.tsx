@@ -119,9 +119,9 @@ export function SpaceCard({ data, className, whatIf, onPick: pick }: Props) {
             {further.length > 0 && (
               <Seg
                 label="Colours by"
-                options={run.criteria
+                options={Object.fromEntries(run.criteria
                   .filter((_, k) => k === 0 || space.axes[k]?.worse)
-                  .map((c, k) => ({ value: k === 0 ? VALUE : c.name, label: c.title }))}
+                  .map((c, k) => [k === 0 ? VALUE : c.name, c.title]))}
                 value={space.axes[by]?.key ?? VALUE}
                 onChange={(name) => change({ by: name === VALUE ? undefined : name })}
               />

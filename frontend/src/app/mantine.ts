@@ -1,5 +1,6 @@
 // The theme of Mantine; its styles are in theme/styles.ts, the look itself in theme/mantine.module.css.
 import { createTheme } from '@mantine/core'
+import fields from '../ui/fields.module.css'
 import look from '../theme/mantine.module.css'
 
 export const mantineTheme = createTheme({
@@ -11,7 +12,10 @@ export const mantineTheme = createTheme({
     Input: { classNames: { input: look.input, section: look.section } },
     // Else every closed list has all its options on the page, and its position is computed while the page loads.
     Combobox: { defaultProps: { keepMounted: false } },
-    TagsInput: { classNames: { input: look.tags, inputField: look.tagsField } },
+    TagsInput: {
+      classNames: { label: fields.lbl, input: look.tags, inputField: look.tagsField },
+      defaultProps: { size: 'xs', maxTags: 20, splitChars: [',', ' '] },
+    },
     Pill: { classNames: { root: look.pill } },
     Popover: { classNames: { dropdown: look.dropdown } },
     Select: { classNames: { dropdown: look.dropdown, option: look.option } },

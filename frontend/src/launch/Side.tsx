@@ -44,11 +44,7 @@ export function RunCard({ name, tags, campaign, readable, criterion, regression,
           <TagsInput
             id={idOf('tags')}
             label="Tags"
-            labelProps={{ className: fields.lbl }}
-            size="xs"
             value={tags}
-            maxTags={20}
-            splitChars={[',', ' ']}
             placeholder={tags.length === 0 ? 'Enter adds a tag' : undefined}
             onChange={onTags}
           />

@@ -20,6 +20,15 @@ interface FiltersProps {
   onChange: (change: Partial<RunsSearch>) => void
 }
 
+/** The menus: their name, what they set, and which of the values that runs have they offer. */
+const MENUS = [
+  ['Campaign', 'campaign', 'campaigns'],
+  ['Tag', 'tag', 'tags'],
+  ['Label', 'label', 'labels'],
+  ['Found by', 'method', 'methods'],
+  ['User', 'owner', 'owners'],
+] as const
+
 export function Filters({ search, counts, onChange }: FiltersProps) {
   const { data: facets, isError } = useQuery(facetsQuery)
   const absent = facets ? undefined : isError ? 'They could not be loaded.' : 'They are loading.'
@@ -33,32 +42,17 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
           begin={search.focus === 'search'}
           onChange={(q) => onChange({ q: q || undefined, focus: undefined })}
         />
-        <FilterMenu
-          name="Campaign"
-          absent={absent}
-          options={facets?.campaigns ?? []}
-          value={search.campaign}
-          onChange={(campaign) => onChange({ campaign })}
-        />
-        <FilterMenu name="Tag" absent={absent} options={facets?.tags ?? []} value={search.tag} onChange={(tag) => onChange({ tag })} />
-        {(facets?.labels.length || search.label) && (
-          <FilterMenu name="Label" absent={absent} options={facets?.labels ?? []} value={search.label} onChange={(label) => onChange({ label })} />
-        )}
-        <FilterMenu
-          name="Found by"
-          absent={absent}
-          options={facets?.methods ?? []}
-          value={search.method}
-          onChange={(method) => onChange({ method })}
-          label={(method) => <MethodName method={method} />}
-        />
-        <FilterMenu
-          name="User"
-          absent={absent}
-          options={facets?.owners ?? []}
-          value={search.owner}
-          onChange={(owner) => onChange({ owner })}
-        />
+        {MENUS.filter(([, key]) => key !== 'label' || facets?.labels.length || search.label).map(([name, key, from]) => (
+          <FilterMenu
+            key={key}
+            name={name}
+            absent={absent}
+            options={facets?.[from] ?? []}
+            value={search[key]}
+            onChange={(value) => onChange({ [key]: value })}
+            label={key === 'method' ? (method) => <MethodName method={method} /> : undefined}
+          />
+        ))}
         <DateMenu search={search} onChange={onChange} />
         {isNarrowed(search) && (
           <TextButton className="small" onClick={() => onChange(CLEARED)}>Clear all</TextButton>

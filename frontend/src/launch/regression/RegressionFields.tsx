@@ -21,10 +21,7 @@ export function RegressionFields({ regression }: { regression: Regression }) {
         <TagsInput
           id={idOf('labels')}
           label="Labels"
-          labelProps={{ className: fields.lbl }}
-          size="xs"
           value={labels}
-          maxTags={20}
           splitChars={[]}
           placeholder={labels.length === 0 ? 'branch=main' : undefined}
           aria-describedby="labels-problem"

@@ -68,12 +68,8 @@ function EditForm({ run, onDone }: { run: RunDetail; onDone: () => void }) {
       <Field label="Name" value={name} maxLength={120} required data-autofocus onChange={setName} />
       <TagsInput
         label="Tags"
-        labelProps={{ className: fields.lbl }}
-        size="xs"
         value={tags}
         data={known}
-        maxTags={20}
-        splitChars={[',', ' ']}
         placeholder={tags.length === 0 ? 'Enter adds a tag' : undefined}
         onChange={setTags}
         searchValue={typed}

@@ -7,7 +7,7 @@ import { hasRole, type Role } from '../api/access'
 import { sessionQuery } from '../api/queries'
 import { PageHead } from '../page/PageHead'
 import { useTitle } from '../page/useTitle'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 import styles from './access.module.css'
 
 const PAGES = [

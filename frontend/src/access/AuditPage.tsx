@@ -18,7 +18,7 @@ import { CopyButton } from '../ui/files'
 import { AccessFrame } from './AccessFrame'
 import { at } from '../format/root'
 import styles from './access.module.css'
-import fields from '../ui/fields.module.css'
+import { fields } from '../ui/styles'
 
 const auditQuery = (actor: string, action: string) => paged(['audit', actor, action], (cursor) => listAudit(actor, action, cursor), 0)
 

@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import { type ReactNode, useState } from 'react'
 import { Field, Form } from '../ui/Form'
 import styles from './access.module.css'
-import fields from '../ui/fields.module.css'
+import { fields } from '../ui/styles'
 
 interface MakingFormProps {
   hint: ReactNode

@@ -17,7 +17,7 @@ import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
 import { browserOf } from './browser'
 import styles from './access.module.css'
-import fields from '../ui/fields.module.css'
+import { fields } from '../ui/styles'
 
 export function SessionsPage() {
   const sessions = useQuery(sessionsQuery)

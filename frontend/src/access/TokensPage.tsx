@@ -18,7 +18,7 @@ import { AccessFrame } from './AccessFrame'
 import { MakingForm, MayChoice } from './MakingForm'
 import { Secret } from './Secret'
 import styles from './access.module.css'
-import fields from '../ui/fields.module.css'
+import { fields } from '../ui/styles'
 
 const SCOPES = [
   { value: 'read', may: 'reads everything', least: 'viewer' },

@@ -7,7 +7,7 @@ import { useStreamStatus } from '../api/events'
 import { PATIENCE, pulse, useContact } from '../api/pulse'
 import { age } from '../format/time'
 import { useNow } from '../ui/useNow'
-import cards from '../ui/cards.module.css'
+import { cards } from '../ui/styles'
 import styles from './app.module.css'
 
 /** What is read again once the service answers: what may have changed, not what is being edited. */

@@ -1,6 +1,6 @@
 // The keyboard shortcuts of all pages, shown by `?`.
 import { Modal } from '../ui/Modal'
-import buttons from '../ui/buttons.module.css'
+import { buttons } from '../ui/styles'
 import styles from './app.module.css'
 
 const KEYS: { title: string; keys: [string[], string][] }[] = [

@@ -38,9 +38,7 @@ import { toggleMine, useNotifier, useToggle, useWanted } from '../page/notify'
 import { unsaved } from '../page/unsaved'
 import { SignedOut } from './SignedOut'
 import { Workers } from './Workers'
-import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
+import { buttons, fields, layout } from '../ui/styles'
 import styles from './app.module.css'
 
 const Jump = later(() => import('../jump/Jump'), 'Jump')

@@ -10,7 +10,7 @@ import { BrandMark } from './Brand'
 import { at } from '../format/root'
 import { unsaved } from '../page/unsaved'
 import { ButtonAnchor } from '../ui/Button'
-import cards from '../ui/cards.module.css'
+import { cards } from '../ui/styles'
 import styles from './app.module.css'
 
 export function SignedOut() {

@@ -14,7 +14,7 @@ import { Popup } from '../ui/Popup'
 import { RunLink } from '../ui/RunLink'
 import { useNow } from '../ui/useNow'
 import { usePolling } from '../ui/usePolling'
-import buttons from '../ui/buttons.module.css'
+import { buttons } from '../ui/styles'
 import styles from './workers.module.css'
 
 /** How often the workers are asked for on a page without an open stream [ms]. */

@@ -1,6 +1,6 @@
 // The theme of Mantine; its styles are in theme/styles.ts, the look itself in theme/mantine.module.css.
 import { createTheme } from '@mantine/core'
-import fields from '../ui/fields.module.css'
+import { fields } from '../ui/styles'
 import look from '../theme/mantine.module.css'
 
 export const mantineTheme = createTheme({

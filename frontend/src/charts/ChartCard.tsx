@@ -11,8 +11,7 @@ import { save } from '../ui/files'
 import { Table } from '../ui/Table'
 import { type DataTable, toCsv, type Value } from './csv'
 import { isDrawing, savePng, saveSvg } from './figure'
-import buttonsCss from '../ui/buttons.module.css'
-import layout from '../ui/layout.module.css'
+import { buttons as buttonsCss, layout } from '../ui/styles'
 import styles from './charts.module.css'
 
 const MOST_ROWS = 400

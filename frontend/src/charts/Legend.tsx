@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import { Mark } from '../ui/MethodMark'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 import styles from './charts.module.css'
 
 export interface Key {

@@ -5,7 +5,7 @@ import 'uplot/dist/uPlot.min.css'
 import { useTheme } from '../theme/useTheme'
 import { optionsFor } from './options'
 import { type PlotSpec, valueText } from './spec'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 import styles from './charts.module.css'
 
 const NOTHING: ReadonlySet<string> = new Set()

@@ -1,6 +1,6 @@
 // The axes of charts that are drawn as SVG: ticks with their labels and lines across the drawing, and a title.
 import type { ReactNode } from 'react'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 import { tickText } from './ticks'
 
 interface TicksProps {

@@ -3,7 +3,7 @@
 import { type ReactNode, useState } from 'react'
 import { exact } from '../format/numbers'
 import { Seg } from '../ui/Card'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 
 export interface Reach {
   /** The criterion, if the axis includes it. */

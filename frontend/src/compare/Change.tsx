@@ -4,7 +4,7 @@ import { Sign } from '../ui/Sign'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf, wordOf } from '../ui/VerdictBadge'
 import { type Compared, unitOf } from './data'
 import { OtherCode } from './OtherCode'
-import cards from '../ui/cards.module.css'
+import { cards } from '../ui/styles'
 
 export function Change({ runs }: { runs: Compared[] }) {
   const [a, b] = runs

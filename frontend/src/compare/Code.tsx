@@ -8,8 +8,7 @@ import { OtherCode } from './OtherCode'
 import type { Compared } from './data'
 import { runColumns } from './Picks'
 import { unreadOf } from '../trends/code'
-import cards from '../ui/cards.module.css'
-import figures from '../ui/figures.module.css'
+import { cards, figures } from '../ui/styles'
 import styles from './compare.module.css'
 
 export function Code({ runs, className }: { runs: Compared[]; className: string | undefined }) {

@@ -23,8 +23,7 @@ import { idsOf, MOST } from './search'
 import { Tracks } from './Tracks'
 import { WorstParameters } from './WorstParameters'
 import { Button, ButtonLink } from '../ui/Button'
-import cards from '../ui/cards.module.css'
-import layout from '../ui/layout.module.css'
+import { cards, layout } from '../ui/styles'
 
 export function ComparePage() {
   const { runs, all = false } = useSearch({ from: '/compare' })

@@ -6,7 +6,7 @@ import { Card, Seg } from '../ui/Card'
 import type { Compared } from './data'
 import type { Row, Setting } from './differences'
 import { Letter } from './Picks'
-import tables from '../ui/tables.module.css'
+import { tables } from '../ui/styles'
 import styles from './compare.module.css'
 
 interface DefinitionProps {

@@ -8,7 +8,7 @@ import { Table } from '../ui/Table'
 import { type Compared, unitOf } from './data'
 import { AxisHead, axisOf, Mark, MarkKeys } from './marks'
 import { apartColumn, runColumns } from './Picks'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 
 const [WIDTH, EDGE] = [280, 10]
 

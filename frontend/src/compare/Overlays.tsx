@@ -14,7 +14,7 @@ import { useMethodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { type Compared, unitOf } from './data'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 import styles from './compare.module.css'
 
 export const RunKeys = ({ runs }: { runs: Compared[] }) => (

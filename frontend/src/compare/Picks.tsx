@@ -11,8 +11,7 @@ import { RunBadge } from '../ui/VerdictBadge'
 import type { Compared, Comparison } from './data'
 import { MOST, withRun } from './search'
 import { IconButton } from '../ui/IconButton'
-import cards from '../ui/cards.module.css'
-import tables from '../ui/tables.module.css'
+import { cards, tables } from '../ui/styles'
 import styles from './compare.module.css'
 
 interface PicksProps {

@@ -6,7 +6,7 @@ import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
 import { type Compared, parameterOf, unitOf } from './data'
 import { AxisHead, axisOf, MarkKeys, Span } from './marks'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 
 const [WIDTH, EDGE, STEP] = [300, 12, 13]
 

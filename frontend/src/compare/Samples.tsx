@@ -11,7 +11,7 @@ import { SvgSign } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import { type Compared, unitOf } from './data'
 import { RunKeys } from './Overlays'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 
 interface Drawn {
   of: Compared

@@ -9,7 +9,7 @@ import type { Compared } from './data'
 import { type Drawn, drawnOf, RunKeys } from './Overlays'
 import { Nearest, Obstacle } from '../run/flight/PlanPicture'
 import { bodiesOf, line, type Scale, scaleOf, trackOf } from '../run/flight/places'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 
 const [HEIGHT, LEFT, BOTTOM] = [360, 46, 38]
 

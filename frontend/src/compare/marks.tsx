@@ -1,7 +1,7 @@
 // A common axis for values of several runs, and their markers: the first filled, the second hollow, the
 // third and fourth smaller.
 import { linearTicks, padded, tickText } from '../charts/ticks'
-import figures from '../ui/figures.module.css'
+import { figures } from '../ui/styles'
 
 export interface Axis {
   width: number

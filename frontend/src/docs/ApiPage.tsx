@@ -11,8 +11,7 @@ import { CopyButton } from '../ui/files'
 import { OperationCard } from './OperationCard'
 import { type OpenApi, operationsOf } from './openapi'
 import { at, ROOT } from '../format/root'
-import guide from '../ui/guide.module.css'
-import layout from '../ui/layout.module.css'
+import { guide, layout } from '../ui/styles'
 import styles from './docs.module.css'
 
 export function ApiPage() {

@@ -13,8 +13,7 @@ import { Card } from '../ui/Card'
 import { type Column, Table } from '../ui/Table'
 import { Ticked } from '../ui/Ticked'
 import { ROOT } from '../format/root'
-import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
+import { fields, layout } from '../ui/styles'
 import styles from './docs.module.css'
 
 interface OperationProps {

@@ -12,7 +12,7 @@ import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
 import { at } from '../format/root'
 import { EntryLines } from '../ui/EntryLines'
-import buttons from '../ui/buttons.module.css'
+import { buttons } from '../ui/styles'
 import styles from './exports.module.css'
 
 /** The address of a recording, and its flight. */

@@ -8,7 +8,7 @@ import { Popup } from '../ui/Popup'
 import { at } from '../format/root'
 import { EntryLines } from '../ui/EntryLines'
 import { byHand, useCopy } from '../ui/files'
-import buttons from '../ui/buttons.module.css'
+import { buttons } from '../ui/styles'
 
 /** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
 export const recordedAt = (run: string, flight: string, theme: Theme) => ({

@@ -10,7 +10,7 @@ import { HelpFrame, Unread } from './HelpFrame'
 import { idOfComponent } from './links'
 import { SimulatorText } from './SimulatorText'
 import { Card } from '../ui/Card'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 
 const ROLES: readonly [ComponentEntry['role'], string][] = [
   ['vehicle', 'Vehicles'],

@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import { partsOf } from './docstring'
 import { Ticked } from '../ui/Ticked'
-import prose from '../ui/prose.module.css'
+import { prose } from '../ui/styles'
 import styles from './help.module.css'
 
 export function Docstring({ text }: { text: string }) {

@@ -7,7 +7,7 @@ import { type Column, Table } from '../ui/Table'
 import { ATTACKS } from './attacks'
 import { HelpFrame, Passage } from './HelpFrame'
 import { missed, SAMPLES, SLITS } from './missed'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 import styles from './help.module.css'
 
 const CAPS: readonly [string, string][] = [

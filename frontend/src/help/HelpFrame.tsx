@@ -5,9 +5,7 @@ import { type ReactNode, useEffect } from 'react'
 import { Failed, Loading } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import { GUIDES } from './guides'
-import cards from '../ui/cards.module.css'
-import guide from '../ui/guide.module.css'
-import prose from '../ui/prose.module.css'
+import { cards, guide, prose } from '../ui/styles'
 import styles from './help.module.css'
 
 interface Chapter {

@@ -8,7 +8,7 @@ import { Card } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { HelpFrame, Unread } from './HelpFrame'
 import { MethodText } from './MethodText'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 
 const KINDS: Record<MethodEntry['kind'], { name: string; text: string }> = {
   global: { name: 'Global', text: 'Searches the whole range. The global methods must agree before a run is cleared.' },

@@ -14,8 +14,7 @@ import { OutcomeIcon, lookOf, outcomeOf, wordOf } from '../ui/VerdictBadge'
 import { typedEarly } from './early'
 import { operationsIn, passagesWith, sectionsIn } from './passages'
 import { kept, matching, type Place, placesOf } from './places'
-import buttons from '../ui/buttons.module.css'
-import layout from '../ui/layout.module.css'
+import { buttons, layout } from '../ui/styles'
 import styles from './jump.module.css'
 
 /** Maximum number of runs shown. */

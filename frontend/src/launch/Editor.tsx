@@ -37,8 +37,7 @@ import { isAnother, useNames } from './draft/useNames'
 import { usePreview } from './preview/usePreview'
 import { useSaved } from './draft/useSaved'
 import { YamlEditor } from './YamlEditor'
-import cards from '../ui/cards.module.css'
-import layout from '../ui/layout.module.css'
+import { cards, layout } from '../ui/styles'
 import styles from './launch.module.css'
 
 interface EditorProps {

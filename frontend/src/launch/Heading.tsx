@@ -8,8 +8,7 @@ import { moment, when } from '../format/time'
 import { RunLink } from '../ui/RunLink'
 import { Spans } from '../ui/Spans'
 import { useNow } from '../ui/useNow'
-import cards from '../ui/cards.module.css'
-import layout from '../ui/layout.module.css'
+import { cards, layout } from '../ui/styles'
 import styles from './launch.module.css'
 
 interface HeadingProps {

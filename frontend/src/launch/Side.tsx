@@ -15,8 +15,7 @@ import type { SetValue } from './fields/props'
 import type { Regression } from './regression/regression'
 import { amountOf, timeOf } from './estimate'
 import { RegressionFields } from './regression/RegressionFields'
-import fields from '../ui/fields.module.css'
-import lists from '../ui/lists.module.css'
+import { fields, lists } from '../ui/styles'
 
 interface RunCardProps {
   name: string

@@ -3,7 +3,7 @@ import { IconPlayerPlay } from '@tabler/icons-react'
 import type { Checked } from '../client'
 import { Button } from '../ui/Button'
 import { amountOf, timeOf } from './estimate'
-import buttons from '../ui/buttons.module.css'
+import { buttons } from '../ui/styles'
 import styles from './launch.module.css'
 
 interface StartBarProps {

@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { FieldProblem } from '../api/problems'
 import { Button, TextButton } from '../ui/Button'
-import cards from '../ui/cards.module.css'
+import { cards } from '../ui/styles'
 import styles from './launch.module.css'
 
 interface SummaryProps {

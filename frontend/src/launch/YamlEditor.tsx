@@ -8,8 +8,7 @@ import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { CopyButton, save } from '../ui/files'
 import type { CodeEditorProps } from './code/CodeEditor'
-import icons from '../ui/icons.module.css'
-import layout from '../ui/layout.module.css'
+import { icons, layout } from '../ui/styles'
 import styles from './launch.module.css'
 
 const CodeEditor = later(() => import('./code/CodeEditor'), 'default')

@@ -1,7 +1,7 @@
 // The heading of a page: its title, a line below it, and its actions beside it.
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 
 interface PageHeadProps {
   title: string

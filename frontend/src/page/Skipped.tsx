@@ -2,8 +2,7 @@
 import { clsx } from 'clsx'
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { UnusableEntry } from '../client'
-import cards from '../ui/cards.module.css'
-import layout from '../ui/layout.module.css'
+import { cards, layout } from '../ui/styles'
 import styles from './page.module.css'
 
 export function Skipped({ unusable }: { unusable: readonly UnusableEntry[] | undefined }) {

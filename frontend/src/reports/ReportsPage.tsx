@@ -22,7 +22,7 @@ import { Table } from '../ui/Table'
 import { save } from '../ui/files'
 import { SearchBox } from '../ui/SearchBox'
 import { RunBadge } from '../ui/VerdictBadge'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 import styles from './reports.module.css'
 
 // Sign-offs and new runs must be visible when the page is opened again.

@@ -15,7 +15,7 @@ import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
 import { hiddenHead, Table } from '../ui/Table'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 import styles from './requirements.module.css'
 
 export function Files({ mayChange }: { mayChange: boolean }) {

@@ -6,8 +6,7 @@ import type { Imported } from '../client'
 import { count } from '../format/numbers'
 import { Button } from '../ui/Button'
 import { Field, Form } from '../ui/Form'
-import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
+import { fields, layout } from '../ui/styles'
 import styles from './requirements.module.css'
 
 export function ImportForm({ onDone }: { onDone: () => void }) {

@@ -10,9 +10,7 @@ import { RunLink } from '../ui/RunLink'
 import { SignedBy } from '../signoffs/SignedBy'
 import { DateCell, marginOf, OutcomeBadge } from '../trends/cells'
 import { leftOut, type Status, STATUSES } from './status'
-import badges from '../ui/badges.module.css'
-import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
+import { badges, layout, tables } from '../ui/styles'
 import styles from './requirements.module.css'
 
 const ICONS: Record<Status, typeof IconClock> = {

@@ -26,8 +26,7 @@ import { countsOf, isStatus, STATUSES, type Status } from './status'
 import { WriteForm } from './WriteForm'
 import { EntryLines } from '../ui/EntryLines'
 import { Select } from '../ui/Select'
-import buttons from '../ui/buttons.module.css'
-import layout from '../ui/layout.module.css'
+import { buttons, layout } from '../ui/styles'
 import styles from './requirements.module.css'
 
 type Dialog = 'import' | 'add' | RequirementRow | null

@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import { balanced, type Weighed } from './balanced'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 import styles from './run.module.css'
 
 export interface Piece extends Weighed {

@@ -20,8 +20,7 @@ import { View } from './flight/view'
 import { WhatIfCard } from './flight/WhatIfCard'
 import { Missing } from './header/Missing'
 import { Purged } from './header/Removed'
-import cards from '../ui/cards.module.css'
-import layout from '../ui/layout.module.css'
+import { cards, layout } from '../ui/styles'
 import styles from './run.module.css'
 
 export function FlightPage() {

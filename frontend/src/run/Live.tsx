@@ -22,9 +22,7 @@ import { OtherCode } from './header/OtherCode'
 import { NominalWorst } from './parameters/NominalWorst'
 import { StageStrip } from './search/StageStrip'
 import { LiveSpace } from './space/SpaceSection'
-import cards from '../ui/cards.module.css'
-import icons from '../ui/icons.module.css'
-import layout from '../ui/layout.module.css'
+import { cards, icons, layout } from '../ui/styles'
 import styles from './run.module.css'
 
 /** That it stored nothing for long, and what ends that. */

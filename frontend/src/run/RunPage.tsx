@@ -15,7 +15,7 @@ import { Live } from './Live'
 import { Missing } from './header/Missing'
 import { Purged, Removed } from './header/Removed'
 import { RelatedCard } from '../trends/RelatedCard'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 
 /** The longest part of a page: rendered again only if its data change. */
 const Evidence = memo(Finished)

@@ -5,7 +5,7 @@ import type { RunData } from './data/data'
 import type { Facts } from './facts'
 import type { WhatIfState } from './flight/useWhatIf'
 import type { View } from './flight/view'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 
 /** What a section is rendered from. */
 export interface Page extends Facts {

@@ -32,7 +32,7 @@ import { Published } from './verdict/Published'
 import { ValidationCard } from './verdict/ValidationCard'
 import { WhatToDo } from './verdict/WhatToDo'
 import { OnceCalm } from '../ui/useCalm'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 import styles from './run.module.css'
 
 /** Of stages, one file each; a new one needs no line here. */

@@ -2,7 +2,7 @@
 import { DAYS, type Days, type RunsSearch } from './search'
 import { Field } from '../ui/Form'
 import { Menu } from '../ui/Menu'
-import fields from '../ui/fields.module.css'
+import { fields } from '../ui/styles'
 import styles from './runs.module.css'
 
 const NAME: Record<Days, string> = { 1: 'today', 7: 'last 7 days', 30: 'last 30 days' }

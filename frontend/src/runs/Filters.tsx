@@ -12,7 +12,7 @@ import { USUAL, USUAL_REMOVED } from './columnKeys'
 import { DateMenu } from './DateMenu'
 import { FilterMenu } from '../ui/FilterMenu'
 import { CLEARED, isNarrowed, type RunsSearch, SHOWS, type Show } from './search'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 
 interface FiltersProps {
   search: RunsSearch

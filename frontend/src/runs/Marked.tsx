@@ -15,7 +15,7 @@ import { Button, ButtonLink } from '../ui/Button'
 import { Form } from '../ui/Form'
 import { IconButton } from '../ui/IconButton'
 import { Modal } from '../ui/Modal'
-import fields from '../ui/fields.module.css'
+import { fields } from '../ui/styles'
 
 interface MarkedProps {
   /** The selected ones among the loaded. */

@@ -6,8 +6,7 @@ import { catalogueQuery, libraryQuery } from '../api/queries'
 import { PlanView } from '../launch/plan/PlanView'
 import { ordered } from '../launch/library/shelf'
 import { ButtonLink } from '../ui/Button'
-import cards from '../ui/cards.module.css'
-import layout from '../ui/layout.module.css'
+import { cards, layout } from '../ui/styles'
 import styles from './runs.module.css'
 
 export function NoRuns() {

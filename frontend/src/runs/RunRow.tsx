@@ -9,8 +9,7 @@ import { age } from '../format/time'
 import { Progress } from '../ui/Card'
 import { RunName } from './cells'
 import type { CellContext, Column } from './columns'
-import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
+import { fields, layout } from '../ui/styles'
 import styles from './runs.module.css'
 
 interface RunRowProps extends CellContext {

@@ -11,10 +11,7 @@ import { type ColumnKey, type SortKey, USUAL, USUAL_REMOVED, WIDE_ONLY } from '.
 import { RunRow } from './RunRow'
 import type { Sort } from './search'
 import { useRows } from './useRows'
-import cards from '../ui/cards.module.css'
-import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
+import { cards, fields, layout, tables } from '../ui/styles'
 import styles from './runs.module.css'
 
 const ROW = 46

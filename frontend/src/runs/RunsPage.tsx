@@ -16,8 +16,7 @@ import { NoRuns } from './NoRuns'
 import { RunTable } from './RunTable'
 import { CLEARED, filterOf, isNarrowed, type RunsSearch } from './search'
 import { Button, ButtonLink } from '../ui/Button'
-import cards from '../ui/cards.module.css'
-import layout from '../ui/layout.module.css'
+import { cards, layout } from '../ui/styles'
 import { usePolling } from '../ui/usePolling'
 
 /** How often the list is asked for without an open stream [ms]. */

@@ -8,9 +8,7 @@ import { decimalsFor, margin, NONE, short } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { MarginBar } from '../ui/bars'
 import type { CellContext } from './columns'
-import badges from '../ui/badges.module.css'
-import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
+import { badges, layout, tables } from '../ui/styles'
 import styles from './runs.module.css'
 
 /** The first column, always shown: name, number, campaign, pin. */

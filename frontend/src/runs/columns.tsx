@@ -11,8 +11,7 @@ import { RunBadge } from '../ui/VerdictBadge'
 import { amount, Margin, Removal, Tags, Time } from './cells'
 import { COLUMN_KEYS, type ColumnKey, DECLARED, type Declared, type SortKey } from './columnKeys'
 import { Spark } from './Spark'
-import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
+import { layout, tables } from '../ui/styles'
 
 export interface CellContext {
   /** Units are in the cells because rows differ. */

@@ -2,7 +2,7 @@
 import { IconAlertTriangle, IconCircleX, IconRepeat, IconSignature } from '@tabler/icons-react'
 import type { Signoff } from '../client'
 import { moment } from '../format/time'
-import tables from '../ui/tables.module.css'
+import { tables } from '../ui/styles'
 
 export type Standing = Signoff['standing']
 

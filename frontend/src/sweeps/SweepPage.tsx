@@ -25,8 +25,7 @@ import { usePolling } from '../ui/usePolling'
 import { headlineOf } from '../ui/VerdictBadge'
 import { activeOf, statementOf } from './states'
 import { at } from '../format/root'
-import cards from '../ui/cards.module.css'
-import layout from '../ui/layout.module.css'
+import { cards, layout } from '../ui/styles'
 
 const sweepQuery = (id: string) => queryOptions({ queryKey: ['sweep', id], queryFn: () => getSweep(id) })
 

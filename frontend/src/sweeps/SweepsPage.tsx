@@ -13,8 +13,7 @@ import { ButtonLink } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { Table } from '../ui/Table'
 import { statementOf } from './states'
-import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
+import { layout, tables } from '../ui/styles'
 
 const sweepsQuery = queryOptions({ queryKey: ['sweeps'], queryFn: () => listSweeps() })
 

@@ -15,12 +15,17 @@ function classesOf(file: string): Set<string> {
   return new Set([...own.matchAll(/\.([a-zA-Z_][\w-]*)/g)].map(([, name = '']) => camel(name)))
 }
 
-/** The classes that a file uses from each module. */
+/** The classes that a file uses from each module: its own, and those that pages share. */
 function taken(file: string): [string, string[]][] {
   const text = read(file)
   const code = text.replace(/^import .*$/gm, '')
-  return [...text.matchAll(/import (\w+) from '(.*\.module\.css)'/g)].map(([, name = '', path = '']) => [
-    relative(SRC, join(SRC, dirname(file), path)),
+  const own = [...text.matchAll(/import (\w+) from '(.*\.module\.css)'/g)].map(([, name = '', path = '']) => [name, join(dirname(file), path)])
+  const shared = (/import \{ (.*) \} from '[./]+(?:ui\/)?styles'/.exec(text)?.[1]?.split(', ') ?? []).map((entry) => {
+    const [module = '', name = module] = entry.split(' as ')
+    return [name, `ui/${module}.module.css`]
+  })
+  return [...own, ...shared].map(([name = '', path = '']) => [
+    relative(SRC, join(SRC, path)),
     [...code.matchAll(new RegExp(`(?<![.\\w])${name}\\.(\\w+)`, 'g'))].map(([, one = '']) => one),
   ])
 }

@@ -10,7 +10,7 @@ import { Card } from '../ui/Card'
 import { hiddenHead, Table } from '../ui/Table'
 import { CodeCell, DateCell, outcomeColumns } from './cells'
 import { differenceOf } from './difference'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 
 const relatedQuery = (run: string, state: string) =>
   queryOptions({ queryKey: ['related', run, state], queryFn: () => getRelated(run) })

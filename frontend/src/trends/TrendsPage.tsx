@@ -24,7 +24,7 @@ import { CodeCell, DateCell, outcomeColumns } from './cells'
 import { namesOf } from './code'
 import type { TrendSearch } from './search'
 import { changesOf } from './changes'
-import layout from '../ui/layout.module.css'
+import { layout } from '../ui/styles'
 import styles from './trends.module.css'
 
 const trendQuery = ({ campaign, name, label }: TrendSearch) =>

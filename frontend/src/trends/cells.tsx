@@ -8,7 +8,7 @@ import { unreadOf } from './code'
 import { Digest } from '../ui/Digests'
 import type { Column } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
-import tables from '../ui/tables.module.css'
+import { tables } from '../ui/styles'
 
 /** The verdict or the state of a run, as icon and word. */
 export function OutcomeBadge({ outcome }: { outcome: Outcome | null }) {

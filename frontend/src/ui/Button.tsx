@@ -5,7 +5,7 @@ import { createLink } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { AnchorHTMLAttributes, ButtonHTMLAttributes, ReactNode, Ref } from 'react'
 import { count } from '../format/numbers'
-import buttons from './buttons.module.css'
+import { buttons } from './styles'
 
 interface ButtonProps extends ButtonHTMLAttributes<HTMLButtonElement> {
   icon?: typeof IconLink

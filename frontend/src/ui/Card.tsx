@@ -2,10 +2,7 @@
 import { clsx } from 'clsx'
 import { type ReactNode, useEffect, useRef, useState } from 'react'
 import { field } from '../format/numbers'
-import badges from './badges.module.css'
-import buttons from './buttons.module.css'
-import cards from './cards.module.css'
-import tables from './tables.module.css'
+import { badges, buttons, cards, tables } from './styles'
 import styles from './ui.module.css'
 
 interface CardProps {

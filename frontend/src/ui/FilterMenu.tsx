@@ -5,8 +5,7 @@ import type { Facet } from '../client'
 import { count } from '../format/numbers'
 import { Button } from './Button'
 import { Menu, Pick, Picks } from './Menu'
-import fields from './fields.module.css'
-import layout from './layout.module.css'
+import { fields, layout } from './styles'
 
 interface FilterMenuProps {
   name: string

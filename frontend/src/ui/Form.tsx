@@ -2,8 +2,7 @@
 import type { InputHTMLAttributes, ReactNode } from 'react'
 import { clsx } from 'clsx'
 import { Button } from './Button'
-import fields from './fields.module.css'
-import layout from './layout.module.css'
+import { fields, layout } from './styles'
 
 interface FormProps {
   /** The request that the form sends, if it sends one. */

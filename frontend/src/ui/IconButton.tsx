@@ -1,7 +1,7 @@
 // A small icon button with an accessible name and a tooltip.
 import { clsx } from 'clsx'
 import type { IconLink } from '@tabler/icons-react'
-import buttons from './buttons.module.css'
+import { buttons } from './styles'
 
 interface IconButtonProps {
   label: string

@@ -4,10 +4,7 @@ import { clsx } from 'clsx'
 import { marked, type Token, type Tokens } from 'marked'
 import { Fragment, type ReactNode, useMemo } from 'react'
 import { at } from '../format/root'
-import fields from './fields.module.css'
-import layout from './layout.module.css'
-import prose from './prose.module.css'
-import tables from './tables.module.css'
+import { fields, layout, prose, tables } from './styles'
 import styles from './ui.module.css'
 
 interface MarkdownProps {

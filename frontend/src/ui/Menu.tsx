@@ -4,9 +4,7 @@ import { Popover } from '@mantine/core'
 import { IconChevronDown } from '@tabler/icons-react'
 import type { ReactNode } from 'react'
 import { Popup } from './Popup'
-import buttons from './buttons.module.css'
-import fields from './fields.module.css'
-import layout from './layout.module.css'
+import { buttons, fields, layout } from './styles'
 
 interface MenuProps {
   name: string

@@ -1,6 +1,6 @@
 // A method's marker and name.
 import { isOpen, OUTLINE, useMethodLook } from './methods'
-import figures from './figures.module.css'
+import { figures } from './styles'
 import styles from './ui.module.css'
 
 export function Mark({ method }: { method: string | null }) {

@@ -3,8 +3,7 @@ import { clsx } from 'clsx'
 import { IconSearch } from '@tabler/icons-react'
 import { useEffect, useRef, useState } from 'react'
 import { useHotkeys } from './useHotkeys'
-import buttons from './buttons.module.css'
-import fields from './fields.module.css'
+import { buttons, fields } from './styles'
 
 interface SearchBoxProps {
   label: string

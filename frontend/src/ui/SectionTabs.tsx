@@ -4,7 +4,7 @@ import { useCallback, useEffect, useRef, useState } from 'react'
 import { count } from '../format/numbers'
 import { useHotkeys } from './useHotkeys'
 import { currentOf, inPageOrder, lineOf, type Placed } from './sections'
-import layout from './layout.module.css'
+import { layout } from './styles'
 import styles from './sections.module.css'
 
 export interface Section {

@@ -1,6 +1,6 @@
 // A list to choose one of, with the browser's own menu.
 import type { ReactNode } from 'react'
-import fields from './fields.module.css'
+import { fields } from './styles'
 
 interface SelectProps<T extends string | number> {
   label?: string

@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import type { HTMLAttributes, ReactNode } from 'react'
 import { NumHead } from './Card'
-import tables from './tables.module.css'
+import { tables } from './styles'
 
 export interface Column<T> {
   head: ReactNode

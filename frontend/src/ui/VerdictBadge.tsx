@@ -10,8 +10,7 @@ import {
 } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { RunSummary } from '../client'
-import badges from './badges.module.css'
-import icons from './icons.module.css'
+import { badges, icons } from './styles'
 
 export type Outcome = 'cleared' | 'violated' | 'inconclusive' | Exclude<RunSummary['state'], 'done'>
 

@@ -4,9 +4,7 @@ import { IconAlertTriangle, IconDeviceFloppy } from '@tabler/icons-react'
 import { useBarred } from '../../api/may'
 import type { Saved } from './useSaved'
 import { Button } from '../../ui/Button'
-import cards from '../../ui/cards.module.css'
-import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
+import { cards, fields, layout } from '../../ui/styles'
 import styles from './draft.module.css'
 
 interface DraftBarProps {

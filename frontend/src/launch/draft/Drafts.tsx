@@ -18,7 +18,7 @@ import { IconButton } from '../../ui/IconButton'
 import { Modal } from '../../ui/Modal'
 import { RunLink } from '../../ui/RunLink'
 import { useNow } from '../../ui/useNow'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 import styles from './draft.module.css'
 
 const FEW = 4

@@ -5,7 +5,7 @@ import type { ReactNode } from 'react'
 import { IconButton } from '../../ui/IconButton'
 import { NumberCell, type NumberCellProps } from './NumberCell'
 import { FieldErrors, idOf } from './problems'
-import fields from '../../ui/fields.module.css'
+import { fields } from '../../ui/styles'
 
 interface LabelledProps {
   field: string

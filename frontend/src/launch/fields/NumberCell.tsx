@@ -3,7 +3,7 @@ import { type InputHTMLAttributes, useState } from 'react'
 import type { Raw } from '../../api/campaign'
 import { parse, field as shown } from '../../format/numbers'
 import { idOf, useProblems } from './problems'
-import fields from '../../ui/fields.module.css'
+import { fields } from '../../ui/styles'
 
 type Value = Raw | null | undefined
 

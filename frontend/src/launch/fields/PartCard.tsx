@@ -13,8 +13,7 @@ import { NumberCell } from './NumberCell'
 import { numberOf, type Parameter, type Section } from '../campaign/parameters'
 import { FieldErrors, idOf } from './problems'
 import type { FormProps, SetValue } from './props'
-import layout from '../../ui/layout.module.css'
-import lists from '../../ui/lists.module.css'
+import { layout, lists } from '../../ui/styles'
 import styles from './fields.module.css'
 
 /** Up to this number of default parameters is not collapsed. */

@@ -2,7 +2,7 @@
 import { IconAlertCircle } from '@tabler/icons-react'
 import { createContext, useContext } from 'react'
 import type { FieldProblem } from '../../api/problems'
-import fieldsCss from '../../ui/fields.module.css'
+import { fields as fieldsCss } from '../../ui/styles'
 
 const Problems = createContext<readonly FieldProblem[]>([])
 

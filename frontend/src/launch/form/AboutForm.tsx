@@ -9,8 +9,7 @@ import { Fold } from '../fields/Fold'
 import { NumberCell } from '../fields/NumberCell'
 import type { FormProps, SetValue } from '../fields/props'
 import { FieldErrors, idOf } from '../fields/problems'
-import fieldsCss from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
+import { fields as fieldsCss, layout } from '../../ui/styles'
 import styles from './form.module.css'
 
 interface WrittenText {

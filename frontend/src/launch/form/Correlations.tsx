@@ -7,7 +7,7 @@ import { Fold } from '../fields/Fold'
 import { NumberCell } from '../fields/NumberCell'
 import type { FormProps } from '../fields/props'
 import { FieldErrors, idOf } from '../fields/problems'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 import styles from './form.module.css'
 
 export function Correlations({ campaign, parameters, set }: FormProps) {

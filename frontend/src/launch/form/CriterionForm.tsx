@@ -9,7 +9,7 @@ import { sectionsOf } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
 import type { FormProps } from '../fields/props'
 import { AddPart, Parts } from './ScenarioForm'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 
 export function CriterionForm(form: FormProps) {
   const { campaign, catalogue } = form

@@ -14,9 +14,7 @@ import { numberOf } from '../campaign/parameters'
 import { optionsOf, type Schema } from '../../api/schema'
 import { FieldErrors } from '../fields/problems'
 import type { FormProps } from '../fields/props'
-import fieldsCss from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
-import lists from '../../ui/lists.module.css'
+import { fields as fieldsCss, layout, lists } from '../../ui/styles'
 import styles from './form.module.css'
 
 interface MethodOptionsProps extends Pick<FormProps, 'parameters' | 'set'> {

@@ -12,9 +12,7 @@ import { MethodOptions } from './MethodOptions'
 import { NumberCell } from '../fields/NumberCell'
 import { FieldErrors, idOf, useProblems } from '../fields/problems'
 import type { FormProps } from '../fields/props'
-import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
-import tables from '../../ui/tables.module.css'
+import { fields, layout, tables } from '../../ui/styles'
 import styles from './form.module.css'
 
 export function MethodsTable({ campaign, catalogue, parameters, set }: FormProps) {

@@ -10,7 +10,7 @@ import type { FormProps } from '../fields/props'
 import { Realisations } from './Realisations'
 import { SettingFields } from './SettingsForm'
 import { SIMULATION } from '../campaign/settings'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 import styles from './form.module.css'
 
 const TITLE: Record<List, string> = { obstacles: 'Obstacles', environment: 'Environment', faults: 'Faults' }

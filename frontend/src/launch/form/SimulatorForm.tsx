@@ -10,8 +10,7 @@ import { Choice } from '../fields/Field'
 import { ParameterGrid } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
 import type { FormProps } from '../fields/props'
-import layout from '../../ui/layout.module.css'
-import lists from '../../ui/lists.module.css'
+import { layout, lists } from '../../ui/styles'
 
 export function SimulatorForm(form: FormProps) {
   const { campaign, catalogue, parameters, set } = form

@@ -9,8 +9,7 @@ import { NumberCell } from '../fields/NumberCell'
 import { boundsOf, numberOf, type Parameter } from '../campaign/parameters'
 import { idOf, Message, useProblems } from '../fields/problems'
 import type { SetValue } from '../fields/props'
-import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
+import { fields, layout } from '../../ui/styles'
 import styles from './form.module.css'
 
 const KINDS = [

@@ -9,8 +9,7 @@ import { Adder } from '../fields/Field'
 import { FieldErrors } from '../fields/problems'
 import type { FormProps } from '../fields/props'
 import { UncertainRow } from './UncertainRow'
-import layout from '../../ui/layout.module.css'
-import tables from '../../ui/tables.module.css'
+import { layout, tables } from '../../ui/styles'
 import styles from './form.module.css'
 
 export function UncertainTable(form: FormProps) {

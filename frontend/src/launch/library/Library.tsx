@@ -12,9 +12,7 @@ import { criterionOf } from '../campaign/parameters'
 import { PlanView } from '../plan/PlanView'
 import { Key, Legend } from '../plan/scene'
 import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
-import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
-import lists from '../../ui/lists.module.css'
+import { fields, layout, lists } from '../../ui/styles'
 import styles from './library.module.css'
 
 interface LibraryProps {

@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import { freeOf, type Place, type Plan, type PlanBody } from './plan'
 import { degrees } from './ways'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 
 /** From positions to the picture. */
 export interface Pixels<P = Place> {

@@ -17,8 +17,7 @@ import { PreviewPlan } from './PreviewPlan'
 import { hasHeights, PreviewSide } from './PreviewSide'
 import { rangesOf } from './ranges'
 import type { LivePreview } from './usePreview'
-import icons from '../../ui/icons.module.css'
-import layout from '../../ui/layout.module.css'
+import { icons, layout } from '../../ui/styles'
 import styles from './preview.module.css'
 
 /** A simulation that takes longer is probably being compiled [s]. */

@@ -7,7 +7,7 @@ import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import type { FormProps } from '../fields/props'
 import { requestOf, minutesOf, searchesOf, stated } from './proposal'
-import fields from '../../ui/fields.module.css'
+import { fields } from '../../ui/styles'
 import styles from './proposal.module.css'
 
 const TIME = 'proposal-time'

@@ -7,7 +7,7 @@ import { facetsQuery } from '../../api/queries'
 import { Fold } from '../fields/Fold'
 import { FieldErrors, idOf } from '../fields/problems'
 import type { Regression } from './regression'
-import fields from '../../ui/fields.module.css'
+import { fields } from '../../ui/styles'
 import styles from './regression.module.css'
 
 export function RegressionFields({ regression }: { regression: Regression }) {

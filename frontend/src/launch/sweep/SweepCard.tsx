@@ -12,8 +12,7 @@ import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import type { Parameter } from '../campaign/parameters'
 import { valuesOf } from './values'
-import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
+import { fields, layout } from '../../ui/styles'
 
 interface SweepCardProps {
   campaign: Campaign

@@ -11,7 +11,7 @@ import { Select } from '../../ui/Select'
 import { Spans } from '../../ui/Spans'
 import { useWidth } from '../../ui/useWidth'
 import { outline, type Point } from './outline'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 
 interface AttractionProps {
   result: AttractionOfResult

@@ -21,8 +21,7 @@ import { isLikely, LikelyCell, LikelySentence, MostLikelyRow } from './Likely'
 import { ModePicture } from './ModePicture'
 import { useAddress } from '../data/useAddress'
 import { validatedWord } from '../data/validated'
-import layout from '../../ui/layout.module.css'
-import tables from '../../ui/tables.module.css'
+import { layout, tables } from '../../ui/styles'
 import styles from './findings.module.css'
 
 interface FindingsProps {

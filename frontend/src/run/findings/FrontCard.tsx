@@ -17,7 +17,7 @@ import { Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { parameterColumns } from '../parameters/columns'
 import { criteriaOf, frontOf, type Placed, someOf } from './front'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 import runStyles from '../run.module.css'
 
 const ROWS = 12

@@ -8,7 +8,7 @@ import { sentence, words } from '../../format/spans'
 import { Place } from '../../ui/bars'
 import { Spans } from '../../ui/Spans'
 import type { RunData } from '../data/data'
-import tables from '../../ui/tables.module.css'
+import { tables } from '../../ui/styles'
 import styles from './findings.module.css'
 
 /** Whether likelihood distinguishes the findings; in a box all points are equally likely. */

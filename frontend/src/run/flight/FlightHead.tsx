@@ -24,8 +24,7 @@ import { type ChosenSearch, NOMINAL, worstOf } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
 import { ROOT } from '../../format/root'
 import { Select } from '../../ui/Select'
-import buttons from '../../ui/buttons.module.css'
-import layout from '../../ui/layout.module.css'
+import { buttons, layout } from '../../ui/styles'
 import styles from './flight.module.css'
 
 interface Props {

@@ -3,8 +3,7 @@ import { IconCheck, IconLoader, IconPlugConnectedX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { Known } from './view'
 import { Button } from '../../ui/Button'
-import icons from '../../ui/icons.module.css'
-import layout from '../../ui/layout.module.css'
+import { icons, layout } from '../../ui/styles'
 import runStyles from '../run.module.css'
 
 interface Props {

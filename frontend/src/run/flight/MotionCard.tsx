@@ -31,7 +31,7 @@ import {
 } from './flown'
 import { type Flown, flownOf, useShown, whatIfOf } from './SeparationCard'
 import { useAddress } from '../data/useAddress'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 import styles from './flight.module.css'
 
 /** Minimum width of a chart [px]. */

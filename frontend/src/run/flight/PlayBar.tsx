@@ -21,8 +21,7 @@ import type { View } from './view'
 import { WhatIfButton } from './WhatIfButton'
 import type { WhatIfState } from './useWhatIf'
 import { Select } from '../../ui/Select'
-import layout from '../../ui/layout.module.css'
-import fields from '../../ui/fields.module.css'
+import { fields, layout } from '../../ui/styles'
 import styles from './flight.module.css'
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5]

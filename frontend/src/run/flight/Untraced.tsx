@@ -6,7 +6,7 @@ import { sceneOf } from './declared'
 import type { WhatIfState } from './useWhatIf'
 import { WhatIfButton } from './WhatIfButton'
 import { at } from '../../format/root'
-import cards from '../../ui/cards.module.css'
+import { cards } from '../../ui/styles'
 
 /** The reasons why cases have no trace, by name; the nominal one first. */
 export function untracedOf(data: Pick<RunData, 'stages'>): [string, string][] {

@@ -12,8 +12,7 @@ import { Field, Form } from '../../ui/Form'
 import { Modal } from '../../ui/Modal'
 import { Button } from '../../ui/Button'
 import { IconButton } from '../../ui/IconButton'
-import cards from '../../ui/cards.module.css'
-import fields from '../../ui/fields.module.css'
+import { cards, fields } from '../../ui/styles'
 
 export function EditRun({ run }: { run: RunDetail }) {
   const [open, setOpen] = useState(false)

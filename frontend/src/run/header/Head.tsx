@@ -23,8 +23,7 @@ import { Modal } from '../../ui/Modal'
 import { Bell } from './Bell'
 import { EditRun } from './EditRun'
 import { Remove } from './Removed'
-import badges from '../../ui/badges.module.css'
-import layout from '../../ui/layout.module.css'
+import { badges, layout } from '../../ui/styles'
 import runStyles from '../run.module.css'
 
 export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {

@@ -9,7 +9,7 @@ import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Table } from '../../ui/Table'
 import { statementOf } from './entry'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 
 const historyQuery = (run: string) =>
   queryOptions({ queryKey: ['history', run], queryFn: () => getHistory(run), staleTime: 0 })

@@ -4,8 +4,7 @@ import { clsx } from 'clsx'
 import { listed } from '../data/missing'
 import type { MissingPart } from '../data/missing'
 import { Button } from '../../ui/Button'
-import cards from '../../ui/cards.module.css'
-import layout from '../../ui/layout.module.css'
+import { cards, layout } from '../../ui/styles'
 
 export function Missing({ parts }: { parts: readonly MissingPart[] }) {
   if (parts.length === 0) return null

@@ -9,9 +9,7 @@ import { later, Part } from '../../page/later'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { useEdit } from './useEdit'
-import cards from '../../ui/cards.module.css'
-import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
+import { cards, fields, layout } from '../../ui/styles'
 import styles from './header.module.css'
 
 // Most runs have no notes: the parser is loaded on first use.

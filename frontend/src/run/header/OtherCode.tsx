@@ -8,7 +8,7 @@ import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
 import { Button } from '../../ui/Button'
 import { Refused } from '../../ui/Form'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 
 export function OtherCode({ run }: { run: RunDetail }) {
   const cache = useQueryClient()

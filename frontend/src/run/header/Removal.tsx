@@ -11,8 +11,7 @@ import { count } from '../../format/numbers'
 import { Button } from '../../ui/Button'
 import { Field, Form } from '../../ui/Form'
 import { Modal } from '../../ui/Modal'
-import fields from '../../ui/fields.module.css'
-import lists from '../../ui/lists.module.css'
+import { fields, lists } from '../../ui/styles'
 
 export const plural = (n: number): string => `${count(n)} ${n === 1 ? 'run' : 'runs'}`
 

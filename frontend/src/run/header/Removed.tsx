@@ -9,9 +9,7 @@ import { Button, ButtonLink } from '../../ui/Button'
 import { Digests } from '../../ui/Digests'
 import { RemoveDialog, useRestore } from './Removal'
 import { History } from './History'
-import cards from '../../ui/cards.module.css'
-import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
+import { cards, fields, layout } from '../../ui/styles'
 
 export function Remove({ run }: { run: RunDetail }) {
   const [asking, setAsking] = useState(false)

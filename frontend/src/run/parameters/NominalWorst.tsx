@@ -10,8 +10,7 @@ import { Sign } from '../../ui/Sign'
 import { type Best, type RunData, type UncertainParameter, valuesOf } from '../data/data'
 import { insteadOf } from '../data/missing'
 import { noiseOf } from '../flight/flown'
-import layout from '../../ui/layout.module.css'
-import tables from '../../ui/tables.module.css'
+import { layout, tables } from '../../ui/styles'
 import styles from './parameters.module.css'
 
 type Worst = Best & { atBounds?: Record<string, string> }

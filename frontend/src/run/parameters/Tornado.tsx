@@ -8,7 +8,7 @@ import { decimalsFor, fixed, signed } from '../../format/numbers'
 import { Sign, SvgSign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import type { RunData } from '../data/data'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 
 interface Bar {
   path: string

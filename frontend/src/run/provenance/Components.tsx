@@ -9,9 +9,7 @@ import { namesOf, unreadOf } from '../../trends/code'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Digest } from '../../ui/Digests'
-import cards from '../../ui/cards.module.css'
-import layout from '../../ui/layout.module.css'
-import lists from '../../ui/lists.module.css'
+import { cards, layout, lists } from '../../ui/styles'
 
 const Described = later(() => import('./Described'), 'Described')
 

@@ -2,7 +2,7 @@
 import type { Catalogue } from '../../client'
 import { ComponentText } from '../../help/ComponentText'
 import { MethodText } from '../../help/MethodText'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 
 export function Described({ catalogue }: { catalogue: Catalogue }) {
   return (

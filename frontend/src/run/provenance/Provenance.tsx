@@ -15,7 +15,7 @@ import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { CopyButton, save } from '../../ui/files'
 import type { RunData } from '../data/data'
-import lists from '../../ui/lists.module.css'
+import { lists } from '../../ui/styles'
 import styles from './provenance.module.css'
 
 export function Provenance({ data, className }: { data: RunData; className: string | undefined }) {

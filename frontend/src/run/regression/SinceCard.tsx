@@ -20,7 +20,7 @@ import { type Column, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { worstOf } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
-import badges from '../../ui/badges.module.css'
+import { badges } from '../../ui/styles'
 import styles from './regression.module.css'
 
 type Standing = FindingChange['standing']

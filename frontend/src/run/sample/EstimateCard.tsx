@@ -11,7 +11,7 @@ import { Table } from '../../ui/Table'
 import { useWidth } from '../../ui/useWidth'
 import type { UncertainParameter } from '../data/data'
 import { parameterColumns } from '../parameters/columns'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 
 interface EstimateProps {
   parameters: readonly UncertainParameter[]

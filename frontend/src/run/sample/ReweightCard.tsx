@@ -15,7 +15,7 @@ import { Spans } from '../../ui/Spans'
 import { Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { type Knob, keyOf, knobsOf, type Moved, requestOf } from './moved'
-import fields from '../../ui/fields.module.css'
+import { fields } from '../../ui/styles'
 import styles from './sample.module.css'
 
 /** A request at most so often while a slider moves [ms]. */

@@ -17,7 +17,7 @@ import { SvgSign, symbolText } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import { DistributionCurve } from './DistributionCurve'
 import type { RunData } from '../data/data'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 
 interface SampleCardProps {
   data: RunData

@@ -10,7 +10,7 @@ import { hiddenHead, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { parameterColumns } from '../parameters/columns'
 import { countsOf, MEANING, startsYaml } from './failed'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 import styles from './search.module.css'
 
 const FIRST = 12

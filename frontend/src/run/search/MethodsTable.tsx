@@ -12,7 +12,7 @@ import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import { type Column, Table } from '../../ui/Table'
 import { rateOf, type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 import styles from './search.module.css'
 
 export function MethodsTable({ data, className, id }: { data: RunData; className: string | undefined; id?: string }) {

@@ -12,7 +12,7 @@ import { Table } from '../../ui/Table'
 import { type RunData, stageOf, type UncertainParameter } from '../data/data'
 import { parameterColumns } from '../parameters/columns'
 import { basinsOf, distanceOf, type MergedMinimum, mergedMinima, rangesText } from './minima'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 
 /** Initial and maximum number of rows. */
 const SHOWN = 8

@@ -8,7 +8,7 @@ import { atMost, count, decimalsFor, duration, exact, fixed } from '../../format
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { headlineOf } from '../../ui/VerdictBadge'
-import icons from '../../ui/icons.module.css'
+import { icons } from '../../ui/styles'
 import styles from './search.module.css'
 
 type State = 'done' | 'act' | 'todo' | 'fail'

@@ -5,7 +5,7 @@ import { plain } from '../../format/numbers'
 import { symbolText, SvgSign } from '../../ui/Sign'
 import { shades } from './colours'
 import type { Ink } from './paint'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 import styles from './space.module.css'
 
 const [WIDTH, LEFT] = [180, 8]

@@ -14,7 +14,7 @@ import { Spans } from '../../ui/Spans'
 import { Table } from '../../ui/Table'
 import { useNear } from '../../ui/useNear'
 import type { RunData, UncertainParameter } from '../data/data'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 import runStyles from '../run.module.css'
 import styles from './space.module.css'
 

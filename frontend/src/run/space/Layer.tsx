@@ -1,7 +1,7 @@
 // A canvas for data below an SVG for axes and ranges, both of the container's size.
 import { type ReactNode, useLayoutEffect, useRef } from 'react'
 import { prepared } from './paint'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 import styles from './space.module.css'
 
 interface LayerProps {

@@ -10,7 +10,7 @@ import { Layer } from './Layer'
 import { crossings, type Ink, type Lines, lineNear, paintLines } from './paint'
 import { type Axis, type Brush, nudged, rangeOn, shareOf, type Space, valueAt } from './space'
 import { useDrag } from './useDrag'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 import styles from './space.module.css'
 
 const [TOP, SIDE, NONE_BELOW, HANDLE] = [44, 50, 22, 8]

@@ -11,7 +11,7 @@ import { type Cell, paintPoints, placed, pointNear } from './paint'
 import { picked, type ViewProps } from './Parallel'
 import { type Axis, parametersOf, rangeOn, shareOf, type Space, valueAt } from './space'
 import { useDrag } from './useDrag'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 import styles from './space.module.css'
 
 const [LEFT, BOTTOM, TOP, RIGHT, GAP] = [62, 40, 8, 10, 14]

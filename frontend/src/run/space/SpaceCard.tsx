@@ -27,8 +27,7 @@ import { Scatter } from './Scatter'
 import { type Axis, type Brush, brushed, brushOf, brushTexts, criterionAxis, evaluationOf, FATES, keptOf, parametersAt, parametersOf, rankedFrom, type Space, spaceOf, VALUE, valueAxis, worstOf } from './space'
 import { Toggles } from './Toggles'
 import { Select } from '../../ui/Select'
-import buttons from '../../ui/buttons.module.css'
-import layout from '../../ui/layout.module.css'
+import { buttons, layout } from '../../ui/styles'
 import styles from './space.module.css'
 
 /** Maximum number of drawn evaluations: more lines would only cover each other. */

@@ -13,7 +13,7 @@ import { usePolling } from '../../ui/usePolling'
 import type { RunData } from '../data/data'
 import { written } from '../flight/whatif'
 import type { WhatIfState } from '../flight/useWhatIf'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 
 const SpaceCard = later(() => import('./SpaceCard'), 'SpaceCard')
 

@@ -2,7 +2,7 @@
 import { count } from '../../format/numbers'
 import { Mark } from '../../ui/MethodMark'
 import { FATES, type Space } from './space'
-import figures from '../../ui/figures.module.css'
+import { figures } from '../../ui/styles'
 
 interface TogglesProps {
   space: Space

@@ -1,7 +1,7 @@
 // The section of the baseline stage: what has become of the findings that it evaluated.
 import { SinceCard } from '../regression/SinceCard'
 import { type Added, section } from '../section'
-import layout from '../../ui/layout.module.css'
+import { layout } from '../../ui/styles'
 
 export const added: Added = {
   after: 'findings',

@@ -9,7 +9,7 @@ import { Spans } from '../../ui/Spans'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf, wordOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
 import { NextSteps } from './NextSteps'
-import cards from '../../ui/cards.module.css'
+import { cards } from '../../ui/styles'
 import styles from './verdict.module.css'
 
 export function Banner({ data }: { data: RunData }) {

@@ -6,7 +6,7 @@ import { HelpLink } from '../../help/links'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
-import lists from '../../ui/lists.module.css'
+import { lists } from '../../ui/styles'
 
 const AT: Record<ClosestApproach['at'], string> = {
   start: 'at the start of the horizon',

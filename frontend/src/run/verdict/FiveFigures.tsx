@@ -10,7 +10,7 @@ import { worstOf } from '../data/chosen'
 import { drawn, finderOf, type RunData } from '../data/data'
 import runStyles from '../run.module.css'
 import { whereOf } from './where'
-import cards from '../../ui/cards.module.css'
+import { cards } from '../../ui/styles'
 
 export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' | 'findings' | 'stages'> }) {
   const { run, campaign } = data

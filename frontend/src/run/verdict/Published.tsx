@@ -12,9 +12,7 @@ import { Sign } from '../../ui/Sign'
 import { Table } from '../../ui/Table'
 import { useNear } from '../../ui/useNear'
 import { type RunData, searchesOf } from '../data/data'
-import cards from '../../ui/cards.module.css'
-import lists from '../../ui/lists.module.css'
-import tables from '../../ui/tables.module.css'
+import { cards, lists, tables } from '../../ui/styles'
 
 /** A warning if this campaign differs from the shipped one in more than budgets. The library is large: read when needed. */
 function Changed({ campaign }: { campaign: Campaign }) {

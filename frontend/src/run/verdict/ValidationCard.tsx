@@ -13,8 +13,7 @@ import { Table } from '../../ui/Table'
 import { worstOf } from '../data/chosen'
 import type { RunData } from '../data/data'
 import { casesOf, validatedWord } from '../data/validated'
-import badges from '../../ui/badges.module.css'
-import lists from '../../ui/lists.module.css'
+import { badges, lists } from '../../ui/styles'
 import styles from './verdict.module.css'
 
 interface ValidationCardProps {

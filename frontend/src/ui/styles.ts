@@ -1,0 +1,12 @@
+// The style modules that pages share, in order of increasing precedence (theme/styles.ts).
+export { default as buttons } from './buttons.module.css'
+export { default as cards } from './cards.module.css'
+export { default as layout } from './layout.module.css'
+export { default as badges } from './badges.module.css'
+export { default as tables } from './tables.module.css'
+export { default as fields } from './fields.module.css'
+export { default as lists } from './lists.module.css'
+export { default as figures } from './figures.module.css'
+export { default as prose } from './prose.module.css'
+export { default as guide } from './guide.module.css'
+export { default as icons } from './icons.module.css'

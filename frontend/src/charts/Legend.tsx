@@ -1,6 +1,6 @@
 // A legend whose entries toggle their lines.
 import { clsx } from 'clsx'
-import { useState } from 'react'
+import { type ReactNode, useState } from 'react'
 import { Mark } from '../ui/MethodMark'
 import { figures } from '../ui/styles'
 import styles from './charts.module.css'
@@ -35,32 +35,32 @@ interface LegendProps {
 export function Legend({ keys, hidden, onToggle }: LegendProps) {
   return (
     <div className={figures.lg}>
-      {keys.map((key) => {
-        const content = (
-          <>
-            <Swatch of={key} />
-            {key.label}
-          </>
-        )
-        return key.fixed ? (
-          <span key={key.key} className={figures.k}>
-            {content}
-          </span>
-        ) : (
-          <button
-            key={key.key}
-            type="button"
-            className={figures.k}
-            aria-pressed={!hidden.has(key.key)}
-            onClick={() => onToggle(key.key)}
-          >
-            {content}
-          </button>
-        )
-      })}
+      {keys.map((key) => (
+        <Entry key={key.key} on={!hidden.has(key.key)} onToggle={key.fixed ? undefined : () => onToggle(key.key)}>
+          <Swatch of={key} />
+          {key.label}
+        </Entry>
+      ))}
     </div>
   )
 }
+
+interface EntryProps {
+  on: boolean
+  onToggle: (() => void) | undefined
+  title?: string
+  children: ReactNode
+}
+
+/** An entry of a legend: a button, unless it is always shown. */
+export const Entry = ({ on, onToggle, title, children }: EntryProps) =>
+  onToggle ? (
+    <button type="button" className={figures.k} aria-pressed={on} title={title} onClick={onToggle}>
+      {children}
+    </button>
+  ) : (
+    <span className={figures.k}>{children}</span>
+  )
 
 function Swatch({ of }: { of: Key }) {
   if (of.method) return <Mark method={of.method} />

@@ -1,5 +1,6 @@
 // Toggles for stages and for evaluations without a value, with the numbers drawn.
 import { count } from '../../format/numbers'
+import { Entry } from '../../charts/Legend'
 import { Mark } from '../../ui/MethodMark'
 import { FATES, type Space } from './space'
 import { figures } from '../../ui/styles'
@@ -17,33 +18,29 @@ export function Toggles({ space, hidden, onToggle }: TogglesProps) {
   return (
     <div className={figures.lg} role="group" aria-label="Shown evaluations">
       {space.groups.map((group) => (
-        <button
+        <Entry
           key={group.key}
-          type="button"
-          className={figures.k}
-          aria-pressed={!hidden.has(group.key)}
+          on={!hidden.has(group.key)}
           title={`${count(group.shown)} of ${count(group.total)} evaluations drawn`}
-          onClick={() => onToggle(group.key)}
+          onToggle={() => onToggle(group.key)}
         >
           <Mark method={group.method} />
           {group.title} <span className="mut">{count(group.shown)}</span>
-        </button>
+        </Entry>
       ))}
       {(['failed', 'excluded'] as const).map((fate) =>
         numbers[FATES.indexOf(fate)] ? (
-          <button
+          <Entry
             key={fate}
-            type="button"
-            className={figures.k}
-            aria-pressed={!hidden.has(fate)}
+            on={!hidden.has(fate)}
             title={`Without a value: ${fate === 'failed' ? 'a cross and a dashed line' : 'a square and a dotted line'}; of more than 400, faint lines`}
-            onClick={() => onToggle(fate)}
+            onToggle={() => onToggle(fate)}
           >
             <svg className={figures.mk} viewBox="0 0 10 10" aria-hidden="true">
               <path d={OUTLINES[fate]} fill="none" stroke="var(--ink-3)" strokeWidth={1.6} />
             </svg>
             {fate === 'failed' ? 'Failed' : 'Excluded'} <span className="mut">{count(numbers[FATES.indexOf(fate)])}</span>
-          </button>
+          </Entry>
         ) : null,
       )}
     </div>

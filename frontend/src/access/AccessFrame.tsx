@@ -17,13 +17,7 @@ const PAGES = [
   { to: '/access/audit', name: 'Audit trail', least: 'reviewer' },
 ] as const satisfies readonly { to: string; name: string; least: Role }[]
 
-interface AccessFrameProps {
-  title: string
-  actions?: ReactNode
-  children: ReactNode
-}
-
-export function AccessFrame({ title, actions, children }: AccessFrameProps) {
+export function AccessFrame({ title, actions, children }: { title: string; actions?: ReactNode; children: ReactNode }) {
   useTitle(title)
   const { data } = useQuery(sessionQuery)
   return (

@@ -88,13 +88,7 @@ function Failed({ comparison: { missing, failed, retry } }: { comparison: Compar
   )
 }
 
-interface ComparedProps {
-  comparison: Comparison
-  all: boolean
-  onAll: (all: boolean) => void
-}
-
-function Compared({ comparison, all, onAll }: ComparedProps) {
+function Compared({ comparison, all, onAll }: { comparison: Comparison; all: boolean; onAll: (all: boolean) => void }) {
   const { runs } = comparison
   const rows = differences(runs)
   const unit = unitOf(runs)

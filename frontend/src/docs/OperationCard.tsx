@@ -16,12 +16,7 @@ import { ROOT } from '../format/root'
 import { fields, layout } from '../ui/styles'
 import styles from './docs.module.css'
 
-interface OperationProps {
-  operation: Operation
-  schemas: Record<string, Schema>
-}
-
-export function OperationCard({ operation, schemas }: OperationProps) {
+export function OperationCard({ operation, schemas }: { operation: Operation; schemas: Record<string, Schema> }) {
   const { method, path, operationId, description, requestBody, responses } = operation
   const [values, setValues] = useState<Record<string, string>>({})
   const parameters = (operation.parameters ?? []).filter((parameter) => parameter.in !== 'cookie')

@@ -91,13 +91,7 @@ export class Part extends Component<PartProps, { error: unknown }> {
   }
 }
 
-interface MissingProps {
-  missed: Missed
-  whole: boolean
-  again: () => void
-}
-
-function Missing({ missed, whole, again }: MissingProps) {
+function Missing({ missed, whole, again }: { missed: Missed; whole: boolean; again: () => void }) {
   const [updated, setUpdated] = useState(false)
   const well = useContact().state === 'well'
   const before = useRef(well)

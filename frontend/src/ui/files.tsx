@@ -19,11 +19,6 @@ export function save(name: string, content: string | Blob, type = 'text/plain'):
 
 const LABEL = { copied: 'Copied', refused: 'The browser blocks copying' }
 
-interface CopyProps {
-  text: () => string
-  children: ReactNode
-}
-
 /** Copies a text; whether the browser did. Where a page came by plain HTTP, there is only the older command. */
 export async function copied(text: string): Promise<boolean> {
   if ('clipboard' in navigator)
@@ -57,7 +52,7 @@ export function useCopy(period: number) {
 }
 
 /** A button that copies and confirms it. */
-export function CopyButton({ text, children }: CopyProps) {
+export function CopyButton({ text, children }: { text: () => string; children: ReactNode }) {
   const { outcome, copy } = useCopy(1600)
   return (
     <Button small icon={outcome === 'copied' ? IconCheck : IconCopy} onClick={() => void copy(text())}>

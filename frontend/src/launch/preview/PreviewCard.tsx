@@ -68,13 +68,7 @@ export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live
   )
 }
 
-interface FlightProps {
-  ok: boolean
-  live: LivePreview
-  criterion: ComponentEntry | undefined
-}
-
-function Flight({ ok, live, criterion }: FlightProps) {
+function Flight({ ok, live, criterion }: { ok: boolean; live: LivePreview; criterion: ComponentEntry | undefined }) {
   const { following, flown, stale, waited, trouble } = live
   return (
     <div style={{ marginTop: 10 }}>

@@ -13,12 +13,7 @@ import { useWidth } from '../../ui/useWidth'
 import { outline, type Point } from './outline'
 import { figures } from '../../ui/styles'
 
-interface AttractionProps {
-  result: AttractionOfResult
-  className: string | undefined
-}
-
-export function AttractionCard({ result, className }: AttractionProps) {
+export function AttractionCard({ result, className }: { result: AttractionOfResult; className: string | undefined }) {
   const { sections, states } = result
   const [chosen, choose] = useState(0)
   const named = (k: number) => states[k]?.symbol ?? ''

@@ -108,13 +108,7 @@ function Choice({ data }: { data: RunData }) {
   )
 }
 
-interface CopyProps {
-  view: View
-  address: ChosenSearch
-  alone: boolean
-}
-
-function CopyInstant({ view, address, alone }: CopyProps) {
+function CopyInstant({ view, address, alone }: { view: View; address: ChosenSearch; alone: boolean }) {
   const [statement, setStatement] = useState('')
   useEffect(() => {
     if (!statement) return

@@ -6,12 +6,7 @@ import { Button } from '../../ui/Button'
 import { icons, layout } from '../../ui/styles'
 import runStyles from '../run.module.css'
 
-interface Props {
-  known: Known
-  onRetry: () => void
-}
-
-export function FlightNotice({ known: { phase, statement }, onRetry }: Props) {
+export function FlightNotice({ known: { phase, statement }, onRetry }: { known: Known; onRetry: () => void }) {
   return (
     <div className={phase === 'open' ? clsx(runStyles.poster, runStyles.back) : runStyles.poster} role="status">
       {(phase === 'opening' || phase === 'lost') && (

@@ -38,12 +38,7 @@ const LOOK: Record<Standing, { word: string; tone: string; Icon: typeof IconEqua
 /** The name of a run: a folder of results has no page. */
 const RUN = /^R-\d+$/
 
-interface SinceProps {
-  data: Pick<RunData, 'run'>
-  className: string | undefined
-}
-
-export function SinceCard({ data, className }: SinceProps) {
+export function SinceCard({ data, className }: { data: Pick<RunData, 'run'>; className: string | undefined }) {
   const { run } = data
   const [, change] = useAddress(run.id)
   const regression = run.summary?.regression

@@ -1,7 +1,6 @@
 // The one event stream of this tab: it feeds the query cache, at most four times a second. It is closed while the tab is
 // hidden, because a browser has only six connections to a service; while it is lost, pages poll. Start: `useStream`, `feed`.
-import type { InfiniteData, QueryClient } from '@tanstack/react-query'
-import { useQueryClient } from '@tanstack/react-query'
+import { type InfiniteData, type QueryClient, useQueryClient } from '@tanstack/react-query'
 import { useEffect, useLayoutEffect } from 'react'
 import type { EvaluationSeries, Evaluations, RunDetail, RunPage, RunSummary, StageProgress, Workers } from '../client'
 import { Feed } from './feed'

@@ -1,8 +1,7 @@
 // A run is called as its campaign until the user says otherwise; an opened, dropped or pasted file brings its own name.
 import { expect, it } from 'vitest'
-import type { Campaign } from '../../api/campaign'
 import * as fixtures from '../../../tests/fixtures'
-import { asCampaign } from '../../api/campaign'
+import { asCampaign, type Campaign } from '../../api/campaign'
 import { followed, isAnother } from './useNames'
 
 const named = (name: string, tags: string[]): Campaign => ({ ...asCampaign(fixtures.run().campaign), name, tags })

@@ -2,8 +2,7 @@
 // Start reading at `readWhatIf` and `valuesOf`.
 import type { CaseRequest, FlightAnswer, FlightRequest } from '../../client'
 import { namesOf } from '../../trends/code'
-import type { ChosenSearch } from '../data/chosen'
-import { NOMINAL } from '../data/chosen'
+import { type ChosenSearch, NOMINAL } from '../data/chosen'
 import type { RunData, UncertainParameter } from '../data/data'
 
 export interface WhatIf {

@@ -1,8 +1,7 @@
 // Above the results of a run: the parts that could not be loaded, so that their absence is not read as "there are none".
 import { IconAlertTriangle } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import { listed } from '../data/missing'
-import type { MissingPart } from '../data/missing'
+import { listed, type MissingPart } from '../data/missing'
 import { Button } from '../../ui/Button'
 import { cards, layout } from '../../ui/styles'
 

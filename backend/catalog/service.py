@@ -11,8 +11,7 @@ import sqlalchemy as sa
 from backend.catalog.estimate import estimate
 from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, ProblemOut
 from backend.db import snapshots
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import CatalogueDocument, Run, Stage
+from backend.db.tables import CampaignRow, CatalogueDocument, Run, Stage
 from backend.http.errors import RefusedError, not_found
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
 from campaigns.asked.text import readable_yaml

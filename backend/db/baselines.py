@@ -8,8 +8,7 @@ import sqlalchemy as sa
 
 from backend.db import continuation, labels, snapshots
 from backend.db.sweeps import in_sweep
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Finding, Run, RunBaseline
+from backend.db.tables import CampaignRow, Finding, Run, RunBaseline
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
 from campaigns.asked.spec import Campaign

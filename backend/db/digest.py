@@ -14,7 +14,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db import revision, snapshots
-from backend.db.tables import Campaign, EvaluationChunk, Finding, Run, Stage, Trace
+from backend.db.tables import CampaignRow, EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.documents import digest_of
 from campaigns.stored.digest import Rows, evidence_digest
 
@@ -38,7 +38,7 @@ def results_digest(reader: sa.Connection, run_id: int, evidence: bool = True) ->
 
 def current_digest(reader: sa.Connection, run_id: int) -> str:
     """The evidence digest of what is stored now, whether or not the run states one."""
-    of = sa.select(Campaign.document).join(Run, Run.campaign_digest == Campaign.digest).where(Run.id == run_id)
+    of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
     campaign = digest_of(reader.execute(of).scalar_one())
     parts = _parts(reader, run_id)
     summary = _RUN.index("summary")

@@ -23,7 +23,7 @@ from backend.db.engine import is_sqlite, now, read
 from backend.db.lowest import own_question
 from backend.db.reset import RESULTS
 from backend.db.tables import (
-    Campaign,
+    CampaignRow,
     EvaluationChunk,
     Run,
     RunBaseline,
@@ -210,14 +210,14 @@ def _kept() -> sa.ColumnElement[bool]:
 
 def _against() -> sa.ColumnElement[bool]:
     """It found a value that violates, and a run asks the same question for a requirement."""
-    of = sa.select(RunRequirement.run_id).join(Campaign, Campaign.question == RunRequirement.question)
-    return sa.and_(violates(), of.where(Campaign.digest == Run.campaign_digest).exists())
+    of = sa.select(RunRequirement.run_id).join(CampaignRow, CampaignRow.question == RunRequirement.question)
+    return sa.and_(violates(), of.where(CampaignRow.digest == Run.campaign_digest).exists())
 
 
 def violates() -> sa.ColumnElement[bool]:
     """Whether a run found a value at or below its threshold, or that of a listed run that asks the same for a
     requirement, whether it came to a verdict or not: what it cleared may violate where the threshold was raised."""
-    other, asked = orm.aliased(Run), orm.aliased(Campaign)
+    other, asked = orm.aliased(Run), orm.aliased(CampaignRow)
     of = sa.select(sa.func.max(other.threshold)).join(RunRequirement, RunRequirement.run_id == other.id)
     of = of.join(asked, asked.question == RunRequirement.question)
     of = of.where(asked.digest == Run.campaign_digest, other.removed.is_(None))

@@ -22,8 +22,7 @@ from pydantic import ValidationError
 from backend.db import labels, refusals, reset, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.outages import storable
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, RunRequirement, Stage
+from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
 from backend.db.tables_installed import WebhookDelivery
 from campaigns.asked.requirements import question
 from campaigns.asked.spec import Campaign

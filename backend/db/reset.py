@@ -5,8 +5,8 @@ from __future__ import annotations
 import sqlalchemy as sa
 
 from backend.db import refusals, sample_seeds, sizes
-from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import (
+    CampaignRow,
     EvaluationAhead,
     EvaluationChunk,
     Finding,

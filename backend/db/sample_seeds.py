@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db.tables import Campaign, Run
+from backend.db.tables import CampaignRow, Run
 from campaigns.identity.identity import identity_of, simulator_of, unsound
 from campaigns.runs import RunState
 from campaigns.sample_seed import SampleSeed
@@ -49,7 +49,7 @@ def again(reader: sa.Connection, run_id: int) -> SampleSeed | None:
 
 def _of_other_code(reader: sa.Connection, run_id: int, seed: int, here: Versions) -> bool:
     """Whether the run for which the seed was drawn did not evaluate as this code does, or may not have."""
-    first = sa.select(Run.flown, Campaign.document).join(Campaign, Campaign.digest == Run.campaign_digest)
+    first = sa.select(Run.flown, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     found = reader.execute(first.where(Run.id.in_(_drawn_before(run_id, seed)))).first()
     if found is None:
         return False

@@ -45,7 +45,7 @@ COUNT = sa.BigInteger().with_variant(sa.Integer, "sqlite")
 """Of evaluations that need not be stored; SQLite's integers have 64 bits."""
 
 
-class Campaign(Base):
+class CampaignRow(Base):
     """A submitted campaign, immutable, by its digest."""
 
     __tablename__ = "campaigns"

@@ -19,8 +19,7 @@ import sqlalchemy as sa
 from backend.db.lowest import own_question
 from backend.db.purge import violates
 from backend.db.sweeps import in_sweep
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, RunRequirement, Stage
+from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
 from backend.requirements.standing import Edge
 from backend.runs import identity
 from backend.signoffs.present import chunks

@@ -15,8 +15,7 @@ import sqlalchemy as sa
 
 from backend.db.digest import EVIDENCE
 from backend.db.sweeps import in_sweep
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement
+from backend.db.tables import CampaignRow, Requirement, RequirementFile, Run, RunRequirement
 from backend.http.errors import RefusedError
 from backend.http.matches import tag
 from backend.http.schema import unstorable_text

@@ -8,8 +8,7 @@ from collections.abc import Callable
 import sqlalchemy as sa
 
 from backend.catalog.service import described
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from campaigns import Campaign
 from campaigns.checked.check import parameters
 from campaigns.claims import earlier

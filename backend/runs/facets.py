@@ -9,8 +9,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db import labels
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, RunLabel
+from backend.db.tables import CampaignRow, Run, RunLabel
 from backend.runs.filters import unindexed
 from backend.runs.schemas import Facet, RunFacets
 

@@ -13,8 +13,7 @@ import sqlalchemy as sa
 from sqlalchemy.ext.compiler import compiles
 
 from backend.db import labels
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from backend.http.errors import RefusedError
 from campaigns import Problem
 from campaigns.labels import pair

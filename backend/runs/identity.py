@@ -11,8 +11,7 @@ import sqlalchemy as sa
 
 from backend.catalog.service import published
 from backend.db import codes
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from campaigns import Campaign, Catalogue
 from campaigns.identity.identity import UNSTORED, Change, Identity, changes, identity_of, installed, unsound
 from campaigns.runs import run_name

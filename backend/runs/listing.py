@@ -13,8 +13,7 @@ import sqlalchemy as sa
 from backend.catalog.service import published
 from backend.db import groups, labels
 from backend.db.engine import read
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, Stage
+from backend.db.tables import CampaignRow, Run, Stage
 from backend.runs import counts, identity, sampled, waiting
 from backend.runs.filters import Filters, unindexed
 from backend.runs.order import Order, Sort

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import sqlalchemy as sa
 
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from backend.http.errors import RefusedError
 from backend.http.schema import LARGEST_WHOLE, unstorable_text
 from campaigns import Problem

@@ -10,8 +10,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from backend.http.schema import Instant, Schema
 from backend.runs import identity, sampled
 from backend.runs.sampled import BoundSource

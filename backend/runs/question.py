@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from campaigns.results.verdict import VerdictWord
 
 

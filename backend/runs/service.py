@@ -7,8 +7,7 @@ import sqlalchemy as sa
 from backend.catalog.criteria import criteria
 from backend.catalog.service import described, published
 from backend.db import baselines
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, Stage
+from backend.db.tables import CampaignRow, Run, Stage
 from backend.http.errors import RefusedError, not_found
 from backend.runs import counts, identity, listing, pace, so_far
 from backend.runs.earlier import terms_of

@@ -8,8 +8,7 @@ import sqlalchemy as sa
 from pydantic import ValidationError
 
 from backend.catalog.service import bounds, described
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, Stage
+from backend.db.tables import CampaignRow, Run, Stage
 from backend.runs import sampled
 from campaigns import Campaign
 from campaigns.asked.distributions import Normal

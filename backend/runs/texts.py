@@ -10,8 +10,7 @@ import re
 
 import sqlalchemy as sa
 
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, RunText
+from backend.db.tables import CampaignRow, Run, RunText
 from backend.runs.service import require
 from campaigns import CampaignError
 from campaigns.asked.load import load_document

@@ -10,8 +10,7 @@ import sqlalchemy as sa
 
 from backend.catalog.service import published
 from backend.db.sweeps import in_sweep
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from campaigns import CampaignError, Catalogue
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import definition

@@ -7,8 +7,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db.repeats import repeat_digest
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from backend.runs import identity
 from backend.signoffs.present import counted
 from campaigns.identity.identity import Identity

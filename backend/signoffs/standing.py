@@ -12,8 +12,7 @@ import sqlalchemy as sa
 from backend.db.digest import results_digest
 from backend.db.signed import signer
 from backend.db.sweeps import in_sweep
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from backend.db.tables import Signoff as Row
 from backend.runs import identity
 from backend.signoffs.persons import person

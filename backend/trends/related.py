@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from backend.runs import identity
 from backend.runs.outcomes import Outcome, outcomes
 from backend.runs.question import asked_again

@@ -8,8 +8,7 @@ import sqlalchemy as sa
 
 from backend.db import labels
 from backend.db.sweeps import in_sweep
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, RunRequirement
+from backend.db.tables import CampaignRow, Run, RunRequirement
 from backend.http.errors import RefusedError, not_found
 from backend.runs import identity
 from backend.runs.facets import labels_of

@@ -13,8 +13,7 @@ from backend.catalog.service import required
 from backend.db import refusals
 from backend.db.engine import connect, migrate, read
 from backend.db.queue import request_cancel, submit
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import CatalogueDocument, Stage
+from backend.db.tables import CampaignRow, CatalogueDocument, Stage
 from campaigns import Campaign
 from campaigns.identity.code import code_of
 from campaigns.runs import RunState

@@ -13,7 +13,7 @@ from backend.db import refusals, workers
 from backend.db.engine import now
 from backend.db.queue import MOST_LOSSES, SILENT, Claim, LostLease, Queue, request_cancel, resume, submit
 from backend.db.store import RunStore
-from backend.db.tables import Campaign, CatalogueDocument, Run, Worker
+from backend.db.tables import CampaignRow, CatalogueDocument, Run, Worker
 from backend.runs import waiting
 from campaigns import Catalogue
 from campaigns.asked.load import load_document
@@ -70,7 +70,7 @@ def test_the_same_campaign_twice_is_stored_once(database: sa.Engine) -> None:
     put(database)
     put(database, name="again")
     with database.begin() as connection:
-        assert connection.scalar(sa.select(sa.func.count()).select_from(Campaign)) == 1
+        assert connection.scalar(sa.select(sa.func.count()).select_from(CampaignRow)) == 1
         assert connection.scalar(sa.select(sa.func.count()).select_from(Run)) == 2
 
 

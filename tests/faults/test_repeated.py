@@ -15,8 +15,7 @@ from backend.db.engine import connect, read
 from backend.db.queue import Queue, submit
 from backend.db.repeats import NOT_REPEATED
 from backend.db.store import RunStore
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, Stage
+from backend.db.tables import CampaignRow, Run, Stage
 from backend.signoffs.repeats import COLUMNS, OTHER_RESULTS, Repeats
 from campaigns import Campaign
 from campaigns.asked.load import load_document

@@ -153,7 +153,7 @@ def test_who_assists_leaves_for_a_run_that_waits(database: sa.Engine, tmp_path: 
 def test_what_cannot_be_shared_is_not(certify: dict[str, str], tmp_path: Path) -> None:
     from backend.db.engine import connect, default_url, migrate
     from backend.db.queue import Queue
-    from backend.db.tables import Campaign as CampaignRow
+    from backend.db.tables import CampaignRow
     from campaigns.stored.records import StagePlan
 
     migrate(url := default_url(tmp_path))

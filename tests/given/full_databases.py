@@ -7,8 +7,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db.engine import now
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from campaigns import Campaign
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign

@@ -6,7 +6,7 @@ import json
 
 import sqlalchemy as sa
 
-from backend.db.tables import Campaign, EvaluationChunk, Run, RunText, Trace
+from backend.db.tables import CampaignRow, EvaluationChunk, Run, RunText, Trace
 
 
 def stored_size(reader: sa.Connection, run_id: int) -> int:
@@ -15,6 +15,8 @@ def stored_size(reader: sa.Connection, run_id: int) -> int:
     columns = (column for c in chunks for column in (c.points, c.costs, c.status, c.seconds))
     traces = reader.scalars(sa.select(Trace.data).where(Trace.run_id == run_id))
     texts = reader.scalars(sa.select(RunText.text).where(RunText.run_id == run_id))
-    document = sa.select(Campaign.document).join(Run, Run.campaign_digest == Campaign.digest).where(Run.id == run_id)
+    document = (
+        sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
+    )
     written = [*(json.dumps(c.reasons) for c in chunks), json.dumps(reader.scalar(document)), *texts]
     return sum(map(len, columns)) + sum(map(len, traces)) + sum(len(text.encode()) for text in written)

@@ -14,7 +14,7 @@ import sqlalchemy as sa
 
 from backend.db import revision, tables
 from backend.db.engine import read
-from backend.db.tables import Base, Campaign, CatalogueSnapshot, CodeVersion, Run
+from backend.db.tables import Base, CampaignRow, CatalogueSnapshot, CodeVersion, Run
 from backend.exports.format import Format, words
 from backend.http.errors import no_temporary_file
 
@@ -22,7 +22,7 @@ PRIVATE = {"owner", "token", "worker", "notes", "removed_by", "removed_reason", 
 """Columns of the run that are left out: who had it run, and what was written on it."""
 ROWS: tuple[Any, ...] = (tables.Stage, tables.EvaluationChunk, tables.Finding, tables.Trace)
 """Tables of rows that belong to one run."""
-TABLES: tuple[Any, ...] = (Campaign, CatalogueSnapshot, CodeVersion, Run, *ROWS)
+TABLES: tuple[Any, ...] = (CampaignRow, CatalogueSnapshot, CodeVersion, Run, *ROWS)
 PIECE = 2**20
 """How much is sent at a time [bytes]."""
 
@@ -67,7 +67,7 @@ def _copy(reader: sa.Connection, writer: sa.Connection, run_id: int) -> None:
     run = reader.execute(sa.select(Run.campaign_digest, Run.snapshot, Run.flown).where(Run.id == run_id)).one()
     of = dict[Any, Any]((table, table.run_id == run_id) for table in ROWS)
     of |= {
-        Campaign: Campaign.digest == run.campaign_digest,
+        CampaignRow: CampaignRow.digest == run.campaign_digest,
         CatalogueSnapshot: CatalogueSnapshot.digest == run.snapshot,
         CodeVersion: CodeVersion.digest == (run.flown or {}).get("code"),
         Run: Run.id == run_id,

@@ -8,8 +8,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Finding, Run, Stage, Trace
+from backend.db.tables import CampaignRow, Finding, Run, Stage, Trace
 from backend.scenes.recordings import recording
 from tests.given.finished_runs import finish
 from tests.given.problem_documents import problem

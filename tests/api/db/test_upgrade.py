@@ -19,8 +19,7 @@ import sqlalchemy as sa
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.rows import as_finding, as_result
-from backend.db.tables import Audit, Finding, Run, Signoff, Stage
-from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Audit, CampaignRow, Finding, Run, Signoff, Stage
 from backend.settings import Settings
 from campaigns.asked.spec import seedless
 from campaigns.results import ValidateResult, Verdict

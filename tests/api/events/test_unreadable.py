@@ -9,7 +9,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.engine import now
-from backend.db.tables import Campaign, Run, Stage, Worker
+from backend.db.tables import CampaignRow, Run, Stage, Worker
 from backend.runs.service import number
 from campaigns.runs import StageState
 from tests.given.event_streams import streaming
@@ -20,8 +20,8 @@ from tests.given.submissions import submit
 def of_newer_version(writer: sa.Connection, run: int) -> None:
     """Its campaign has an unknown field, while its sample is drawn."""
     of = sa.select(Run.campaign_digest).where(Run.id == run).scalar_subquery()
-    document: Any = writer.scalar(sa.select(Campaign.document).where(Campaign.digest == of))
-    writer.execute(sa.update(Campaign).where(Campaign.digest == of).values(document=document | {"newer": 1}))
+    document: Any = writer.scalar(sa.select(CampaignRow.document).where(CampaignRow.digest == of))
+    writer.execute(sa.update(CampaignRow).where(CampaignRow.digest == of).values(document=document | {"newer": 1}))
     stage = {"position": 0, "kind": "certify", "planned": 100, "state": StageState.RUNNING, "counted": 10}
     writer.execute(sa.insert(Stage).values(run_id=run, **stage))
 

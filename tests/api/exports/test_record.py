@@ -14,7 +14,7 @@ import sqlalchemy as sa
 
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, read
-from backend.db.tables import Base, Campaign, EvaluationChunk, Run
+from backend.db.tables import Base, CampaignRow, EvaluationChunk, Run
 from backend.exports import endpoints
 from backend.exports.formats import record_sqlite3
 from backend.exports.formats.record_sqlite3 import PRIVATE, TABLES
@@ -165,7 +165,7 @@ def test_the_record_has_all_results_and_nothing_else(service: Service, client: h
     with read(engine) as here, read(service.engine) as there:
         assert results_digest(here, 1) == results_digest(there, 1)
         assert here.scalars(sa.select(Run.id)).all() == [1]
-        assert here.scalar(sa.select(sa.func.count()).select_from(Campaign)) == 1
+        assert here.scalar(sa.select(sa.func.count()).select_from(CampaignRow)) == 1
         names = {table.__tablename__ for table in TABLES} | {"alembic_version"}
         assert {*sa.inspect(here).get_table_names()} == names < {*Base.metadata.tables} | names
     engine.dispose()

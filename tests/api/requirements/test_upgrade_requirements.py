@@ -15,8 +15,7 @@ import sqlalchemy as sa
 
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, migrate, read
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Requirement, Run, RunRequirement, Signoff, Stage
+from backend.db.tables import CampaignRow, Requirement, Run, RunRequirement, Signoff, Stage
 from backend.requirements import matrix
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import question

@@ -11,8 +11,7 @@ import yaml
 
 from backend.db.queue import Queue
 from backend.db.store import RunStore
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from backend.runs.texts import with_schema
 from campaigns import Campaign
 from campaigns.asked.load import load_text

@@ -8,8 +8,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import CampaignRow, Run
 from backend.trends import related
 from campaigns import Campaign
 from campaigns.runs import run_number

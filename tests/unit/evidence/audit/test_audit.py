@@ -16,8 +16,7 @@ import sqlalchemy as sa
 
 from backend.db.engine import connect, default_url, write
 from backend.db.queue import submit
-from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
+from backend.db.tables import CampaignRow, CatalogueSnapshot, EvaluationChunk, Run
 from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke

@@ -16,7 +16,7 @@ import sqlalchemy as sa
 from backend.db.digest import EVIDENCE, _parts, current_digest
 from backend.db.engine import connect, default_url
 from backend.db.repeats import repeat_digest
-from backend.db.tables import Campaign, EvaluationChunk, Finding, Run, Stage
+from backend.db.tables import CampaignRow, EvaluationChunk, Finding, Run, Stage
 from campaigns import CampaignError
 from tests.audited import recorded
 from tests.given.corrupted_records import CERTIFY, stored
@@ -142,10 +142,10 @@ FORGERIES: dict[str, Forgery] = {
         lambda writer: writer.execute(sa.update(Stage).where(Stage.position == CERTIFY).values(result=sa.null()))
     ),
     "wider bounds in the campaign": Forgery(
-        documents(Campaign, "document", lambda d: d["uncertain"]["vehicle.m"].update(plus_minus="40%"))
+        documents(CampaignRow, "document", lambda d: d["uncertain"]["vehicle.m"].update(plus_minus="40%"))
     ),
     "another threshold in the campaign": Forgery(
-        documents(Campaign, "document", lambda d: d["criterion"].update(threshold=0.1))
+        documents(CampaignRow, "document", lambda d: d["criterion"].update(threshold=0.1))
     ),
     "another bound of the run": Forgery(of_run(planned=1)),
     "another bound of a stage": Forgery(of_stage(planned=5)),
@@ -164,7 +164,7 @@ FORGERIES: dict[str, Forgery] = {
         "versions",
     ),
     "a value of an unknown name": Forgery(summary(lambda s: s.update(proved=True)), "unknown name"),
-    "another question": Forgery(lambda writer: writer.execute(sa.update(Campaign).values(question="0" * 64))),
+    "another question": Forgery(lambda writer: writer.execute(sa.update(CampaignRow).values(question="0" * 64))),
 }
 
 

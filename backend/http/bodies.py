@@ -91,10 +91,6 @@ def unreadable(problem: Problem) -> RefusedError:
     return RefusedError(422, "unreadable", str(problem), [problem])
 
 
-def invalid(error: CampaignError) -> RefusedError:
-    return RefusedError(422, "invalid-campaign", "; ".join(map(str, error.problems)), error.problems)
-
-
 class _RepeatedError(ValueError):
     pass
 

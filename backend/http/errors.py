@@ -1,7 +1,7 @@
 """Errors as problem documents: what was given, what is allowed, what to do.
 
-Source: RFC 9457, "Problem Details for HTTP APIs". Services raise `RefusedError`; this module converts all other errors
-to the same form.
+Source: RFC 9457, "Problem Details for HTTP APIs". Services raise `RefusedError`, or the error of a campaign or of access;
+this module converts all errors to the same form.
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ from fastapi.responses import JSONResponse
 from pydantic import Field
 from starlette.exceptions import HTTPException
 
+from backend.db.access import AccessError
 from backend.db.outages import worded
 from backend.http.root import at
 from backend.http.schema import Schema
-from campaigns import Problem
+from campaigns import CampaignError, Problem
 from campaigns.asked.problem import LONGEST, MOST, shown
 
 MEDIA_TYPE = "application/problem+json"
@@ -241,6 +242,8 @@ def broken(path: str) -> JSONResponse:
 
 def install(app: FastAPI) -> None:
     app.add_exception_handler(RefusedError, _refused)
+    app.add_exception_handler(CampaignError, _unusable)
+    app.add_exception_handler(AccessError, _conflicting)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(sa.exc.TimeoutError, _waited)
@@ -249,6 +252,16 @@ def install(app: FastAPI) -> None:
 async def _refused(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RefusedError)
     return respond(error, request.url.path)
+
+
+async def _unusable(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, CampaignError)
+    detail = "; ".join(map(str, error.problems))
+    return respond(RefusedError(422, "invalid-campaign", detail, error.problems), request.url.path)
+
+
+async def _conflicting(request: Request, error: Exception) -> JSONResponse:
+    return respond(RefusedError(409, "access-conflict", f"{error}"), request.url.path)
 
 
 async def _waited(request: Request, error: Exception) -> JSONResponse:

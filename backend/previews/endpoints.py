@@ -5,7 +5,6 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 
 from backend.catalog.endpoints import CHECK_BODY, campaign_of
-from backend.http import bodies
 from backend.http.deps import Engine, account, capacities
 from backend.http.errors import problems
 from backend.previews import service
@@ -38,10 +37,7 @@ async def preview_campaign(request: Request, engine: Engine) -> Preview:
     """
     campaign = await campaign_of(request)
     if isinstance(campaign, CampaignError):
-        raise bodies.invalid(campaign)
-    try:
-        criterion = await capacities(request).checks.run(account(request), lambda: service.checked(engine, campaign))
-    except CampaignError as error:
-        raise bodies.invalid(error) from None
+        raise campaign
+    criterion = await capacities(request).checks.run(account(request), lambda: service.checked(engine, campaign))
     answer, seconds = await request.app.state.previews.simulate(account(request), campaign, request.is_disconnected)
     return service.response(campaign, criterion, answer, seconds)

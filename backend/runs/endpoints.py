@@ -40,7 +40,6 @@ from backend.runs.schemas import (
     RunSummary,
     StageDetail,
 )
-from campaigns import CampaignError
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
@@ -78,12 +77,9 @@ async def submit_run(
 
 
 def _submission(body: bytes, yaml: bool, parts: AddressParts) -> submission.Submission:
-    try:
-        if yaml:
-            return submission.from_yaml(body, parts)
-        return submission.from_json(body, bodies.described(body, RunSubmit), parts)
-    except CampaignError as error:
-        raise bodies.invalid(error) from None
+    if yaml:
+        return submission.from_yaml(body, parts)
+    return submission.from_json(body, bodies.described(body, RunSubmit), parts)
 
 
 @router.get("/runs", responses=problems("bad-cursor"))

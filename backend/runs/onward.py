@@ -12,7 +12,6 @@ from backend.catalog.service import required
 from backend.db import audit, queue, waiting
 from backend.db.access import Visitor
 from backend.db.tables import Run
-from backend.http import bodies
 from backend.http.errors import RefusedError
 from backend.runs import identity, service
 from backend.runs.quota import Quota, refuse_beyond
@@ -70,7 +69,7 @@ def now(reader: sa.Connection, made: RunSummary) -> RunSummary:
 def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:
     campaign, catalogue = service.campaign(reader, run_id), required(reader)
     if problems := check(campaign, catalogue):
-        raise bodies.invalid(CampaignError(run_name(run_id), problems))
+        raise CampaignError(run_name(run_id), problems)
     if detail := identity.not_continuable(reader, run_id, campaign, catalogue):
         raise RefusedError(409, "not-continuable", detail)
     return campaign, catalogue

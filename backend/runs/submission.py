@@ -85,7 +85,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         catalogue = required(reader)
         problems = check(submission.campaign, catalogue)
         if problems:
-            raise bodies.invalid(CampaignError("request", problems))
+            raise CampaignError("request", problems)
         resolved = _compared(reader, submission, catalogue)
         reused = reuse.reusable(reader, resolved.campaign, submission.sample_seed) if submission.reuse else None
     with engine.begin() as writer:
@@ -117,8 +117,7 @@ def _compared(reader: sa.Connection, submission: Submission, catalogue: Catalogu
     try:
         return baselines.resolved(reader, submission.campaign, submission.baseline, catalogue)
     except CannotCompare as error:
-        problem = Problem("baseline", submission.baseline, f"{error}")
-        raise bodies.invalid(CampaignError("request", [problem])) from None
+        raise CampaignError("request", [Problem("baseline", submission.baseline, f"{error}")]) from None
 
 
 def _queue(

@@ -15,7 +15,6 @@ from backend.http.keys import Key
 from backend.http.root import at
 from backend.sweeps import service, sheet
 from backend.sweeps.schemas import SweepDetail, SweepSubmit, SweepSummary
-from campaigns import CampaignError
 from campaigns.asked.load import load_document
 
 router = APIRouter(tags=["sweeps"])
@@ -77,8 +76,5 @@ def cancel_sweep(sweep: SweepName, engine: Engine, visitor: CurrentVisitor) -> S
 
 
 def _submission(body: bytes) -> service.Submission:
-    try:
-        options = bodies.described(body, SweepSubmit)
-        return service.Submission(load_document(options.campaign, "request"), options, body)
-    except CampaignError as error:
-        raise bodies.invalid(error) from None
+    options = bodies.described(body, SweepSubmit)
+    return service.Submission(load_document(options.campaign, "request"), options, body)

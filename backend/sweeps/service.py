@@ -15,7 +15,7 @@ from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.engine import now, read
 from backend.db.tables import Run, Sweep, SweepRun
-from backend.http import bodies, keys
+from backend.http import keys
 from backend.http.errors import not_found
 from backend.http.keys import Keyed
 from backend.runs import edits
@@ -23,7 +23,7 @@ from backend.runs.outcomes import outcomes
 from backend.runs.quota import Quota, refuse_beyond
 from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSummary
 from backend.sweeps.variants import described, variants
-from campaigns import Campaign, CampaignError, Catalogue
+from campaigns import Campaign, Catalogue
 from campaigns.runs import run_name, sweep_name, sweep_number
 from campaigns.stages.plan import most
 
@@ -54,13 +54,10 @@ def number(sweep: str) -> int:
 
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> SweepDetail:
-    """Queue all runs in one transaction, or return the sweep launched earlier with the same key."""
+    """Queue all runs in one transaction, or return the sweep launched earlier with the same key; `CampaignError`."""
     with read(engine) as reader:
         catalogue = required(reader)
-    try:
-        campaigns = variants(submission.campaign, submission.request.path, submission.request.values, catalogue)
-    except CampaignError as error:
-        raise bodies.invalid(error) from None
+    campaigns = variants(submission.campaign, submission.request.path, submission.request.values, catalogue)
     keyed = Keyed(key, visitor.user, "submit_sweep", submission.digest)
     with engine.begin() as writer:
         repeated = keys.claimed(writer, keyed)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import sqlalchemy as sa
 
 from backend.db import access, audit
-from backend.db.access import AccessError, TokenInfo, Visitor
+from backend.db.access import TokenInfo, Visitor
 from backend.db.engine import now
-from backend.http.errors import RefusedError, not_found
+from backend.http.errors import not_found
 from backend.tokens.schemas import NewToken, Token, TokenRequest
 
 DAY = 86400.0
@@ -20,12 +20,9 @@ def listed(reader: sa.Connection, visitor: Visitor) -> list[Token]:
 
 
 def create(writer: sa.Connection, request: TokenRequest, visitor: Visitor) -> NewToken:
-    """Create a token of the visitor's account; 409 if the name is taken or the scope is wider than the role."""
+    """Create a token of the visitor's account; `AccessError` if the name is taken or the scope wider than the role."""
     lifetime = None if request.days is None else request.days * DAY
-    try:
-        secret = access.create_token(writer, request.name, visitor.account, request.scope, lifetime)
-    except AccessError as error:
-        raise RefusedError(409, "access-conflict", f"{error}") from None
+    secret = access.create_token(writer, request.name, visitor.account, request.scope, lifetime)
     detail = {"owner": visitor.account, "scope": request.scope, "days": request.days}
     audit.note(writer, visitor, "token.created", request.name, detail)
     return NewToken(token=_one(writer, request.name), secret=secret)

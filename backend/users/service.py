@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import sqlalchemy as sa
 
 from backend.db import audit, identities, users
-from backend.db.access import LOCAL, AccessError, Visitor
+from backend.db.access import LOCAL, Visitor
 from backend.db.engine import now
 from backend.http.errors import RefusedError, not_found
 from backend.http.matches import require_match, tag
@@ -24,10 +21,9 @@ def listed(reader: sa.Connection) -> list[User]:
 
 
 def invite(writer: sa.Connection, invitation: UserInvite, public_url: str, visitor: Visitor) -> Invitation:
-    """Create a user and the link; 409 if the name cannot be used."""
+    """Create a user and the link; raises `AccessError` if the name cannot be used."""
     name = invitation.name.strip().lower()
-    with _conflicts():
-        code = users.invite(writer, name, invitation.role, visitor.account)
+    code = users.invite(writer, name, invitation.role, visitor.account)
     audit.note(writer, visitor, "user.invited", name, {"role": invitation.role})
     return _link(writer, name, code, public_url)
 
@@ -71,11 +67,10 @@ def change(engine: sa.Engine, name: str, wanted: UserChange, visitor: Visitor, m
         if user.provided and role is not None:
             detail = f"the role of {name} follows the groups of the sign-in provider: change them there"
             raise RefusedError(409, "access-conflict", detail)
-        with _conflicts():
-            if role is not None:
-                users.set_role(writer, name, role)
-            if disabled is not None:
-                users.set_disabled(writer, name, disabled)
+        if role is not None:
+            users.set_role(writer, name, role)
+        if disabled is not None:
+            users.set_disabled(writer, name, disabled)
         if role is not None:
             audit.note(writer, visitor, "user.role_changed", name, {"before": user.role, "after": role})
         if disabled is not None:
@@ -105,14 +100,6 @@ def change_settings(
             detail = {"before": before, "after": own_sign_offs}
             audit.note(writer, visitor, "setting.changed", users.OWN_SIGN_OFFS, detail)
         return settings(writer)
-
-
-@contextmanager
-def _conflicts() -> Iterator[None]:
-    try:
-        yield
-    except AccessError as error:
-        raise RefusedError(409, "access-conflict", f"{error}") from None
 
 
 def _link(writer: sa.Connection, name: str, code: str, public_url: str) -> Invitation:

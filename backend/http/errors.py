@@ -1,7 +1,7 @@
 """Errors as problem documents: what was given, what is allowed, what to do.
 
-Source: RFC 9457, "Problem Details for HTTP APIs". Services raise `RefusedError`, or the error of a campaign or of access;
-this module converts all errors to the same form.
+Source: RFC 9457, "Problem Details for HTTP APIs". Services raise `RefusedError`, `CampaignError` or `AccessError`; this
+module converts all errors to the same form.
 """
 
 from __future__ import annotations
@@ -206,6 +206,10 @@ def not_found(what: str, name: str) -> RefusedError:
     return RefusedError(404, "not-found", f"there is no {what} {name[:LONGEST]!r}")
 
 
+def invalid(error: CampaignError) -> RefusedError:
+    return RefusedError(422, "invalid-campaign", "; ".join(map(str, error.problems)), error.problems)
+
+
 def no_temporary_file(error: Exception) -> RefusedError:
     """503 for a file that is made beside the database before it is sent."""
     detail = f"no temporary file can be written ({worded(error)}): an administrator must free space, or set TMPDIR"
@@ -256,8 +260,7 @@ async def _refused(request: Request, error: Exception) -> JSONResponse:
 
 async def _unusable(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, CampaignError)
-    detail = "; ".join(map(str, error.problems))
-    return respond(RefusedError(422, "invalid-campaign", detail, error.problems), request.url.path)
+    return respond(invalid(error), request.url.path)
 
 
 async def _conflicting(request: Request, error: Exception) -> JSONResponse:

@@ -19,7 +19,7 @@ from campaigns.runs import ENDED, run_number
 
 def page(reader: sa.Connection, q: str, cursor: str | None, limit: int) -> ReportPage:
     """One page, newest first. The digest of each run's results is computed from the stored results."""
-    found = listing.page(reader, Filters(q=q, state=ENDED), "-created", cursor, limit, pins=False)
+    found = listing.page(reader, Filters(q=q, state=list(ENDED)), "-created", cursor, limit, pins=False)
     unavailable = None if pdf.browser() is not None else pdf.MISSING
     signed = signatures(reader, [run_number(run.id) or 0 for run in found.items])
     items = [_report(reader, run, unavailable, signed) for run in found.items]

@@ -6,9 +6,8 @@ from dataclasses import replace
 from typing import Annotated
 
 import sqlalchemy as sa
-from fastapi import APIRouter, Query, Request, Response, status
+from fastapi import APIRouter, Depends, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
-from pydantic import Field
 
 from backend.access.auth import CurrentVisitor
 from backend.access.once import OnceOnly, Work
@@ -19,15 +18,14 @@ from backend.http.errors import answers, located, problems
 from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
-from backend.http.schema import RunName, Seconds
+from backend.http.schema import RunName
 from backend.runs import edits, listing, onward, removal, reuse, service, submission, texts
 from backend.runs.address import AddressParts, FromAddress
 from backend.runs.code import changes
 from backend.runs.components import components
 from backend.runs.facets import facets
-from backend.runs.filters import Filters, labelled
+from backend.runs.filters import Listed
 from backend.runs.history import history
-from backend.runs.order import Sort
 from backend.runs.requests import Reason, RunEdit, RunsNamed, RunsRemoved, RunSubmit
 from backend.runs.schemas import (
     CodeChanges,
@@ -40,8 +38,7 @@ from backend.runs.schemas import (
     RunSummary,
     StageDetail,
 )
-from campaigns.results.verdict import VerdictWord
-from campaigns.runs import RunState, run_name
+from campaigns.runs import run_name
 
 router = APIRouter(tags=["runs"])
 
@@ -49,9 +46,6 @@ LOCATION = located("The run that was queued, now or earlier with the same key, o
 CONTINUED = located("The new run.", "run")
 ONCE = ("idempotency-key-reused", "already-made")
 CAMPAIGN_FILE = answers("The text as it was submitted, else YAML.", "application/yaml")
-MOST = 50
-"""Alternative values of one filter."""
-Word = Annotated[str, Field(max_length=200)]
 
 
 @router.post(
@@ -67,11 +61,11 @@ async def submit_run(
     """Queue a run of a campaign, given as JSON or as YAML; labels, baseline and reuse in the address or in the JSON."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
-    run_request = await capacities(request).bodies.run(account(request), lambda: _submission(body, yaml, parts))
-    if run_request.reuse:
-        known = await reuse.compared(engine, run_request.campaign, run_request.baseline is not None)
-        run_request = replace(run_request, reuse=known)
-    run = await run_in_threadpool(submission.submit, engine, run_request, visitor, key, request.app.state.quota)
+    submitted = await capacities(request).bodies.run(account(request), lambda: _submission(body, yaml, parts))
+    if submitted.request.reuse:
+        known = await reuse.compared(engine, submitted.campaign, submitted.request.baseline is not None)
+        submitted = replace(submitted, request=submitted.request.model_copy(update={"reuse": known}))
+    run = await run_in_threadpool(submission.submit, engine, submitted, visitor, key, request.app.state.quota)
     response.headers["Location"] = at(f"{request.url.path}/{run.id}")
     return run
 
@@ -83,45 +77,9 @@ def _submission(body: bytes, yaml: bool, parts: AddressParts) -> submission.Subm
 
 
 @router.get("/runs", responses=problems("bad-cursor"))
-def list_runs(
-    reader: Reader,
-    q: Annotated[str, Query(max_length=200, description="Words in the name, campaign, tags, owner or number.")] = "",
-    state: Annotated[list[RunState] | None, Query(max_length=MOST, description="Their states.")] = None,
-    verdict: Annotated[list[VerdictWord] | None, Query(max_length=MOST, description="Their verdicts.")] = None,
-    tag: Annotated[list[Word] | None, Query(max_length=MOST, description="Tags; a run must have one of them.")] = None,
-    campaign: Annotated[list[Word] | None, Query(max_length=MOST, description="Names of campaigns.")] = None,
-    owner: Annotated[list[Word] | None, Query(max_length=MOST, description="Users or tokens that submitted.")] = None,
-    method: Annotated[
-        list[Word] | None, Query(max_length=MOST, description="Methods that found the worst case.")
-    ] = None,
-    since: Annotated[Seconds | None, Query(description="Submitted since this time [s since 1970].")] = None,
-    until: Annotated[Seconds | None, Query(description="Submitted before this time [s since 1970].")] = None,
-    pinned: Annotated[bool | None, Query(description="Only pinned runs, or only the others.")] = None,
-    label: Annotated[
-        list[Word] | None,
-        Query(max_length=MOST, description="Labels as KEY=VALUE: alternatives of one key, every key required."),
-    ] = None,
-    removed: Annotated[bool, Query(description="Removed runs instead of listed ones.")] = False,
-    sort: Annotated[Sort, Query(description="With a minus: largest first.")] = "-created",
-    cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the previous page.")] = None,
-    limit: Annotated[int, Query(ge=1, le=200, description="Maximum number of runs on a page.")] = 50,
-) -> RunPage:
+def list_runs(reader: Reader, listed: Annotated[Listed, Depends()]) -> RunPage:
     """The runs, in pages, pinned ones first; repeated filters are alternatives, of labels those of one key."""
-    filters = Filters(
-        q,
-        state or (),
-        verdict or (),
-        tag or (),
-        campaign or (),
-        owner or (),
-        method or (),
-        since,
-        until,
-        pinned,
-        removed,
-        labelled(label or ()),
-    )
-    return listing.page(reader, filters, sort, cursor, limit)
+    return listing.page(reader, listed, listed.sort, listed.cursor, listed.limit)
 
 
 @router.get("/runs/facets")

@@ -1,4 +1,4 @@
-"""The filters of the run list, as SQL conditions."""
+"""The filters of the run list, from a query, and as SQL conditions."""
 
 from __future__ import annotations
 
@@ -7,47 +7,54 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import sqlalchemy as sa
+from fastapi import Query
+from pydantic import Field
 from sqlalchemy.ext.compiler import compiles
 
 from backend.db import labels
 from backend.db.tables import CampaignRow, Run
 from backend.http.errors import RefusedError
+from backend.http.schema import Seconds
+from backend.runs.order import Sort
 from campaigns import Problem
 from campaigns.labels import pair
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState
 
+MOST = 50
+"""Alternative values of one filter."""
 MOST_WORDS = 8
 """Maximum number of search words; further ones are ignored."""
 _IN_ID = re.compile("r|(r?-)?[0-9]*", re.IGNORECASE)
 """The words that a printed number such as R-0001 can contain."""
+Word = Annotated[str, Field(max_length=200)]
 
 
 @dataclass(frozen=True)
 class Filters:
-    """The filters of the list; lists are alternatives, an empty list does not filter. Times [s since 1970]."""
+    """The filters of the list, as a query has them; lists are alternatives, an empty list does not filter."""
 
-    q: str = ""
-    state: Sequence[RunState] = ()
-    verdict: Sequence[VerdictWord] = ()
-    tag: Sequence[str] = ()
-    campaign: Sequence[str] = ()
-    """Names of campaigns."""
-    owner: Sequence[str] = ()
+    q: Annotated[str, Query(max_length=200, description="Words in the name, campaign, tags, owner or number.")] = ""
+    state: Annotated[list[RunState] | None, Query(max_length=MOST, description="Their states.")] = None
+    verdict: Annotated[list[VerdictWord] | None, Query(max_length=MOST, description="Their verdicts.")] = None
+    tag: Annotated[list[Word] | None, Query(max_length=MOST, description="Tags; a run must have one of them.")] = None
+    campaign: Annotated[list[Word] | None, Query(max_length=MOST, description="Names of campaigns.")] = None
+    owner: Annotated[list[Word] | None, Query(max_length=MOST, description="Users or tokens that submitted.")] = None
     """Users, with the runs of their tokens, or names of tokens."""
-    method: Sequence[str] = ()
-    """Methods that found the worst case."""
-    since: float | None = None
-    until: float | None = None
-    """Submitted from `since` on, and before `until`."""
-    pinned: bool | None = None
-    removed: bool = False
-    """Removed runs instead of listed ones."""
-    label: Sequence[tuple[str, str]] = ()
-    """Keys and values: alternatives of the same key, every key required."""
+    method: Annotated[list[Word] | None, Query(max_length=MOST, description="Methods that found the worst case.")] = (
+        None
+    )
+    since: Annotated[Seconds | None, Query(description="Submitted since this time [s since 1970].")] = None
+    until: Annotated[Seconds | None, Query(description="Submitted before this time [s since 1970].")] = None
+    pinned: Annotated[bool | None, Query(description="Only pinned runs, or only the others.")] = None
+    label: Annotated[
+        list[Word] | None,
+        Query(max_length=MOST, description="Labels as KEY=VALUE: alternatives of one key, every key required."),
+    ] = None
+    removed: Annotated[bool, Query(description="Removed runs instead of listed ones.")] = False
 
     def conditions(self) -> list[sa.ColumnElement[bool]]:
         found = [*self.there(), *self.narrowed]
@@ -65,7 +72,7 @@ class Filters:
         if self.tag:
             tags = sa.cast(Run.tags, sa.Text)
             conditions.append(sa.or_(*(tags.contains(json.dumps(tag), autoescape=True) for tag in self.tag)))
-        conditions += labels.conditions(self.label)
+        conditions += labels.conditions(labelled(self.label or ()))
         if self.campaign:
             named = sa.select(CampaignRow.digest).where(CampaignRow.name.in_(self.campaign))
             conditions.append(unindexed(Run.campaign_digest).in_(named))
@@ -86,6 +93,15 @@ class Filters:
         if self.removed if removed is None else removed:
             return [Run.removed.is_not(None), Run.purged.is_(None)]
         return [Run.removed.is_(None)]
+
+
+@dataclass(frozen=True)
+class Listed(Filters):
+    """The filters of the list, its order, and the page of it."""
+
+    sort: Annotated[Sort, Query(description="With a minus: largest first.")] = "-created"
+    cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the previous page.")] = None
+    limit: Annotated[int, Query(ge=1, le=200, description="Maximum number of runs on a page.")] = 50
 
 
 def labelled(texts: Sequence[str]) -> list[tuple[str, str]]:

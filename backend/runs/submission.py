@@ -36,18 +36,13 @@ class Submission:
     """A campaign to run, parsed but not yet checked against the catalogue."""
 
     campaign: Campaign
-    name: str
-    tags: list[str]
-    priority: int
+    request: RunSubmit
     digest: str
     """Digest of the request, to distinguish a repeated request from another one with the same key."""
-    text: str | None
-    """The original text of the campaign; None if only a document was given."""
-    labels: dict[str, str]
-    baseline: str | None
-    reuse: bool
-    sample_seed: int | None
-    group: str | None
+
+    @property
+    def name(self) -> str:
+        return self.request.name or self.campaign.name
 
 
 def from_yaml(body: bytes, parts: AddressParts) -> Submission:
@@ -67,17 +62,14 @@ def from_json(body: bytes, request: RunSubmit, parts: AddressParts) -> Submissio
 
 
 def _submission(campaign: Campaign, request: RunSubmit, digest: str) -> Submission:
-    tags = campaign.tags if request.tags is None else list(dict.fromkeys(request.tags))
     if campaign.baseline is not None:
         raise CampaignError("request", [Problem("campaign.baseline", campaign.baseline.run, AT_LAUNCH)])
-    name = request.name or campaign.name
-    labelled = (request.labels, request.baseline, request.reuse, request.sample_seed, request.group)
-    return Submission(campaign, name, tags, request.priority, digest, request.text, *labelled)
+    return Submission(campaign, request, digest)
 
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> RunSubmitted:
     """Queue a run, or return the one queued earlier with the same key; a refused request leaves no row."""
-    keyed = Keyed(key, visitor.user, "submit_run", submission.digest)
+    keyed, request = Keyed(key, visitor.user, "submit_run", submission.digest), submission.request
     with read(engine) as reader:
         repeated = _run(keys.earlier(reader, keyed))
         if repeated is not None:
@@ -87,73 +79,70 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         if problems:
             raise CampaignError("request", problems)
         resolved = _compared(reader, submission, catalogue)
-        reused = reuse.reusable(reader, resolved.campaign, submission.sample_seed) if submission.reuse else None
+        reused = reuse.reusable(reader, resolved.campaign, request.sample_seed) if request.reuse else None
     with engine.begin() as writer:
         repeated = _run(keys.claimed(writer, keyed))
-        if submission.group is not None and repeated is None:
-            groups.lock(writer, submission.group)
-        if repeated is not None:
-            run_id, at = repeated
-        elif reused is not None:
-            run_id, at = reused, now(writer)
-        else:
-            refuse_beyond(writer, quota, visitor)
-            run_id, at = _queue(writer, submission, resolved, visitor, catalogue), now(writer)
         if repeated is None:
+            if request.group is not None:
+                groups.lock(writer, request.group)
+            if reused is None:
+                refuse_beyond(writer, quota, visitor)
+            run_id = _queue(writer, submission, resolved, visitor, catalogue) if reused is None else reused
+            repeated = run_id, now(writer)
             keys.keep(writer, keyed, run_name(run_id))
-        cancelled = _supersede(writer, submission, visitor, run_id) if repeated is None else []
-        if repeated is None and reused is None:
-            audit.note(writer, visitor, "run.submitted", run_name(run_id), _noted(submission, resolved))
-        for other, state in cancelled:
-            noted = {"state": state, "group": submission.group, "superseded_by": run_name(run_id)}
-            audit.note(writer, visitor, "run.cancelled", run_name(other), noted)
+            cancelled = _supersede(writer, request.group, visitor, run_id)
+            if reused is None:
+                audit.note(writer, visitor, "run.submitted", run_name(run_id), _noted(submission, resolved))
+            for other, state in cancelled:
+                noted = {"state": state, "group": request.group, "superseded_by": run_name(run_id)}
+                audit.note(writer, visitor, "run.cancelled", run_name(other), noted)
     with read(engine) as reader:
-        return _answer(reader, run_id, at, resolved)
+        return _answer(reader, *repeated, resolved)
 
 
 def _compared(reader: sa.Connection, submission: Submission, catalogue: Catalogue) -> Resolved:
-    if submission.baseline is None:
+    baseline = submission.request.baseline
+    if baseline is None:
         return Resolved(submission.campaign, None, "")
     try:
-        return baselines.resolved(reader, submission.campaign, submission.baseline, catalogue)
+        return baselines.resolved(reader, submission.campaign, baseline, catalogue)
     except CannotCompare as error:
-        raise CampaignError("request", [Problem("baseline", submission.baseline, f"{error}")]) from None
+        raise CampaignError("request", [Problem("baseline", baseline, f"{error}")]) from None
 
 
 def _queue(
     writer: sa.Connection, submission: Submission, resolved: Resolved, visitor: Visitor, catalogue: Catalogue
 ) -> int:
-    stated = submission.sample_seed
+    request, campaign = submission.request, submission.campaign
+    stated = request.sample_seed
     run_id = queue.submit(
         writer,
         resolved.campaign,
         name=submission.name,
-        tags=submission.tags,
+        tags=campaign.tags if request.tags is None else list(dict.fromkeys(request.tags)),
         owner=visitor.account,
         token=visitor.token,
-        priority=submission.priority,
+        priority=request.priority,
         planned=most(resolved.campaign),
         catalogue=catalogue,
-        labelled=submission.labels,
+        labelled=request.labels,
         seed=None if stated is None else sample_seeds.requested(writer, resolved.campaign.digest, stated),
     )
-    if submission.text is not None:
-        store_text(writer, run_id, submission.text)
-    if submission.baseline is not None:
-        baselines.store(writer, run_id, submission.baseline, resolved.run_id)
-    if submission.group is not None:
-        groups.store(writer, run_id, submission.group)
+    if request.text is not None:
+        store_text(writer, run_id, request.text)
+    if request.baseline is not None:
+        baselines.store(writer, run_id, request.baseline, resolved.run_id)
+    if request.group is not None:
+        groups.store(writer, run_id, request.group)
     return run_id
 
 
-def _supersede(
-    writer: sa.Connection, submission: Submission, visitor: Visitor, run_id: int
-) -> list[tuple[int, RunState]]:
+def _supersede(writer: sa.Connection, group: str | None, visitor: Visitor, run_id: int) -> list[tuple[int, RunState]]:
     """Cancel the other runs of the group that have not ended and that the visitor may cancel; their new states."""
-    if submission.group is None:
+    if group is None:
         return []
     found: list[tuple[int, RunState]] = []
-    for other, owner in groups.active(writer, submission.group, run_id):
+    for other, owner in groups.active(writer, group, run_id):
         if owns(visitor, owner):
             state = queue.request_cancel(writer, other)
             if state in (RunState.CANCELLING, RunState.CANCELLED):
@@ -164,9 +153,8 @@ def _supersede(
 
 def _noted(submission: Submission, resolved: Resolved) -> dict[str, object]:
     detail: dict[str, object] = {"campaign": resolved.campaign.digest, "name": submission.name}
-    detail |= {"labels": submission.labels} if submission.labels else {}
-    detail |= {} if submission.group is None else {"group": submission.group}
-    return detail | ({} if submission.baseline is None else {"baseline": submission.baseline})
+    given = {name: getattr(submission.request, name) for name in ("labels", "group", "baseline")}
+    return detail | {name: value for name, value in given.items() if value}
 
 
 def _answer(reader: sa.Connection, run_id: int, at: float, resolved: Resolved | None = None) -> RunSubmitted:

@@ -25,12 +25,13 @@ from backend.catalog.endpoints import _campaign
 from backend.db.access import LOCAL, Visitor
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.tables import CatalogueDocument
-from backend.http.errors import RefusedError, respond
+from backend.http.errors import RefusedError, invalid, respond
 from backend.middleware.frame import LARGEST_BODY
 from backend.runs import submission
 from backend.runs.address import AddressParts
 from backend.runs.endpoints import _submission
 from backend.runs.quota import Quota
+from campaigns import CampaignError
 from tests.adversary.mutations import document
 
 HANG = 10.0
@@ -95,8 +96,9 @@ def measured(engine: sa.Engine, first: int, count: int) -> dict[str, Any]:
             signal.setitimer(signal.ITIMER_PROF, HANG)
             try:
                 accepted[name] = door(engine, *body)
-            except RefusedError as refused:
+            except (RefusedError, CampaignError) as error:
                 accepted[name] = False
+                refused = invalid(error) if isinstance(error, CampaignError) else error
                 answered(bytes(respond(refused, "/").body))
             except (HangError, Exception) as error:
                 statement = "".join(traceback.format_exception(error)[-3:])[-1500:]

@@ -9,11 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
+from campaigns.refusals import Refusal
+
 Lock = Literal["serve.lock", "backend.lock"]
 """Of `clearance serve`, and of the service itself, which the former starts."""
 
 
-class InUseError(ValueError):
+class InUseError(Refusal, ValueError):
     """The folder is locked by another process, or cannot be locked: a sentence."""
 
 

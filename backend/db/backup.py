@@ -23,8 +23,9 @@ import sqlalchemy as sa
 
 from backend.db import beside, revision, workers
 from backend.db.damage import damage
-from backend.db.engine import connect, file_uri, now, read
+from backend.db.engine import connect, connected, file_uri, now, read
 from backend.db.private import create_private
+from campaigns.refusals import Refusal
 
 _ENDINGS = ("", *beside.ENDINGS, "-journal")
 """Of the files that SQLite takes for one database; the last is left by a crash while it is not in WAL mode."""
@@ -43,7 +44,7 @@ end $$;
 """Drops the tables and triggers of any version: those that a backup does not have would be in the way of its own."""
 
 
-class BackupError(ValueError):
+class BackupError(Refusal, ValueError):
     """Why there is no backup, or nothing was restored: a sentence."""
 
 
@@ -197,13 +198,9 @@ def _unused(target: Path) -> Iterator[None]:
 
 
 def _refuse_used(url: str) -> None:
-    engine = connect(url)
-    try:
-        with read(engine) as connection:
-            known = sa.inspect(connection).has_table("workers")
-            live = workers.live(connection) if known else []
-    finally:
-        engine.dispose()
+    with connected(url) as engine, read(engine) as connection:
+        known = sa.inspect(connection).has_table("workers")
+        live = workers.live(connection) if known else []
     if live:
         raise BackupError(f"the database is in use by {', '.join(live)}: stop the service and all workers first")
 

@@ -155,6 +155,16 @@ def write(engine: sa.Engine, work: Callable[[sa.Connection], Result], patience: 
 
 
 @contextmanager
+def connected(url: str) -> Iterator[sa.Engine]:
+    """An engine whose connections are closed at the end of the block."""
+    engine = connect(url)
+    try:
+        yield engine
+    finally:
+        engine.dispose()
+
+
+@contextmanager
 def migration_lock(engine: sa.Engine) -> Iterator[sa.Connection]:
     """A write transaction that is exclusive among all processes that start at the same time."""
     with engine.begin() as connection:
@@ -168,12 +178,11 @@ def migrate(url: str) -> None:
 
     Raises `NewerSchemaError`, and `outages.DatabaseOutage` if the database cannot be used.
     """
-    engine = connect(url)
-    refuse_read_only(engine)
-    if is_sqlite(engine):
-        # A table is altered by copying and dropping it, which must not cascade; the pragma has no effect later.
-        sa.event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=OFF"))
-    try:
+    with connected(url) as engine:
+        refuse_read_only(engine)
+        if is_sqlite(engine):
+            # A table is altered by copying and dropping it, which must not cascade; the pragma has no effect later.
+            sa.event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=OFF"))
         with migration_lock(engine) as connection:
             stored = revision.stored(connection)
             if stored == revision.newest():
@@ -183,8 +192,6 @@ def migrate(url: str) -> None:
             from backend.db.migrate import to_head  # only where it is needed: Alembic takes 0.2 s to load
 
             to_head(connection)
-    finally:
-        engine.dispose()
 
 
 def refuse_read_only(engine: sa.Engine) -> None:

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import sqlalchemy as sa
 
+from campaigns.refusals import Refusal
+
 UMASK = 0o077
 FOLDER = 0o700
 FILE = 0o600
@@ -20,7 +22,7 @@ OWN = ("clearance.sqlite3*", "serve.lock", "backend.lock", "login-link", "servic
 _log = logging.getLogger(__name__)
 
 
-class SharedFolderError(ValueError):
+class SharedFolderError(Refusal, ValueError):
     """The data folder is shared by all users of the machine, such as /tmp."""
 
 

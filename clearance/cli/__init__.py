@@ -21,7 +21,6 @@ import sqlalchemy as sa
 import typer
 from typer.core import TyperGroup
 
-from backend.db.access import AccessError
 from backend.db.engine import NewerSchemaError
 from backend.db.outages import DatabaseOutage
 from campaigns import CampaignError
@@ -40,6 +39,20 @@ NOT_A_RESULT = "Internal error in Clearance; this is not a result of your campai
 
 class WrongInputError(Refusal):
     """Invalid input; the message is for the user, the code for scripts. Ends the command with `WRONG_INPUT`."""
+
+
+class refusing:  # noqa: N801
+    """Errors of these kinds within the block are wrong input: `WrongInputError` with their message."""
+
+    def __init__(self, *kinds: type[Exception]) -> None:
+        self.kinds = kinds
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
+        if isinstance(error, self.kinds):
+            raise WrongInputError(f"{error}") from None
 
 
 class UnreachableError(Exception):
@@ -121,10 +134,7 @@ def invoke(arguments: Sequence[str]) -> int:
     """Run one command; returns its exit code. Commands end with `typer.Exit(code)` or an error named here."""
     try:
         code = _command()(list(arguments), prog_name="clearance", standalone_mode=False)
-    except (typer.TyperException, CampaignError, AccessError, WrongInputError, JitDisabledError) as error:
-        _explain(error)
-        return WRONG_INPUT
-    except NewerSchemaError as error:
+    except (typer.TyperException, CampaignError, Refusal, JitDisabledError, NewerSchemaError) as error:
         _explain(error)
         return WRONG_INPUT
     except sa.exc.OperationalError as error:

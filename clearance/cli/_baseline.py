@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from campaigns.refusals import RefusalCode
-from clearance.cli import WrongInputError
+from clearance.cli import WrongInputError, refusing
 from clearance.cli._where import existing_url_of, reading
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def compared(campaign: Campaign, baseline: str, data: Path, database: str) -> tu
     from clearance.cli.replay import of_folder
     from worker.running.catalogue.installed import catalogue
 
-    try:
+    with refusing(CannotCompare):
         if Path(baseline).is_dir():
             recorded = of_folder(Path(baseline))
             name = baseline[-LONGEST:]
@@ -44,8 +44,6 @@ def compared(campaign: Campaign, baseline: str, data: Path, database: str) -> tu
         with reading(url) as reader:
             found = baselines.resolved(reader, campaign, baseline, catalogue())
         return found.campaign, found.sentence
-    except CannotCompare as error:
-        raise WrongInputError(f"{error}") from None
 
 
 def _components(folder: Path) -> Catalogue | None:

@@ -17,7 +17,7 @@ import sqlalchemy as sa
 
 from backend.db import codes, snapshots
 from backend.db import continuation as stored
-from backend.db.engine import connect, migrate, read, write
+from backend.db.engine import connected, migrate, read, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
 from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError
@@ -102,8 +102,7 @@ def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
 
 def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Continued:
     migrate(url)
-    engine = connect(url)
-    try:
+    with connected(url) as engine:
         earlier = _earlier(engine, run_id)
         onward, columns = earlier.onward(budget)
         planned = [StagePlan(*p) for p in plan(onward)]
@@ -121,8 +120,6 @@ def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Con
         with read(engine) as connection:
             memory = _snapshot(connection, claim.run_id)
         return Continued(onward, memory, verdict, earlier.cited | {"as": run_name(claim.run_id)})
-    finally:
-        engine.dispose()
 
 
 def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from campaigns.refusals import RefusalCode
-from clearance.cli import WrongInputError
+from clearance.cli import WrongInputError, refusing
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -29,10 +29,8 @@ def use(address: str) -> None:
 
     if address:
         os.environ[SETTING] = address
-    try:
+    with refusing(BadEvaluator):
         chosen()
-    except BadEvaluator as error:
-        raise WrongInputError(str(error)) from None
 
 
 def refuse_other(address: str, campaign: Campaign) -> None:

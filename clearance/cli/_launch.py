@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias
 import typer
 
 from campaigns.sample_seed import LARGEST
-from clearance.cli import WrongInputError
+from clearance.cli import WrongInputError, refusing
 
 Label: TypeAlias = Annotated[
     list[str] | None,
@@ -129,10 +129,8 @@ class Launch(NamedTuple):
         """The options as given; raises `WrongInputError` for a bad label or a file that cannot be written."""
         from campaigns.labels import parsed
 
-        try:
+        with refusing(ValueError):
             labels = parsed(label or ())
-        except ValueError as error:
-            raise WrongInputError(f"{error}") from None
         if baseline is not None and not baseline.strip():  # an unset variable of a CI job would compare with nothing
             raise WrongInputError("--baseline is empty: give a run (R-0001) or label:KEY=VALUE, or leave it out")
         _writable(summary)

@@ -19,12 +19,12 @@ import typer
 
 from backend import secrets_given
 from backend.db import alone as locks
-from backend.db.engine import connect, default_url, migrate, read
+from backend.db.engine import connect, connected, default_url, migrate, read
 from backend.db.registered import folder, services
 from campaigns.refusals import Refusal, RefusalCode
 from campaigns.runs import run_name, run_number
 from campaigns.unreadable import UNREADABLE
-from clearance.cli import WrongInputError
+from clearance.cli import WrongInputError, refusing
 from clearance.cli._service import PATIENCE, numbered
 from clearance.cli._service import opened as opened_service
 
@@ -33,10 +33,8 @@ Loaded = TypeVar("Loaded")
 
 def _with_secrets(given: str) -> str:
     """The database's URL, with what is in files; raises `WrongInputError`."""
-    try:
+    with refusing(ValueError):
         return secrets_given.database(given, os.environ)
-    except ValueError as error:
-        raise WrongInputError(f"{error}") from None
 
 
 Data = Annotated[Path, typer.Option(help="Folder of the database.", envvar="CLEARANCE_DATA", file_okay=False)]
@@ -98,9 +96,8 @@ def url_of(data: Path, database: str, create: bool = True) -> str:
     `WrongInputError` for an invalid one."""
     url = database or default_url(data)
     try:
-        connect(url, create=create).dispose()
-    except ValueError as error:
-        raise WrongInputError(f"{error}") from None
+        with refusing(ValueError):
+            connect(url, create=create).dispose()
     except OSError as error:
         raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
     return url
@@ -148,7 +145,7 @@ class StoredRun:
         try:
             with reading(self.place) as connection:
                 return of_database(connection, self.run_id)
-        except (WrongInputError, Refusal):
+        except Refusal:
             raise
         except DAMAGED as error:
             if not self.sent:
@@ -198,12 +195,8 @@ def _source(ctx: typer.Context, option: str) -> str:
 @contextmanager
 def reading(url: str) -> Iterator[sa.Connection]:
     """A read transaction on the database."""
-    engine = connect(url)
-    try:
-        with read(engine) as connection:
-            yield connection
-    finally:
-        engine.dispose()
+    with connected(url) as engine, read(engine) as connection:
+        yield connection
 
 
 @contextmanager
@@ -211,12 +204,8 @@ def opened(data: Path, database: str, *, create: bool = False) -> Iterator[sa.Co
     """A write transaction on the database; unless it is to be created, a missing one is `WrongInputError`."""
     url = url_of(data, database) if create else existing_url_of(data, database)
     migrate(url)
-    engine = connect(url)
-    try:
-        with engine.begin() as connection:
-            yield connection
-    finally:
-        engine.dispose()
+    with connected(url) as engine, engine.begin() as connection:
+        yield connection
 
 
 def operator() -> str:
@@ -235,10 +224,7 @@ def counted(number: int, what: str) -> str:
 @contextmanager
 def alone(data: Path) -> Iterator[None]:
     """Locks the data folder against another `clearance serve`; an error if a service without one uses it."""
-    try:
-        with locks.alone(data, "serve.lock"):
-            with locks.alone(data, "backend.lock"):
-                pass  # free for the service that is started next
-            yield
-    except locks.InUseError as error:
-        raise WrongInputError(f"{error}") from None
+    with locks.alone(data, "serve.lock"):
+        with locks.alone(data, "backend.lock"):
+            pass  # free for the service that is started next
+        yield

@@ -82,16 +82,13 @@ def audit(
     the numbers of the sentence are recomputed. Nothing is simulated without --replay: the costs are those stored.
     """
     from worker.evidence.audit import judge
-    from worker.evidence.audit.record import UnreadableError, of_database, of_folder
+    from worker.evidence.audit.record import of_database, of_folder
     from worker.running.runs.audited import audited
 
     if allow_code and rows is None:
         raise WrongInputError("--allow-code is for --replay: nothing else is executed", RefusalCode.OPTIONS)
     with stored_in(ctx, run, data, database, service, token_file) as stored:
-        try:
-            items = audited(stored.load(of_folder, of_database))
-        except UnreadableError as error:
-            raise WrongInputError(f"{error}", error.code) from None
+        items = audited(stored.load(of_folder, of_database))
         follows, sentence = judge.closing(items)
         again = None if rows is None else _again(run, stored, rows, allow_code)
     if as_json:

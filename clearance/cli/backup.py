@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from clearance.cli import WrongInputError
 from clearance.cli._where import DATA, Data, Database, existing_url_of
 
 
@@ -18,13 +17,9 @@ def backup(
     database: Database = "",
 ) -> None:
     """Copy the database into one file; the service and its workers go on. `clearance restore` puts it back."""
-    from backend.db.backup import BackupError
     from backend.db.backup import backup as copied
 
     url = existing_url_of(data, database)
     began = time.monotonic()
-    try:
-        size = copied(url, file)
-    except BackupError as error:
-        raise WrongInputError(f"{error}") from None
+    size = copied(url, file)
     typer.echo(f"{file}: {size / 1e6:.1f} MB in {time.monotonic() - began:.1f} s.")

@@ -13,7 +13,7 @@ def explain(
 ) -> None:
     """Print the closed loop that is simulated: the order of the components' calls, and their inputs."""
     from campaigns.claims.spans import words
-    from clearance.cli import WrongInputError
+    from clearance.cli import WrongInputError, refusing
     from clearance.cli._campaign import read_campaign
     from worker.engine.kernels.text.names import UnnamedError
     from worker.engine.systems.base import CampaignUnusable
@@ -21,10 +21,8 @@ def explain(
     from worker.evidence.scopes.terms import terms
     from worker.running.opening import opened
 
-    try:
+    with refusing(CampaignUnusable, UnnamedError):
         system = opened.system(read_campaign(file))
-    except (CampaignUnusable, UnnamedError) as error:
-        raise WrongInputError(str(error)) from None
     if not isinstance(system, ClosedLoop):
         what = words(terms(system).scope.what)
         raise WrongInputError(f"{file}: {what} has no Python code to print; only a closed loop has")

@@ -21,14 +21,12 @@ def propose(
     from campaigns.asked.proposal import Cost, proposed
     from campaigns.asked.reading import Dumper
     from campaigns.checked.expected import confirmation
-    from clearance.cli import WrongInputError
+    from clearance.cli import WrongInputError, refusing
     from worker.running.catalogue.installed import catalogue
 
     each = cost + (start / recycle if recycle else 0.0)
-    try:
+    with refusing(ValueError):
         found = proposed(catalogue().methods, each, parameters, slots, patience, start)
-    except ValueError as error:
-        raise WrongInputError(f"{error}") from None
     if not found.searches:
         raise WrongInputError(f"{found.sentence}.")
     typer.echo(f"# {found.sentence}.")

@@ -54,11 +54,10 @@ def purge(
     age, limit = _age(older_than), _limit(size)
     url = existing_url_of(data, database)
     from backend.db import purge as stored
-    from backend.db.engine import connect, migrate
+    from backend.db.engine import connected, migrate
 
     migrate(url)
-    engine = connect(url)
-    try:
+    with connected(url) as engine:
         old = stored.due(engine, age)
         above = None if limit is None else stored.beyond(engine, limit, old)
         _tell(old, f"There is no run to purge that was removed more than {older_than} ago.")
@@ -78,8 +77,6 @@ def purge(
                 typer.echo(f"{counted(len(gone), 'run')} purged.")
             _reclaim(engine)
             rest = 0 if limit is None else stored.beyond(engine, limit).occupied - limit
-    finally:
-        engine.dispose()
     if rest > 0:
         typer.echo(
             f"The size of {size} is exceeded by {_size(rest)}: the other runs are in progress, signed off, pinned, a "

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clearance.cli import VIOLATED, WrongInputError
+from clearance.cli import VIOLATED, WrongInputError, refusing
 
 if TYPE_CHECKING:
     from worker.running.reproduce.compare import Reproduction
@@ -67,10 +67,8 @@ def _reproduced(names: list[str], flights: Flights, quiet: bool) -> Reproduction
 
     from worker.running.reproduce.compare import chosen, reproduce
 
-    try:
+    with refusing(ValueError):
         chosen(names)
-    except ValueError as error:
-        raise WrongInputError(str(error)) from None
     console = Console(stderr=True, quiet=quiet)
     with Progress(BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), console=console, transient=True) as bars:
         task = bars.add_task("rows")

@@ -19,18 +19,14 @@ def restore(
     database: Database = "",
 ) -> None:
     """Put a backup in the place of the database; the former SQLite file is kept under another name."""
-    from backend.db.backup import BackupError
     from backend.db.backup import restore as put_back
 
     url = url_of(data, database, create=False)
     if not yes and not _agreed(url):
         typer.echo("Nothing was changed.")
         return
-    try:
-        with alone(data) if data.is_dir() else nullcontext():
-            found = put_back(url, file)
-    except BackupError as error:
-        raise WrongInputError(f"{error}") from None
+    with alone(data) if data.is_dir() else nullcontext():
+        found = put_back(url, file)
     typer.echo(f"Restored {file}." + (f" The former database is {found.former}." if found.former else ""))
     typer.echo("All sessions, login links and unused invitations have ended. As of the backup,")
     typer.echo(f"valid tokens: {', '.join(found.tokens) or 'none'}")

@@ -16,7 +16,7 @@ import typer
 
 from campaigns.refusals import RefusalCode
 from campaigns.runs import RunState
-from clearance.cli import INTERNAL, UnreachableError, WrongInputError
+from clearance.cli import INTERNAL, UnreachableError, WrongInputError, refusing
 from clearance.cli import _code as code
 from clearance.cli import _evaluator as evaluators
 from clearance.cli import _launch as launch
@@ -246,10 +246,8 @@ def _executing(threads: int | None, quiet: bool, evaluator: str = "") -> Execute
     from worker.running.processes import memory
     from worker.running.runs.runner import execute
 
-    try:
+    with refusing(ValueError):
         memory.allowed()
-    except ValueError as error:
-        raise WrongInputError(str(error)) from None
 
     def executed(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
         evaluators.refuse_other(evaluator, campaign)

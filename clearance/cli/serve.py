@@ -17,8 +17,8 @@ import typer
 from backend import secrets_given
 from backend.db import access, workers
 from backend.db.arriving import awaited, sentence
-from backend.db.engine import connect
-from backend.db.private import SharedFolderError, keep_private
+from backend.db.engine import connected
+from backend.db.private import keep_private
 from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
 from clearance.cli._where import DATA, Data, Database, alone, counted, reading, url_of
 from clearance.cli.login_link import ADDRESS_FILE
@@ -136,12 +136,8 @@ class _Serving:
             return workers.published(connection) or 0.0
 
     def _welcome(self) -> None:
-        engine = connect(self.url)
-        try:
-            with engine.begin() as connection:
-                code = access.create_login_code(connection)
-        finally:
-            engine.dispose()
+        with connected(self.url) as engine, engine.begin() as connection:
+            code = access.create_login_code(connection)
         link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"
         _say("\nClearance is ready. Open this link to log in (it can be used once, within 15 minutes):\n")
         _say(f"    {link}\n")
@@ -154,8 +150,6 @@ class _Serving:
 def _closed_to_others(data: Path, database: str) -> None:
     try:
         keep_private(data, database)
-    except SharedFolderError as error:
-        raise WrongInputError(f"{error}") from None
     except OSError as error:
         raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
 

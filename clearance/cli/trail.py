@@ -14,7 +14,7 @@ from backend.db import audit
 from backend.db.chain import COVERED, FIRST, Head, Verified, head, verify
 from backend.db.outages import DatabaseOutage
 from campaigns.refusals import RefusalCode
-from clearance.cli import VIOLATED, WrongInputError
+from clearance.cli import VIOLATED, WrongInputError, refusing
 from clearance.cli._where import DATA, Data, Database, existing_url_of, reading
 
 CANNOT = (
@@ -43,7 +43,8 @@ def verify_trail(
 
     The exit code is 0 if the chain is unbroken, 1 if it is broken, 3 if there is no trail.
     """
-    expected = _head(noted) if noted else None
+    with refusing(ValueError):
+        expected = head(noted) if noted else None
     found = _of_database(data, database, expected) if file is None else _of_file(file, expected)
     for fault in found.faults:
         typer.echo(f"{fault[0].upper()}{fault[1:]}.")
@@ -110,10 +111,3 @@ def _migrated(reader: sa.Connection) -> None:
             "this database is of an earlier version, whose audit trail has no hashes: start the service once, which "
             "migrates it"
         )
-
-
-def _head(text: str) -> Head:
-    try:
-        return head(text)
-    except ValueError as error:
-        raise WrongInputError(f"{error}") from None

@@ -17,7 +17,7 @@ import typer
 
 from campaigns import logs
 from campaigns.runs import run_name
-from clearance.cli import WrongInputError
+from clearance.cli import WrongInputError, refusing
 from clearance.cli import _evaluator as evaluators
 from clearance.cli._where import DATA, Data, Database, existing_url_of, opened, reading, url_of
 
@@ -62,22 +62,18 @@ def worker(
         raise typer.Exit(0 if _alive(data, database) else 1)
     jit.refuse(jit.by_environment())
     evaluators.use(evaluator)
-    try:
+    with refusing(ValueError):
         logs.set_up(os.environ, "%(asctime)s %(levelname)s %(message)s")
-    except ValueError as error:
-        raise WrongInputError(f"{error}") from None
     logging.getLogger("alembic").setLevel(logging.WARNING)
     os.umask(UMASK)
     for problem in unusable_simulators():
         logging.warning("a simulator is skipped: %s", problem)
     url = url_of(data, database)
     _once_it_answers(url)
-    try:
+    with refusing(ValueError):
         supervisor = Supervisor(
             url, name or default_name(), runner=runner, lease=lease, standstill=standstill, data=data
         )
-    except ValueError as error:
-        raise WrongInputError(f"{error}") from None
     stopped_by = supervisor.run()
     raise typer.Exit(130 if stopped_by == signal.SIGINT else DRAINED if supervisor.drained and not stopped_by else 0)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import sqlalchemy as sa
 
 from backend.db import queue
-from backend.db.engine import connect, migrate, now, read, write
+from backend.db.engine import connected, migrate, now, read, write
 from backend.db.store import PATIENCE, RunStore
 from campaigns.stages.found import declared
 from campaigns.stages.plan import most
@@ -33,11 +33,8 @@ def report(origin: Origin, file: Path) -> Path:
     with tempfile.TemporaryDirectory(prefix="clearance-report-", ignore_cleanup_errors=True) as folder:
         url = f"sqlite:///{Path(folder) / 'run.db'}"
         migrate(url)
-        engine = connect(url)
-        try:
+        with connected(url) as engine:
             page = _page(engine, origin)
-        finally:
-            engine.dispose()
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(page, encoding="utf-8")
     return file

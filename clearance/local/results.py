@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -105,6 +106,16 @@ def evidence(campaign: Campaign, store: MemoryStore, known: Catalogue | None = N
     }
 
 
+@contextmanager
+def _readable(what: str) -> Iterator[None]:
+    """Raise `CannotContinue` for what is missing or damaged; `what` starts the sentence."""
+    try:
+        yield
+    except UNREADABLE as error:
+        why = f"{what} cannot be read ({error}); run the campaign again"
+        raise CannotContinue(why, RefusalCode.UNREADABLE) from None
+
+
 def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     """The campaign and the evaluations that `write_results` left; raises `CannotContinue` if they are missing."""
     for name in ("campaign.json", RESULT, ARRAYS):
@@ -115,12 +126,8 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
             )
     campaign = load_file(folder / "campaign.json")
     stages = [StageRecord(StagePlan(*planned)) for planned in plan(campaign)]
-    try:
+    with _readable(f"{ARRAYS} in it"):
         chunks = _read_bits(folder / ARRAYS, len(stages))
-    except UNREADABLE as error:
-        raise CannotContinue(
-            f"{ARRAYS} in it cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE
-        ) from None
     seed = _sample_seed(folder)
     return campaign, MemoryStore(
         stages=stages, chunks={at: [columns] for at, columns in chunks.items()}, sample_seed=seed
@@ -132,14 +139,11 @@ def _sample_seed(folder: Path) -> SampleSeed | None:
     file = folder / "evidence.json"
     if not file.exists():
         return None
-    try:
+    with _readable("its results"):
         results = json.loads(file.read_text(encoding="utf-8")).get("results", ())
         found = [stage_result(result) for result in results if result and result.get("seed") is not None]
-        return next((result.sample_seed for result in found if result.sample_seed is not None), None)
-    except UNREADABLE as error:
-        raise CannotContinue(
-            f"its results cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE
-        ) from None
+        seeds = [result.sample_seed for result in found]
+    return next((seed for seed in seeds if seed is not None), None)
 
 
 def versions_of(folder: Path) -> Versions:
@@ -160,13 +164,9 @@ def components_of(folder: Path) -> Catalogue | None:
 def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
     """Raises `CannotContinue` if the results of a folder are of another campaign, or of other components."""
     refuse_other_document(folder, campaign)
-    try:
+    with _readable("its results"):
         components = components_of(folder)
         others = [] if components is None else values_changed(campaign, components, catalogue())
-    except UNREADABLE as error:
-        raise CannotContinue(
-            f"its results cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE
-        ) from None
     if others:
         raise CannotContinue(
             f"its evaluations used different components: {'; '.join(others)}", RefusalCode.OTHER_COMPONENTS
@@ -178,12 +178,8 @@ def refuse_other_document(folder: Path, campaign: Campaign) -> None:
 
     Evaluations are points of the unit cube: with other bounds they would be points that were never simulated.
     """
-    try:
+    with _readable("its results"):
         stated = str(json.loads((folder / RESULT).read_text(encoding="utf-8"))["digest"])
-    except UNREADABLE as error:
-        raise CannotContinue(
-            f"its results cannot be read ({error}); run the campaign again", RefusalCode.UNREADABLE
-        ) from None
     if stated != campaign.digest:
         raise CannotContinue(
             f"its campaign.json is not the campaign of its results: its digest is {short(campaign.digest)}, "

@@ -91,25 +91,13 @@ class ViewChange(Given):
         return self.what_if is not None or bool(layers.sampled or layers.field)
 
     @model_validator(mode="after")
-    def _one_time(self) -> ViewChange:
+    def _consistent(self) -> ViewChange:
         if self.closest and (self.time is not None or self.step is not None):
             raise ValueError("either the closest approach, or a time with or without a step")
-        return self
-
-    @model_validator(mode="after")
-    def _seed_of_a_flight(self) -> ViewChange:
         if self.what_if_seed is not None and self.what_if is None:
             raise ValueError("what_if_seed goes with the parameters of a what_if flight")
-        return self
-
-    @model_validator(mode="after")
-    def _one_camera(self) -> ViewChange:
         if self.camera is not None and self.eye is not None:
             raise ValueError("either a camera by name, or an eye")
-        return self
-
-    @model_validator(mode="after")
-    def _known_speed(self) -> ViewChange:
         if self.speed is not None and self.speed not in SPEEDS:
             raise ValueError(f"speed is one of {', '.join(f'{speed:g}' for speed in SPEEDS)}, given {self.speed:g}")
         return self

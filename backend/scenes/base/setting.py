@@ -44,10 +44,6 @@ class Uncertain:
     high: float
 
 
-class UnknownParameterError(ValueError):
-    """An unknown uncertain parameter or a value outside its bounds; the message states what is allowed."""
-
-
 @dataclass(frozen=True)
 class Setting:
     """The fixed part of a scene in scene coordinates [m], with its labels."""

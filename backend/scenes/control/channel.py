@@ -22,9 +22,9 @@ from backend.runs.service import number
 from backend.runs.tombstones import refuse_purged
 from backend.scenes.base.address import KEY
 from backend.scenes.base.schemas import ViewChange, ViewState
-from backend.scenes.base.setting import UnknownParameterError, drawable
+from backend.scenes.base.setting import drawable
 from backend.scenes.control.viewers import Handle, Viewers
-from backend.scenes.viewer.viewer import FAILED, FailedError, GoneError, UnknownFlightError, Viewer
+from backend.scenes.viewer.viewer import FAILED, FailedError, GoneError, Viewer
 from campaigns.runs import run_name
 
 router = APIRouter(tags=["views"])
@@ -95,10 +95,6 @@ async def _answer(
         raise RefusedError(410, "view-failed", FAILED) from None
     except GoneError:
         raise _gone(handle) from None
-    except UnknownFlightError as error:
-        raise RefusedError(422, "unknown-finding", str(error)) from None
-    except UnknownParameterError as error:
-        raise RefusedError(422, "unknown-parameter", str(error)) from None
 
 
 def _without_view(request: Request, handle: Handle) -> None:

@@ -10,10 +10,11 @@ from typing import Any
 import sqlalchemy as sa
 import viser
 
+from backend.http.errors import RefusedError
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.progress import Progress
 from backend.scenes.base.schemas import LayersChange
-from backend.scenes.base.setting import Setting, UnknownParameterError
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
@@ -54,10 +55,10 @@ class Panel:
         self.parts: list[Part] = [values, *further, convergence]
 
     def have(self, layers: LayersChange) -> None:
-        """Change the layers; raises `UnknownParameterError` if they are not available."""
+        """Change the layers; raises `RefusedError` if they are not available."""
         if not self._simulates and layers.field:
             text = "this run evaluates a simulator, whose avoider is not known: the layer field is not available"
-            raise UnknownParameterError(text)
+            raise RefusedError(422, "unknown-parameter", text)
         self._sampled.have(layers.sampled)
         if self._simulates:
             self._field.have(layers.field)

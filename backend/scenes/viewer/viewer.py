@@ -14,6 +14,7 @@ import sqlalchemy as sa
 import viser
 
 from backend.db.engine import read
+from backend.http.errors import RefusedError
 from backend.scenes.base.address import Address
 from backend.scenes.base.flight import Flight
 from backend.scenes.base.palette import DARK, LIGHT, rgb
@@ -46,10 +47,6 @@ class GoneError(Exception):
 
 class FailedError(GoneError):
     """The viewer ended with an error; its socket may still be open."""
-
-
-class UnknownFlightError(ValueError):
-    """The run has no such finding; the message lists its findings."""
 
 
 class Viewer:
@@ -175,7 +172,8 @@ class Viewer:
                 return
             if self._progress.findings and flight not in self._progress.choices:
                 known = ", ".join(self._progress.choices)
-                raise UnknownFlightError(f"{self._setting.run} has no finding {flight!r}: choose one of {known}")
+                text = f"{self._setting.run} has no finding {flight!r}: choose one of {known}"
+                raise RefusedError(422, "unknown-finding", text)
             closest = self._replay.closest_time()
             with read(self._engine) as reader:
                 self._progress.show(flight, reader)
@@ -188,7 +186,7 @@ class Viewer:
     def steer(self, change: ViewChange) -> ViewState:
         """Apply a change requested by the page, in one frame.
 
-        Raises `GoneError`, `FailedError`, `UnknownFlightError` for a finding, `UnknownParameterError` for a what-if.
+        Raises `GoneError`, `FailedError`, and `RefusedError` for a finding or a what-if.
         """
         with self.drawing():
             if self._stopped:

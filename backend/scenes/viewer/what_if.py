@@ -11,9 +11,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from backend.http.errors import RefusedError
 from backend.scenes.base.flight import ROWS, Flight, from_live
 from backend.scenes.base.part import Driver, Part
-from backend.scenes.base.setting import Setting, UnknownParameterError
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
@@ -63,20 +64,21 @@ class WhatIf(Part):
     def simulate(self, parameters: Mapping[str, float], seed: int | None) -> None:
         """Simulate and show the case with these parameters, the others nominal, with this noise seed or the campaign's.
 
-        Raises `UnknownParameterError`, also for a run that evaluates a simulator.
+        Raises `RefusedError`, also for a run that evaluates a simulator.
         """
         if not self._setting.clears:
             text = "a what-if of a simulator is evaluated by POST /runs/RUN/cases, which also draws it"
-            raise UnknownParameterError(text)
+            raise RefusedError(422, "unknown-parameter", text)
         known = {one.path: one for one in self._setting.uncertain}
         for path, value in parameters.items():
             one = known.get(path)
             if one is None:
                 allowed = ", ".join(known) or "no parameter is known"
-                raise UnknownParameterError(f"{path!r} is not an uncertain parameter of this campaign: {allowed}")
+                text = f"{path!r} is not an uncertain parameter of this campaign: {allowed}"
+                raise RefusedError(422, "unknown-parameter", text)
             if not within(value, one.low, one.high):
                 bounds = f"{one.low!r} to {one.high!r} {one.unit}".strip()
-                raise UnknownParameterError(f"{path} is given as {value!r}, and may be {bounds}")
+                raise RefusedError(422, "unknown-parameter", f"{path} is given as {value!r}, and may be {bounds}")
         self._number += 1
         nominal = {path: one.nominal for path, one in known.items()}
         self._latest.ask(_Asked(self._number, nominal | dict(parameters), seed))

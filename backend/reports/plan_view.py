@@ -24,7 +24,7 @@ REACH = 4.0
 
 def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
     """The flights around the encounter at one scale; None if no flight has a position."""
-    axis = _axes_of(cases[0].head) if cases else ("x", "y")
+    axis = ("y", "x") if cases and cases[0].head.frame == "ned" else ("x", "y")
     tracks = [_encounter(case, case.points(*axis), of) for case in cases]
     places = [p for track in tracks for p in track]
     if len(places) < 2:
@@ -59,10 +59,6 @@ def up(cases: Sequence[Case]) -> str:
     """What the drawing shows upwards."""
     view = cases[-1].view if cases else None
     return "North, m" if view is None else view.up
-
-
-def _axes_of(head: TraceHead) -> tuple[str, str]:
-    return ("y", "x") if head.frame == "ned" else ("x", "y")
 
 
 def _at(position: Sequence[float], axis: tuple[str, str]) -> Point:

@@ -136,7 +136,6 @@ class EndedRun:
 
     @property
     def code(self) -> int:
-        """The exit code."""
         if self.verdict is None:
             return INTERRUPTED if self.state == RunState.CANCELLED else INTERNAL
         return code(self.verdict)

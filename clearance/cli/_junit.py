@@ -24,12 +24,10 @@ _FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff
 
 
 def write(file: Path, ended: EndedRun) -> None:
-    """Write the file."""
     file.write_text(junit(ended), encoding="utf-8")
 
 
 def junit(ended: EndedRun) -> str:
-    """The document."""
     suite = Xml.Element("testsuite", name=_clean(ended.campaign), time=f"{ended.seconds:.3f}")
     properties = Xml.SubElement(suite, "properties")
     values = {"run": ended.run, "link": ended.link, "state": ended.state, "outcome": ended.outcome}

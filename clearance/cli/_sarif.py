@@ -42,7 +42,6 @@ BASELINE = {Standing.NEW: "new", Standing.SAME: "unchanged", Standing.FIXED: "ab
 
 
 def write(file: Path, ended: EndedRun) -> None:
-    """Write the file."""
     file.write_text(json.dumps(sarif(ended), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 

@@ -216,6 +216,15 @@ def operator() -> str:
         return "unknown"
 
 
+def confirmed(question: str, otherwise: str = "") -> bool:
+    """Whether the user agrees; otherwise: what the error adds where there is no terminal."""
+    try:
+        return typer.confirm(question)
+    except typer.Abort:
+        text = f"no confirmation was given; use --yes where there is no terminal{otherwise}"
+        raise WrongInputError(text) from None
+
+
 def counted(number: int, what: str) -> str:
     """A number of things, such as 1 run or 20 runs."""
     return f"{number} {what}" if number == 1 else f"{number} {what}s"

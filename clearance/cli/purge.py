@@ -10,7 +10,7 @@ import typer
 
 from campaigns.runs import run_name
 from clearance.cli import VIOLATED, WrongInputError
-from clearance.cli._where import DATA, Data, Database, counted, existing_url_of, operator
+from clearance.cli._where import DATA, Data, Database, confirmed, counted, existing_url_of, operator
 
 if TYPE_CHECKING:
     import sqlalchemy as sa
@@ -64,7 +64,8 @@ def purge(
         if above is not None:
             _tell(above.runs, f"{_size(above.occupied)} are stored, of {size}: no further run is purged.")
         runs = [*old, *(above.runs if above else ())]
-        if dry_run or not (yes or not runs or _agreed(runs)):
+        question = f"Delete the results of {counted(len(runs), 'run')}? This cannot be undone."
+        if dry_run or not (yes or not runs or confirmed(question, ". Nothing was deleted")):
             typer.echo("Nothing was deleted: this was a dry run." if dry_run else "Nothing was deleted.")
             rest = above.left if above else 0
         else:
@@ -124,15 +125,6 @@ def _tell(runs: list[Removed], none: str) -> None:
     if len(runs) > LISTED:
         typer.echo(f"and {len(runs) - LISTED} more")
     typer.echo(f"{counted(len(runs), 'run')}, {_size(sum(run.size for run in runs))} of evaluations and trajectories.")
-
-
-def _agreed(runs: list[Removed]) -> bool:
-    try:
-        return typer.confirm(f"Delete the results of {counted(len(runs), 'run')}? This cannot be undone.")
-    except typer.Abort:
-        raise WrongInputError(
-            "no confirmation was given; use --yes where there is no terminal. Nothing was deleted"
-        ) from None
 
 
 def _reclaim(engine: sa.Engine) -> None:

@@ -6,10 +6,10 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
+import sqlalchemy as sa
 import typer
 
-from clearance.cli import WrongInputError
-from clearance.cli._where import DATA, Data, Database, alone, url_of
+from clearance.cli._where import DATA, Data, Database, alone, confirmed, url_of
 
 
 def restore(
@@ -22,7 +22,8 @@ def restore(
     from backend.db.backup import restore as put_back
 
     url = url_of(data, database, create=False)
-    if not yes and not _agreed(url):
+    shown = sa.make_url(url).render_as_string(hide_password=True)
+    if not yes and not confirmed(f"Replace the database {shown}?"):
         typer.echo("Nothing was changed.")
         return
     with alone(data) if data.is_dir() else nullcontext():
@@ -32,13 +33,3 @@ def restore(
     typer.echo(f"valid tokens: {', '.join(found.tokens) or 'none'}")
     typer.echo(f"enabled users, with the passwords of then: {', '.join(found.users) or 'none'}")
     typer.echo("Revoke and disable again what was revoked or disabled since (Tokens and Users on the pages).")
-
-
-def _agreed(url: str) -> bool:
-    import sqlalchemy as sa
-
-    shown = sa.make_url(url).render_as_string(hide_password=True)
-    try:
-        return typer.confirm(f"Replace the database {shown}?")
-    except typer.Abort:
-        raise WrongInputError("no confirmation was given; use --yes where there is no terminal") from None

@@ -58,7 +58,10 @@ def serve(
     jit.refuse(jit.by_environment())
     if not data.exists():
         _reserved(host, port).close()  # before anything is made
-    _closed_to_others(data, database)
+    try:
+        keep_private(data, database)
+    except OSError as error:
+        raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
     url = url_of(data, database)
     with alone(data), _reserved(host, port) as reserved:
         port = reserved.getsockname()[1]
@@ -145,13 +148,6 @@ class _Serving:
 
     def _interrupted(self) -> int:
         return INTERRUPTED if self.wakeup.signal == signal.SIGINT else 0
-
-
-def _closed_to_others(data: Path, database: str) -> None:
-    try:
-        keep_private(data, database)
-    except OSError as error:
-        raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
 
 
 def _reserved(host: str, port: int) -> socket.socket:

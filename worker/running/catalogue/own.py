@@ -249,7 +249,6 @@ def _parsed(content: bytes) -> ast.Module:
 
 
 def _texts(file: Path) -> set[str]:
-    """The texts in a file."""
     nodes = ast.walk(_tree(file))
     return {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
 

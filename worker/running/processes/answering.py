@@ -23,7 +23,6 @@ def private_output() -> TextIO:
 
 
 def send(answers: TextIO, message: Mapping[str, object]) -> None:
-    """Write one message."""
     answers.write(json.dumps(message, allow_nan=False) + "\n")
     answers.flush()
 

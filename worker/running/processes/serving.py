@@ -107,7 +107,6 @@ class Servers:
         self.servers, self.report, self._wakeup = list(servers), report, wakeup
 
     def start(self) -> None:
-        """Start all processes."""
         for server in self.servers:
             server.start()
 

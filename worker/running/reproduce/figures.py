@@ -176,15 +176,12 @@ def _samples(flights: Flights, case: Case, how: How) -> tuple[list[str], Rows]:
     flights.computed(case.campaign, case, how)
     columns = flights.columns[case.campaign, how]
     opened = flights.opened[case.campaign]
-    headings = ["run", "d_min [m]", *(_with_unit(opened.campaign.uncertain[p].unit, s) for s, p in case.paths)]
+    uncertain = opened.campaign.uncertain
+    headings = ["run", "d_min [m]", *(f"{symbol} [{uncertain[path].unit or '-'}]" for symbol, path in case.paths)]
     order = [[r.path for r in opened.problem.ranges].index(p) for _, p in case.paths]
     values = opened.problem.values(columns.points)[:, order].tolist()
     costs = columns.costs[:, 0].tolist()
     return headings, ([i, cost, *row] for i, (cost, row) in enumerate(zip(costs, values, strict=True), 1))
-
-
-def _with_unit(unit: str | None, symbol: str) -> str:
-    return f"{symbol} [{unit or '-'}]"
 
 
 def _convergence(flights: Flights, case: Case, how: How) -> tuple[list[str], Rows]:

@@ -72,7 +72,6 @@ def counts(made: Reproduction) -> dict[str, int]:
 
 
 def summary(made: Reproduction) -> str:
-    """The summary sentence."""
     n = counts(made)
     outcome = "all rows that must agree do" if n["broken"] == 0 else f"{n['broken']} rows that must agree do not"
     return (

@@ -97,7 +97,6 @@ def of_library() -> list[Adequacy]:
 
 
 def sentence(found: Adequacy) -> str:
-    """The result as a sentence."""
     allowed = "" if found.declared is None else f" (its notes allow {100 * found.declared:g} %)"
     apart = f"; {found.differing} succeed at one of the two steps only" if found.differing else ""
     apart += "" if found.compared else "; no point has a value at both"

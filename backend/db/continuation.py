@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
 import sqlalchemy as sa
 
 from backend.db import labels, sizes
 from backend.db.engine import now
 from backend.db.lowest import lowered
 from backend.db.queue import Claim, submit
-from backend.db.rows import as_columns, as_finding, as_result, chunk_rows, failed, lowest
+from backend.db.rows import as_array, as_columns, as_finding, as_result, chunk_rows, failed, lowest
 from backend.db.tables import CampaignRow, EvaluationChunk, Run, RunBaseline, RunText, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
@@ -85,7 +84,7 @@ def traces(connection: sa.Connection, run_id: int) -> list[Trace]:
         Trace(
             r.name,
             [TraceColumn.model_validate(column) for column in r.columns],
-            np.frombuffer(r.data, dtype="<f8").reshape(r.rows, -1),
+            as_array(r.data, r.rows),
             TraceHead.model_validate(r.meta),
         )
         for r in rows

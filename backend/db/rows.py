@@ -8,6 +8,7 @@ from typing import Any, TypedDict
 
 import numpy as np
 import sqlalchemy as sa
+from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from backend.db.tables import EvaluationChunk
@@ -17,10 +18,14 @@ from campaigns.stages.found import stage_result
 from campaigns.stored.records import Columns, Trace, join
 
 
+def as_array(data: bytes, rows: int) -> NDArray[np.float64]:
+    """Stored numbers (rows, n); read-only, like the bytes."""
+    return np.frombuffer(data, dtype="<f8").reshape(rows, -1)
+
+
 def as_columns(row: Any) -> Columns:
     points, costs, seconds = (
-        np.frombuffer(data, dtype="<f8").astype(np.float64).reshape(row.count, -1)
-        for data in (row.points, row.costs, row.seconds)
+        as_array(data, row.count).astype(np.float64) for data in (row.points, row.costs, row.seconds)
     )
     reasons = {int(index): reason for index, reason in row.reasons.items()}
     return Columns(points, costs, np.frombuffer(row.status, dtype=np.uint8).copy(), seconds[:, 0], reasons)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
-from backend.db.rows import as_columns, chunks
+from backend.db.rows import as_array, as_columns, chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.http.written import finite_all
 from backend.results import noise
@@ -171,7 +171,7 @@ class _Read:
         found: list[EvaluationFailure] = []
         for chunk in chunks(self.reader, self.run_id, position, *_FAILURES, where=wanted):
             rows = without[chunk.first]
-            values = in_units(_array(chunk.points, chunk.count)[rows], self.paths, self.limits)
+            values = in_units(as_array(chunk.points, chunk.count)[rows], self.paths, self.limits)
             codes = np.frombuffer(chunk.status, dtype=np.uint8)[rows].tolist()
             found += [
                 EvaluationFailure(
@@ -191,9 +191,8 @@ class _Read:
         for chunk in chunks(self.reader, self.run_id, position, *_SHOWN):
             first, last = np.searchsorted(chosen, [chunk.first, chunk.first + chunk.count])
             rows = chosen[first:last] - chunk.first
-            points, costs, seconds = (
-                _array(data, chunk.count)[rows] for data in (chunk.points, chunk.costs, chunk.seconds)
-            )
+            data = (chunk.points, chunk.costs, chunk.seconds)
+            points, costs, seconds = (as_array(column, chunk.count)[rows] for column in data)
             status = np.frombuffer(chunk.status, dtype=np.uint8)[rows]
             found.append(Columns(points, costs, status, seconds[:, 0], {}))
         joined = join(found)
@@ -207,10 +206,6 @@ class _Read:
             costs = np.where(columns.status == OK, columns.costs[:, k], np.nan)
             found[criterion.name] = finite_all(0.0 - costs if criterion.worse == "high" else costs)
         return found
-
-
-def _array(data: bytes, count: int) -> thin.Floats:
-    return np.frombuffer(data, dtype="<f8").reshape(count, -1)
 
 
 def _seeds(drawn: noise.Seeds, index: thin.Indices) -> list[int | None]:

@@ -9,6 +9,7 @@ import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
+from backend.db.rows import as_array
 from backend.db.tables import EvaluationChunk
 from campaigns import thin
 
@@ -49,11 +50,11 @@ class Improvements:
             # Only the best point is needed; the other points are not read.
             best = sa.select(chunk.first, chunk.count, chunk.points).where(*of, chunk.first <= self.index[-1])
             first, count, points = reader.execute(best.order_by(chunk.first.desc()).limit(1)).one()
-            self.point = np.frombuffer(points, dtype="<f8").reshape(count, -1)[self.index[-1] - first]
+            self.point = as_array(points, count)[self.index[-1] - first]
 
     def add(self, chunk: Any) -> None:
         """Read the next chunk: `first`, `count`, `costs`, `status`, `seconds`."""
-        costs = np.frombuffer(chunk.costs, dtype="<f8").reshape(chunk.count, -1)[:, 0]
+        costs = as_array(chunk.costs, chunk.count)[:, 0]
         costs = np.where(np.frombuffer(chunk.status, dtype=np.uint8) == 0, costs, np.nan)
         seconds = np.frombuffer(chunk.seconds, dtype="<f8")
         better = thin.improvements(costs, self.cost[-1] if self.cost else np.inf)

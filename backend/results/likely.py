@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from backend.catalog.criteria import criteria
 from backend.catalog.service import bounds, described
-from backend.db.rows import chunks
+from backend.db.rows import as_array, chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results import noise
 from backend.runs.service import campaign
@@ -60,8 +60,8 @@ def _violating(reader: sa.Connection, run_id: int, asked: Campaign) -> Iterator[
         wanted = [chunk.first for chunk in chunks(reader, run_id, position, *_COSTS) if _violates(chunk, threshold)]
         where = EvaluationChunk.first.in_(wanted)
         for chunk in chunks(reader, run_id, position, *_COSTS, EvaluationChunk.points, where=where):
-            points = np.frombuffer(chunk.points, "<f8").reshape(chunk.count, -1)
             costs, status = _costs(chunk)
+            points = as_array(chunk.points, chunk.count)
             yield Rows(position, chunk.first, points, costs, status, drawn.get(position, noise.NONE).tolist())
 
 
@@ -71,7 +71,7 @@ def _violates(chunk: Any, threshold: float) -> bool:
 
 
 def _costs(chunk: Any) -> tuple[Floats, NDArray[np.uint8]]:
-    return np.frombuffer(chunk.costs, "<f8").reshape(chunk.count, -1), np.frombuffer(chunk.status, np.uint8)
+    return as_array(chunk.costs, chunk.count), np.frombuffer(chunk.status, np.uint8)
 
 
 def _positions(reader: sa.Connection, run_id: int) -> Sequence[int]:

@@ -10,7 +10,7 @@ import sqlalchemy as sa
 
 from backend.catalog.criteria import criteria
 from backend.catalog.service import bounds, described
-from backend.db.rows import chunks
+from backend.db.rows import as_array, chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results.coverage import ball, pairs, slopes
 from backend.results.coverage.schemas import Coverage, EmptyBall, PairCoverage, PossibleVolume
@@ -71,9 +71,7 @@ def _used(reader: sa.Connection, run_id: int, dimension: int) -> Used:
         for chunk in chunks(reader, run_id, stage.position, *_COLUMNS):
             first, last = np.searchsorted(chosen, [before + chunk.first, before + chunk.first + chunk.count])
             rows = chosen[first:last] - before - chunk.first
-            cube_points, every = (
-                np.frombuffer(data, dtype="<f8").reshape(chunk.count, -1) for data in (chunk.points, chunk.costs)
-            )
+            cube_points, every = (as_array(data, chunk.count) for data in (chunk.points, chunk.costs))
             ok = np.frombuffer(chunk.status, dtype=np.uint8) == OK
             points.append(cube_points[rows, :dimension])
             costs.append(np.where(ok, every[:, 0], np.nan)[rows])

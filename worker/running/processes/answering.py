@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TextIO
-
-import numpy as np
 
 from campaigns import CampaignError
 from worker.engine.systems.base import CampaignUnusable
@@ -75,15 +74,10 @@ def within(path: str, value: Any, low: float, high: float, unit: str) -> float:
     return float(value)
 
 
-def plain(column: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:
-    """A column as JSON can represent it."""
-    return [float(v) if np.isfinite(v) else None for v in column]
-
-
 def finite(value: Any) -> Any:
     """The value with null in place of non-finite numbers, which JSON cannot represent."""
     if isinstance(value, dict):
         return {k: finite(v) for k, v in value.items()}
     if isinstance(value, list):
         return [finite(v) for v in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value

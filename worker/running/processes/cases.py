@@ -49,7 +49,7 @@ from worker.engine.systems.simulators.slots.places import Place
 from worker.running.catalogue import installed
 from worker.running.opening import opened
 from worker.running.processes import answering, memory
-from worker.running.processes.answering import finite, plain, within
+from worker.running.processes.answering import finite, within
 from worker.running.runs import provenance
 
 heap.loaded()
@@ -185,7 +185,9 @@ def _evaluated(case: Opened, values: Mapping[str, float], rows: int) -> CaseRepl
         "seconds": seconds,
         "untraced": found.untraced,
         "columns": [column.model_dump() for column in columns],
-        "data": {} if data is None else {column.name: plain(data[keep, k]) for k, column in enumerate(columns)},
+        "data": {}
+        if data is None
+        else {column.name: finite(data[keep, k].tolist()) for k, column in enumerate(columns)},
         "meta": finite(head.model_dump()),
         "identity": case.identity,
     }

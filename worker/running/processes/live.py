@@ -38,7 +38,7 @@ from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.trace import simulate, trace
 from worker.running.opening import opened
 from worker.running.processes import answering, memory
-from worker.running.processes.answering import finite, plain, within
+from worker.running.processes.answering import finite, within
 from worker.running.runs import provenance
 
 heap.loaded()
@@ -119,7 +119,7 @@ def _flight(flights: Flights, values: dict[str, float], rows: int, identity: obj
         "cost": head.cost,
         "margin": None if head.cost is None or head.threshold is None else head.cost - head.threshold,
         "columns": [column.model_dump() for column in simulated.columns],
-        "data": {column.name: plain(simulated.data[:, k]) for k, column in enumerate(simulated.columns)},
+        "data": {column.name: finite(simulated.data[:, k].tolist()) for k, column in enumerate(simulated.columns)},
         "meta": finite(head.model_dump()),
         "identity": identity,
     }
@@ -135,7 +135,7 @@ def _field(flights: Flights, values: dict[str, float], time: Any, places: Any, i
     return {
         "time": found.time,
         "place": found.place.tolist(),
-        "velocity": plain(found.velocity),
+        "velocity": finite(found.velocity.tolist()),
         "kind": found.kind,
         "memory": found.memory,
         "unit": UNITS[found.kind],

@@ -18,6 +18,7 @@ from typing import Any
 from backend.reports.figures import Case, Quantity
 from backend.reports.plan_view import plan_view
 from backend.reports.plot import INK, NOMINAL, WORST
+from campaigns.results.trace import Closest, TraceHead, TraceObstacle
 
 FONT = "font:12px Inter,system-ui,sans-serif"
 
@@ -29,20 +30,29 @@ def read(folder: Path, name: str) -> dict[str, list[float | None]]:
     return {key.partition(" ")[0]: [float(row[key]) for row in rows] for key in rows[0]}
 
 
-def case(folder: Path, name: str, label: str, colour: str, scenario: dict[str, Any]) -> Case:
+def case(folder: Path, name: str, label: str, colour: str, campaign: dict[str, Any]) -> Case:
     """A track with its closest approach to the obstacle's centre, at the step where it is lowest."""
     data = read(folder, name)
     at = min(range(len(data["t"])), key=lambda i: data["separation"][i] or 0.0)
-    obstacle = scenario["obstacles"][0]["parameters"]
-    centre = [obstacle["position.x"], obstacle["position.y"]]
-    meta = {
-        "obstacles": [{"title": "Obstacle", "position": centre, "radius": obstacle["radius"]}],
-        "start": [scenario["start"]["x"], scenario["start"]["y"]],
-        "goal": [scenario["goal"]["x"], scenario["goal"]["y"]],
-        "closest": {"obstacle": 0, "position": [data["x"][at], data["y"][at]], "obstacle_position": centre},
-    }
+    scenario = campaign["scenario"]
+    given = scenario["obstacles"][0]["parameters"]
+    centre = [given["position.x"], given["position.y"]]
+    free = campaign["criterion"]["threshold"]
+    obstacle = TraceObstacle(title="Obstacle", position=centre, radius=given["radius"], free_radius=free)
+    head = TraceHead(
+        obstacles=[obstacle],
+        start=[scenario["start"]["x"], scenario["start"]["y"]],
+        goal=[scenario["goal"]["x"], scenario["goal"]["y"]],
+        closest=Closest(
+            time=data["t"][at] or 0.0,
+            value=data["separation"][at] or 0.0,
+            position=[data["x"][at] or 0.0, data["y"][at] or 0.0],
+            obstacle=0,
+            obstacle_position=centre,
+        ),
+    )
     # Without its separations the track is drawn whole; a tenth of its steps is enough for the eye.
-    return Case(label, colour, meta, {axis: data[axis][::10] for axis in ("x", "y")})
+    return Case(label, colour, head, {axis: data[axis][::10] for axis in ("x", "y")})
 
 
 def legend(colour: str, row: int, words: str, dash: str = "") -> str:
@@ -61,8 +71,8 @@ def main(folder: Path, target: Path) -> None:
     worst, threshold = result["findings"][0], campaign["criterion"]["threshold"]
     values = f"nominal {result['nominal']['cost']:.4f} m, worst {worst['cost']:.4f} m"
     cases = [
-        case(folder, "nominal", "Nominal", NOMINAL, campaign["scenario"]),
-        case(folder, worst["label"], "Worst", WORST, campaign["scenario"]),
+        case(folder, "nominal", "Nominal", NOMINAL, campaign),
+        case(folder, worst["label"], "Worst", WORST, campaign),
     ]
     drawn = str(plan_view(cases, Quantity("d_min", "m", threshold)))
     lines = [

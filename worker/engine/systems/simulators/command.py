@@ -18,14 +18,14 @@ from worker.engine.systems.simulators.declared.described import Described
 from worker.engine.systems.simulators.declared.descriptor import DescribedProgram
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
+from worker.engine.systems.simulators.pooled import Pooled
 from worker.engine.systems.simulators.slots import files
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.program import Program
-from worker.engine.systems.simulators.spread import Spread
 from worker.engine.systems.threads import usual_threads
 
 
-class CommandSimulator(Spread):
+class CommandSimulator(Pooled):
     """Evaluates a described program; `fresh`: every evaluation in a process of its own; halvings of its step, if it
     declares one."""
 

@@ -27,11 +27,11 @@ from worker.engine.systems.simulators.declared.function import Declaration
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.identity import identified
+from worker.engine.systems.simulators.pooled import Pooled
 from worker.engine.systems.simulators.simulated import Simulated
 from worker.engine.systems.simulators.slots import child, files
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.program import Program
-from worker.engine.systems.simulators.spread import Spread
 from worker.engine.systems.threads import usual_threads
 
 
@@ -160,7 +160,7 @@ class InProcess(_OfFunction):
         return decides, reasons
 
 
-class Isolated(_OfFunction, Spread):
+class Isolated(_OfFunction, Pooled):
     """Calls the function in slots: limits of time and memory, and no crash reaches this process.
 
     place: where a slot finds it, its `name` and its `file` or `module`.

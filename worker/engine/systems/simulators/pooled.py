@@ -1,7 +1,7 @@
 """The base of simulators that evaluate in slots: processes that start with the first evaluation and end with `close`.
 
-A derived class gives the program, the limits and the number of its slots, and reads an outcome. Start reading at
-`Pooled.submit`.
+The slots are here or, if this process has an evaluator, on the nodes of a cluster. A derived class gives the program,
+the limits and the number of its slots, and reads an outcome. Start reading at `Pooled.submit`.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Evaluated, Floats, NoResult, Reasons, Seeds, Trace
 from worker.engine.systems.simulators import traced
+from worker.engine.systems.simulators.cluster.address import Evaluator
+from worker.engine.systems.simulators.cluster.work import WORK, Files
 from worker.engine.systems.simulators.simulated import Simulated
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.places import Place
@@ -36,8 +38,9 @@ One = TypeVar("One")
 
 
 class Pooled(Simulated):
-    """A simulator of which each evaluation is one request to a slot."""
+    """A simulator of which each evaluation is one request to a slot of this machine or of a node."""
 
+    evaluator: Evaluator | None = None
     _pool: SlotPool | DaskPool | None = None
     _work: Place | None = None
     most_slots: int | None = None
@@ -45,10 +48,24 @@ class Pooled(Simulated):
     most_seconds: float | None = None
     """A shorter time limit of an evaluation [s], set likewise."""
 
+    def _spread_over(self, evaluator: Evaluator | None) -> None:
+        """Evaluate there; None: here."""
+        self.evaluator = evaluator
+        self.elsewhere = "dask.distributed" if evaluator and evaluator.scheduler else ""
+
     @property
     @abstractmethod
+    def _slots_here(self) -> int:
+        """Processes side by side on this machine."""
+
+    @property
+    @abstractmethod
+    def _files(self) -> Files:
+        """What every node must have as it is here."""
+
+    @property
     def slots(self) -> int:
-        """Processes side by side."""
+        return self._slots_here if self.evaluator is None else self._opened().size
 
     @property
     def recycle(self) -> int:
@@ -56,8 +73,9 @@ class Pooled(Simulated):
 
     @property
     def longest(self) -> float:
-        """Time that one evaluation may take [s], with the start of a process for it."""
-        return self._limits.start + self._limits.timeout
+        """Time that one evaluation may take [s], with the start of a process for it and the patience for a cluster."""
+        waiting = 0.0 if self.evaluator is None else self.evaluator.patience
+        return self._limits.start + self._limits.timeout + waiting
 
     @property
     @abstractmethod
@@ -75,6 +93,15 @@ class Pooled(Simulated):
         """The parameters of one vector by the simulator's own names."""
         names = [p.path.removeprefix("simulator.") for p in self.parameters]
         return dict(zip(names, vector[: len(names)].tolist(), strict=True))
+
+    def changed(self, now: bool = False, everywhere: bool = False) -> str:
+        found = super().changed(now)
+        return found or (self._pool.changed() if everywhere and self._pool is not None else "")
+
+    def warm(self) -> None:
+        """Connect to the evaluator."""
+        if self.evaluator is not None:
+            self._opened()
 
     def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
         if changed := self.changed():
@@ -109,9 +136,13 @@ class Pooled(Simulated):
             self._work = None
 
     def _opened(self) -> SlotPool | DaskPool:
-        if self._pool is None:
+        if self._pool is None and self.evaluator is not None:
+            from worker.engine.systems.simulators.cluster.pool import DaskPool
+
+            self._pool = DaskPool(self.evaluator, self._program(Path(WORK)), self._limits, self._files)
+        elif self._pool is None:
             self._work = Place(self.entry.name)
-            slots = min(self.slots, self.most_slots or self.slots)
+            slots = min(self._slots_here, self.most_slots or self._slots_here)
             limits = self._limits
             if self.most_seconds is not None:
                 limits = replace(limits, timeout=min(limits.timeout, self.most_seconds))

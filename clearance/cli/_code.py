@@ -151,13 +151,11 @@ def stated(campaign: Campaign) -> dict[str, object]:
 
 def _inline(campaign: Campaign) -> InlineProgram | None:
     """The program that the campaign file gave."""
-    from worker.engine.systems.simulators.declared.simulator import Program
     from worker.running.catalogue.inline import InlineProgram
     from worker.running.catalogue.installed import simulators
 
     known = None if campaign.simulator is None else simulators().get(campaign.simulator.name)
-    described = known.described if isinstance(known, Program) else None
-    return described if isinstance(described, InlineProgram) else None
+    return known if isinstance(known, InlineProgram) else None
 
 
 def program_of(campaign: Campaign) -> dict[str, object] | None:

@@ -48,13 +48,13 @@ def refuse_other(address: str, campaign: Campaign) -> None:
 
 def _only_here(name: str) -> str:
     """Why a simulator evaluates on this machine alone; empty if nodes can evaluate it, or if it is unknown."""
-    from worker.engine.systems.simulators.declared.simulator import Program
+    from worker.engine.systems.simulators.declared.described import Described
     from worker.running.catalogue.files import PythonFunction
     from worker.running.catalogue.installed import simulators
 
     simulator = simulators().get(name)
-    if isinstance(simulator, Program):
-        return "the command of the campaign file is installed on no other machine" if simulator.described.given else ""
+    if isinstance(simulator, Described):
+        return "the command of the campaign file is installed on no other machine" if simulator.given else ""
     if isinstance(simulator, PythonFunction) and simulator.declaration.settings.isolated:
         return ""
     return "" if simulator is None else f"simulator {name} is called in this process"

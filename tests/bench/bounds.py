@@ -21,7 +21,6 @@ from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.engine.problem.problem import Problem
 from worker.engine.systems.simulators.declared.descriptor import read
-from worker.engine.systems.simulators.declared.simulator import Program
 from worker.running.catalogue.installed import catalogue
 from worker.running.opening import opened
 from worker.running.runs.runner import execute
@@ -46,7 +45,7 @@ def program(name: str) -> Row:
     """An example of docs/examples, with its campaign."""
     if (build := EXAMPLES / name / "build.sh").exists():
         subprocess.run(["bash", str(build)], cwd=build.parent, check=True, capture_output=True)
-    simulator = Program(read(EXAMPLES / name))
+    simulator = read(EXAMPLES / name)
     asked = load_file(EXAMPLES / "campaigns" / f"{name}.yaml")
     known = catalogue().model_copy(update={"simulators": [simulator.entry]})
     system: Any = opened.simulated(asked, simulator, known)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from campaigns.catalogue import Catalogue
 from campaigns.identity.identity import is_read
+from worker.engine.systems.simulators.declared.described import Described
 from worker.engine.systems.simulators.declared.folder import digest_of_place
-from worker.engine.systems.simulators.declared.simulator import Program, Simulator
+from worker.engine.systems.simulators.declared.simulator import Simulator
 from worker.running.catalogue.files import PythonFunction
 from worker.running.catalogue.installed import simulators
 
@@ -20,11 +21,11 @@ def with_digests(catalogue: Catalogue) -> Catalogue:
     return catalogue.model_copy(update={"digests": {name: digest for name, digest in found.items() if digest}})
 
 
-def _digest(simulator: Simulator | Program | PythonFunction) -> str:
+def _digest(simulator: Simulator | Described | PythonFunction) -> str:
     """Empty where there is none."""
     try:
-        if isinstance(simulator, Program):
-            return simulator.described.digest
+        if isinstance(simulator, Described):
+            return simulator.digest
         if isinstance(simulator, PythonFunction) and simulator.place:
             digest = digest_of_place(simulator.place)
             return digest if is_read(digest) else ""

@@ -21,7 +21,6 @@ from pydantic import ValidationError
 from campaigns.asked.expected import expected
 from campaigns.asked.problem import CampaignError, Problem, shown
 from worker.engine.systems.simulators.declared.descriptor import DescribedProgram, Descriptor
-from worker.engine.systems.simulators.declared.simulator import Program
 from worker.running.catalogue.installed import catalogue, simulators
 
 NAME = "inline"
@@ -43,22 +42,18 @@ class InlineProgram(DescribedProgram):
         return shlex.join(self.descriptor.command)
 
     @property
-    def files(self) -> list[Path]:
+    def covered(self) -> list[Path]:
         """The files that the command names and this user may read, also as in `--config={folder}/drop.json`."""
         words = [word.replace("{folder}", str(self.folder)) for word in self.descriptor.command]
         named = dict.fromkeys(part for word in words for part in (word, word.partition("=")[2]))
         return [Path(name) for name in named if name.startswith("/") and isfile(name) and os.access(name, os.R_OK)]
 
     @property
-    def covered(self) -> list[Path]:
-        return self.files
-
-    @property
     def digest(self) -> str:
         """SHA-256 over the descriptor and the files that its command names: its folder may contain anything."""
         document = json.dumps(self.descriptor.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
         sink = hashlib.sha256(document.encode())
-        for path in self.files:
+        for path in self.covered:
             content = path.read_bytes()
             sink.update(f"\0{path.name}\0{len(content)}\0".encode())
             sink.update(content)
@@ -66,7 +61,7 @@ class InlineProgram(DescribedProgram):
 
     @property
     def covers(self) -> str:
-        names = [path.name for path in self.files]
+        names = [path.name for path in self.covered]
         of_files = f" and of {', '.join(names)}" if names else ""
         return f"of its description in the campaign file{of_files}"
 
@@ -97,10 +92,10 @@ def install(program: InlineProgram) -> None:
     """Add it to the simulators of this process, in place of an earlier one of a campaign file."""
     name = program.descriptor.name
     known = simulators().get(name)
-    if known is not None and not (isinstance(known, Program) and isinstance(known.described, InlineProgram)):
+    if known is not None and not isinstance(known, InlineProgram):
         text = "this installation has a simulator of that name: give the command of this file another one, or remove it"
         raise CampaignError(program.file, [Problem("simulator.name", name, text)])
-    simulators()[name] = Program(program)
+    simulators()[name] = program
     catalogue.cache_clear()
 
 

@@ -32,7 +32,7 @@ from worker.engine.systems.closed_loop.parts import Installed
 from worker.engine.systems.simulators.declared.described import Described
 from worker.engine.systems.simulators.declared.descriptor import listed
 from worker.engine.systems.simulators.declared.function import Function, declared_in
-from worker.engine.systems.simulators.declared.simulator import Program, Simulator
+from worker.engine.systems.simulators.declared.simulator import Simulator
 from worker.running.catalogue import own
 from worker.running.catalogue.entries import component_entry, method_entry
 from worker.running.catalogue.files import PythonFunction, listed_files
@@ -139,7 +139,7 @@ def _methods() -> tuple[dict[str, Method], list[UnusableEntry]]:
     return found, _of_packages("method", add)
 
 
-def simulators() -> dict[str, Simulator | Program | PythonFunction]:
+def simulators() -> dict[str, Simulator | Described | PythonFunction]:
     """Every simulator of this installation by name; a package's that cannot be used is skipped, see `skipped`.
 
     Packages come before the operator's folders, descriptors before Python files: another simulator of the same name is
@@ -155,8 +155,8 @@ def forget_simulators() -> None:
 
 
 @cache
-def _simulators() -> tuple[dict[str, Simulator | Program | PythonFunction], list[UnusableEntry]]:
-    found: dict[str, Simulator | Program | PythonFunction] = {}
+def _simulators() -> tuple[dict[str, Simulator | Described | PythonFunction], list[UnusableEntry]]:
+    found: dict[str, Simulator | Described | PythonFunction] = {}
 
     def add(module: ModuleType, attribute: str) -> str:
         declared = _simulators_of(module, attribute)
@@ -169,7 +169,7 @@ def _simulators() -> tuple[dict[str, Simulator | Program | PythonFunction], list
     wrong = _of_packages("simulator", add)
     for described in listed():
         if isinstance(described, Described):
-            found.setdefault(described.descriptor.name, Program(described))
+            found.setdefault(described.descriptor.name, described)
     for function in listed_files():
         if isinstance(function, PythonFunction):
             found.setdefault(function.declaration.name, function)

@@ -19,13 +19,13 @@ from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.command import CommandSimulator
-from worker.engine.systems.simulators.declared.described import BadDescriptor
+from worker.engine.systems.simulators.declared.described import BadDescriptor, Described
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.fmu import DescribedFmu
 from worker.engine.systems.simulators.declared.folder import digest_of_place, files_of_place, reached_from
 from worker.engine.systems.simulators.declared.function import declared_in, loaded
 from worker.engine.systems.simulators.declared.reached import Reached
-from worker.engine.systems.simulators.declared.simulator import Opening, Program
+from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.declared.simulator import Simulator as Declared
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.fmus import simulator as fmus
@@ -64,13 +64,13 @@ def _simulator(campaign: Campaign, simulator: Simulator) -> Slotted:
     return simulated(campaign, simulators()[simulator.name], known)
 
 
-def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction, known: Catalogue) -> Slotted:
+def simulated(campaign: Campaign, simulator: Declared | Described | PythonFunction, known: Catalogue) -> Slotted:
     """Open this simulator for a campaign that the catalogue permits, and check it against its declaration."""
     nominal = {path: value for path, (_, value) in parameters(campaign, known).items()}
     result = campaign.criterion.result or ""
     opened: Any
     opening = Opening(nominal, result)
-    if isinstance(simulator, Program):
+    if isinstance(simulator, Described):
         opened = _program(simulator, opening)
     elif isinstance(simulator, PythonFunction):
         opened = _python(simulator, opening)
@@ -125,9 +125,9 @@ def _loaded_from_elsewhere(files: Mapping[str, Path]) -> str:
     return ""
 
 
-def _program(simulator: Program, opening: Opening) -> CommandSimulator:
+def _program(simulator: Described, opening: Opening) -> CommandSimulator:
     """A program or an FMU, by its descriptor as it is now, which must still be the one that the catalogue shows."""
-    described, changed = simulator.described, ""
+    described, changed = simulator, ""
     files = Unchanged(described.covered)  # before anything of them is read
     if isinstance(described, InlineProgram):
         return CommandSimulator(described, opening, unchanged=files)

@@ -26,7 +26,6 @@ from tests.simulators.adversaries import adversary
 from worker.engine.stages.parts import offered
 from worker.engine.systems.simulators.cluster.address import SETTING
 from worker.engine.systems.simulators.declared import descriptor
-from worker.engine.systems.simulators.declared.simulator import Program
 from worker.evidence.audit import judge
 from worker.running.catalogue import installed
 from worker.running.catalogue.inline import NAME, InlineProgram
@@ -199,8 +198,8 @@ def test_its_description_is_written_as_it_was_given(tmp_path: Path) -> None:
     assert isinstance(again, descriptor.DescribedProgram)
     assert list(again.descriptor.environment.values()) == texts
     program = installed.simulators()["bowl"]
-    assert isinstance(program, Program)
-    assert again.descriptor == program.described.descriptor
+    assert isinstance(program, InlineProgram)
+    assert again.descriptor == program.descriptor
 
 
 def test_the_digest_changes_with_the_description_and_with_the_program(tmp_path: Path) -> None:
@@ -283,10 +282,9 @@ def test_a_library_and_a_file_that_is_not_there_are_as_without_it(
 def test_files_that_cannot_be_read_are_not_in_the_digest(tmp_path: Path) -> None:
     code.read(written(tmp_path, command=["/" + "x" * 5000, str(tmp_path), "{folder}/bowl.py"]), allowed=True)
     known = installed.simulators()["bowl"]
-    described = getattr(known, "described", None)
-    assert isinstance(described, InlineProgram)
-    assert [path.name for path in described.files] == ["bowl.py"]
-    assert described.covers.endswith("and of bowl.py")
+    assert isinstance(known, InlineProgram)
+    assert [path.name for path in known.covered] == ["bowl.py"]
+    assert known.covers.endswith("and of bowl.py")
 
 
 @pytest.fixture

@@ -27,7 +27,6 @@ from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.engine.problem.problem import Problem
 from worker.engine.systems.simulators.declared.descriptor import read
-from worker.engine.systems.simulators.declared.simulator import Program
 from worker.running.catalogue.installed import catalogue
 from worker.running.opening import opened
 from worker.running.runs.runner import execute
@@ -149,7 +148,7 @@ def test_a_program_in_slots_is_called_no_more_often_than_stated(example: str, tm
     file = own / "simulator.yaml"
     described = yaml.safe_load(file.read_text(encoding="utf-8")) | {"slots": 2}
     file.write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
-    simulator = Program(read(own))
+    simulator = read(own)
     made_of = load_file(EXAMPLES / "campaigns" / f"{example}.yaml").document()
     stages: Any = made_of["stages"]
     for search in stages["search"]:

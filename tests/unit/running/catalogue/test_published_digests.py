@@ -16,7 +16,6 @@ from tests.simulators import package
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.folder import watched
-from worker.engine.systems.simulators.declared.simulator import Program
 from worker.evidence.scopes.simulators import terms
 from worker.running.catalogue import installed
 from worker.running.catalogue.digests import with_digests
@@ -50,7 +49,7 @@ def add_program(folder: Path) -> None:
         "results": {"separation": {"unit": "m"}},
     }
     (folder / "simulator.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
-    installed.simulators()["a_program"] = Program(read(folder))
+    installed.simulators()["a_program"] = read(folder)
 
 
 def add_function(folder: Path) -> None:

@@ -65,7 +65,10 @@ def _as_written(text: str) -> Any:
 
 @dataclass(frozen=True)
 class Described(ABC):
-    """A descriptor, and the folder that it was read from."""
+    """A simulator with a descriptor: a program (`worker.engine.systems.simulators.command`) or an FMU (`.fmus`).
+
+    folder: that it was read from.
+    """
 
     folder: Path
     descriptor: Basics

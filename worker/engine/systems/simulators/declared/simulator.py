@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from campaigns.catalogue import SimulatorEntry
-from worker.engine.systems.simulators.declared.described import Described
 
 
 @dataclass(frozen=True)
@@ -28,14 +27,3 @@ class Simulator:
 
     entry: SimulatorEntry
     open: Callable[[Opening], Any]
-
-
-@dataclass(frozen=True)
-class Program:
-    """A simulator with a descriptor: a program (`worker.engine.systems.simulators.command`) or an FMU (`.fmus`)."""
-
-    described: Described
-
-    @property
-    def entry(self) -> SimulatorEntry:
-        return self.described.entry

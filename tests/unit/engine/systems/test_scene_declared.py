@@ -99,7 +99,7 @@ def test_a_header_without_a_scene_is_stored_as_before() -> None:
 def test_the_example_declares_one(tmp_path: Path) -> None:
     described = read(Path(__file__).parents[4] / "docs" / "examples" / "drop")
     assert isinstance(described.descriptor, Descriptor)
-    assert described.descriptor.drawn is not None
+    assert described.drawn is not None
     document = yaml.safe_load((described.folder / "simulator.yaml").read_text(encoding="utf-8"))
     for changed, reason in (({"trace": {}}, "declare them under trace"), ({"scene": scene(frame=1)}, "scene.frame")):
         (tmp_path / "simulator.yaml").write_text(yaml.safe_dump(document | changed), encoding="utf-8")

@@ -16,6 +16,7 @@ from campaigns.results.scene import Scene
 from worker.engine.systems.simulators.declared.below import files_below
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.folder import digest_of
+from worker.engine.systems.simulators.declared.scene import scene_of
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -29,7 +30,7 @@ class Basics(Strict):
 
     timeout: of an evaluation [s]; start: until the process must have started [s]; memory: address space of each of its
     processes [bytes]; recycle: evaluations until the process is replaced; slots: processes side by side, 0 for one a
-    core.
+    core; scene: which columns of its trace are positions of what, for the 3D view.
     """
 
     name: Identifier
@@ -41,6 +42,7 @@ class Basics(Strict):
     recycle: Annotated[int, Field(ge=0)] = 0
     slots: Annotated[int, Field(ge=0, le=256)] = 0
     environment: dict[str, str] = Field(default_factory=dict)
+    scene: dict[str, Any] | None = None
 
 
 def with_variables(document: Any, text: str, within: str = "") -> Any:
@@ -84,9 +86,10 @@ class Described(ABC):
         """Of the trace that it returns on request; empty if it returns none."""
 
     @property
-    @abstractmethod
     def drawn(self) -> Scene | None:
         """What is drawn of a trace; raises ValueError."""
+        stated = self.descriptor.scene
+        return None if stated is None else scene_of(stated, {name: c.unit for name, c in self.columns.items()})
 
     @property
     def given(self) -> str:

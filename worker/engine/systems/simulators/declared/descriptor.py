@@ -10,7 +10,7 @@ import operator
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -18,7 +18,6 @@ from campaigns.asked.expected import expected
 from campaigns.asked.reading import UnreadableError, parse
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
-from campaigns.results.scene import Scene
 from worker.engine.systems.simulators.declared import fmu
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.described import BadDescriptor, Basics, Described, Finite, with_variables
@@ -77,7 +76,7 @@ class Descriptor(Basics):
     step: the parameter that is its step; it is not offered to campaigns, passed with its nominal value, and halved when
     cases are confirmed.
     trace: the quantities over time that the program returns on request, `time` [s] among them; with protocol "files"
-    `{trace}` in the command is the file for them. scene: which of them are positions of what, for the 3D view.
+    `{trace}` in the command is the file for them.
     """
 
     command: Annotated[tuple[str, ...], Field(min_length=1)]
@@ -88,12 +87,6 @@ class Descriptor(Basics):
     results: Annotated[dict[Identifier, DescribedResult], Field(min_length=1)]
     step: Identifier | None = None
     trace: Annotated[dict[Identifier, DescribedColumn], Field(max_length=64)] = Field(default_factory=dict)
-    scene: dict[str, Any] | None = None
-
-    @property
-    def drawn(self) -> Scene | None:
-        """What is drawn of a trace; raises ValueError."""
-        return None if self.scene is None else scene_of(self.scene, {name: c.unit for name, c in self.trace.items()})
 
     @model_validator(mode="after")
     def _ids_can_be_repeated(self) -> Self:
@@ -125,7 +118,8 @@ class Descriptor(Basics):
 
     @model_validator(mode="after")
     def _scene_can_be_drawn(self) -> Self:
-        _ = self.drawn
+        if self.scene is not None:
+            scene_of(self.scene, {name: c.unit for name, c in self.trace.items()})
         return self
 
     @model_validator(mode="after")
@@ -153,10 +147,6 @@ class DescribedProgram(Described):
     @property
     def columns(self) -> dict[str, Column]:
         return {name: Column(c.unit, c.text, c.symbol) for name, c in self.descriptor.trace.items()}
-
-    @property
-    def drawn(self) -> Scene | None:
-        return self.descriptor.drawn
 
     @property
     def entry(self) -> SimulatorEntry:

@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
-from campaigns.results.scene import Scene
 from worker.engine.systems.simulators.declared.columns import TIME, Column
 from worker.engine.systems.simulators.declared.described import Described
 from worker.engine.systems.simulators.declared.fmu_descriptor import FmuDescriptor, FmuParameter, FmuResult
 from worker.engine.systems.simulators.declared.fmu_model import REALS, Model, Unusable, Variable, model
-from worker.engine.systems.simulators.declared.scene import scene_of
 
 STEPS = 10_000_000
 CELLS = 500_000
@@ -58,11 +56,6 @@ class DescribedFmu(Described):
             text = variable.text if stated.text is None else stated.text
             found[name] = Column(variable.unit or stated.unit or "", text, stated.symbol)
         return found
-
-    @property
-    def drawn(self) -> Scene | None:
-        stated = self.descriptor.scene
-        return None if stated is None else scene_of(stated, {name: c.unit for name, c in self.columns.items()})
 
     @property
     def every(self) -> int:

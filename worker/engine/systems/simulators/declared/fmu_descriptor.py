@@ -65,8 +65,7 @@ class FmuDescriptor(Basics):
     fmu: the file, in the folder of the descriptor. stop, step: end of the simulation and communication step [s], by
     default those of the model's DefaultExperiment. parameters: those that a campaign may vary, by default all
     parameters and inputs that are real numbers. fixed (key `set`): values of further variables, by their names in the
-    model. trace: the variables that are recorded at the communication points, on request; time is added. scene:
-    which of them are positions of what, for the 3D view.
+    model. trace: the variables that are recorded at the communication points, on request; time is added.
     """
 
     fmu: Annotated[str, Field(pattern=r"^[^/\\]+$")]
@@ -81,4 +80,3 @@ class FmuDescriptor(Basics):
         dict[Identifier, Annotated[FmuColumn, BeforeValidator(lambda entry: {} if entry is None else entry)]],
         Field(max_length=MOST - 1),
     ] = Field(default_factory=dict)
-    scene: dict[str, object] | None = None

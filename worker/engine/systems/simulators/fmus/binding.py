@@ -24,15 +24,7 @@ _PARTS = ("fmpy.model_description", "fmpy.simulation", "fmpy.util")
 if "fmpy" not in sys.modules:
     sys.modules.update({name: _Absent(name) for name in _PARTS})
 
-from fmpy import calloc as calloc  # noqa: E402
-from fmpy import free as free  # noqa: E402
-from fmpy.fmi1 import FMICallException as FMICallException  # noqa: E402
-from fmpy.fmi2 import FMU2Slave as FMU2Slave  # noqa: E402
-from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as fmi2CallbackAllocateMemoryTYPE  # noqa: E402
-from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as fmi2CallbackFreeMemoryTYPE  # noqa: E402
-from fmpy.fmi2 import fmi2CallbackFunctions as fmi2CallbackFunctions  # noqa: E402
-from fmpy.fmi2 import fmi2CallbackLoggerTYPE as fmi2CallbackLoggerTYPE  # noqa: E402
-from fmpy.fmi2 import fmi2LastSuccessfulTime as fmi2LastSuccessfulTime  # noqa: E402
-from fmpy.fmi2 import fmi2Terminated as fmi2Terminated  # noqa: E402
-from fmpy.fmi3 import FMU3Slave as FMU3Slave  # noqa: E402
+from fmpy import fmi1 as fmi1  # noqa: E402
+from fmpy import fmi2 as fmi2  # noqa: E402
+from fmpy import fmi3 as fmi3  # noqa: E402
 from fmpy.logging import addLoggerProxy as addLoggerProxy  # noqa: E402

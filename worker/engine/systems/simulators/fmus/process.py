@@ -87,7 +87,7 @@ def probe(nominal: Mapping[str, float], others: list[dict[str, float]]) -> dict[
         return {"reuse": "process", "why": f"an evaluation takes longer than {LONG:g} s"}
     if _same(first, _after(unit, others, nominal)):
         return {"reuse": "reset", "why": ""}
-    unit.new_instance()
+    unit.drop()
     unit.reset = False
     if _same(first, _after(unit, others, nominal)):
         return {"reuse": "instance", "why": "after a reset the nominal case gives other results"}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from worker.engine.systems.simulators.fmus import JOB
 from worker.engine.systems.simulators.fmus.job import Job
 from worker.engine.systems.simulators.slots import files
 from worker.engine.systems.simulators.slots.outcome import Limits
-from worker.engine.systems.simulators.slots.places import place
+from worker.engine.systems.simulators.slots.places import Place
 from worker.engine.systems.simulators.slots.pool import SlotPool
 from worker.engine.systems.simulators.slots.program import Program
 
@@ -93,7 +94,10 @@ def _probed(described: DescribedFmu, result: str, nominal: dict[str, float]) -> 
     limits = Limits(EVALUATIONS * d.timeout, d.start, d.memory)
     limit = {i.entry.name: _farther(nominal[i.entry.name], i.entry.low, i.entry.high) for i in described.inputs}
     others = [{name: value + far * (limit[name] - value) for name, value in nominal.items()} for far in OTHERS]
-    with place(d.name) as work, SlotPool(program(described, result, "reset", "probe", work), 1, limits) as pool:
+    with (
+        closing(Place(d.name)) as work,
+        SlotPool(program(described, result, "reset", "probe", work.path), 1, limits) as pool,
+    ):
         outcome = pool.evaluate([{"parameters": {"nominal": nominal, "others": others}}])[0]
     if outcome.kind == "not started":
         raise FmuUnusable(outcome.sentence)

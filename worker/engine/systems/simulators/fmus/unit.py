@@ -12,20 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from worker.engine.systems.simulators.fmus.binding import (
-    FMICallException,
-    FMU2Slave,
-    FMU3Slave,
-    addLoggerProxy,
-    calloc,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-    fmi2LastSuccessfulTime,
-    fmi2Terminated,
-    free,
-)
+from worker.engine.systems.simulators.fmus.binding import addLoggerProxy, fmi1, fmi2, fmi3
 from worker.engine.systems.simulators.fmus.job import Job
 from worker.engine.systems.simulators.fmus.recorded import Record
 from worker.engine.systems.simulators.fmus.taken import NotTaken, Taken
@@ -54,7 +41,7 @@ class Unit:
         self.job, self.reset = job, reset
         self._time: float | None = None
         self._instance = self._used = False
-        kinds: dict[int, Any] = {2: FMU2Slave, 3: FMU3Slave}
+        kinds: dict[int, Any] = {2: fmi2.FMU2Slave, 3: fmi3.FMU3Slave}
         try:
             self._fmu = kinds[job["fmi"]](
                 guid=job["token"],
@@ -77,17 +64,17 @@ class Unit:
             self._initialise()
             results = self._simulate(record)
             self._fmu.terminate()
-        except FMICallException as error:
-            self._drop(free=error.status != FATAL)
+        except fmi1.FMICallException as error:
+            self.drop(free=error.status != FATAL)
             raise Failed(self._sentence(error), retire=error.status == FATAL) from None
         except NotTaken as error:
-            self._drop()
+            self.drop()
             raise Failed(str(error)) from None
         except Failed:
-            self._drop()
+            self.drop()
             raise
         if not self.reset:
-            self._drop()
+            self.drop()
         return results
 
     def instantiate(self) -> None:
@@ -104,12 +91,9 @@ class Unit:
             ) from None
         self._instance, self._used = True, False
         if self.job["categories"]:
-            with contextlib.suppress(FMICallException):  # then it logs what it likes; no result depends on that
+            # Without an effect it logs what it likes; no result depends on that.
+            with contextlib.suppress(fmi1.FMICallException):
                 self._fmu.setDebugLogging(True, self.job["categories"])
-
-    def new_instance(self) -> None:
-        """The next evaluation makes its own instance."""
-        self._drop()
 
     def _ready(self) -> None:
         if not self._instance:
@@ -165,17 +149,18 @@ class Unit:
         else:
             fmu.fmi3GetFloat64(fmu.component, references, count, values, count)
 
-    def _sentence(self, error: FMICallException) -> str:
+    def _sentence(self, error: fmi1.FMICallException) -> str:
         if error.function == "fmi2DoStep" and error.status == DISCARD:
-            with contextlib.suppress(FMICallException):  # a model need not answer
-                if self._fmu.getBooleanStatus(fmi2Terminated):
-                    reached = self._fmu.getRealStatus(fmi2LastSuccessfulTime)
+            with contextlib.suppress(fmi1.FMICallException):  # a model need not answer
+                if self._fmu.getBooleanStatus(fmi2.fmi2Terminated):
+                    reached = self._fmu.getRealStatus(fmi2.fmi2LastSuccessfulTime)
                     return f"the model ended the simulation at t = {reached:g} s, before {self.job['stop']:g} s"
         status = STATUS[error.status] if error.status < len(STATUS) else str(error.status)
         when = "" if self._time is None else f" at t = {self._time:g} s"
         return f"{error.function} returned {status}{when}"
 
-    def _drop(self, free: bool = True) -> None:
+    def drop(self, free: bool = True) -> None:
+        """The next evaluation makes its own instance."""
         if self._instance and free:
             fmu = self._fmu
             (fmu.fmi2FreeInstance if self.job["fmi"] == 2 else fmu.fmi3FreeInstance)(fmu.component)
@@ -196,9 +181,9 @@ def _logger() -> tuple[Any, Any]:
     def of_fmi2(_environment: Any, _name: bytes, status: int, _category: bytes, message: bytes) -> None:
         show(status, message)
 
-    callbacks = fmi2CallbackFunctions()
-    callbacks.logger = fmi2CallbackLoggerTYPE(of_fmi2)
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    callbacks = fmi2.fmi2CallbackFunctions()
+    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(of_fmi2)
+    callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
+    callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
     addLoggerProxy(ctypes.byref(callbacks))
     return of_fmi3, callbacks

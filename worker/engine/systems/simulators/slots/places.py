@@ -10,7 +10,6 @@ import fcntl
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 from worker.engine.systems.simulators.slots.guard import PLACE
@@ -31,16 +30,6 @@ class Place:
         lock, self._lock = self._lock, -1
         if lock >= 0:
             os.close(lock)
-
-
-@contextlib.contextmanager
-def place(name: str) -> Iterator[Path]:
-    """A folder while the block lasts."""
-    held = Place(name)
-    try:
-        yield held.path
-    finally:
-        held.close()
 
 
 def remove_left() -> None:

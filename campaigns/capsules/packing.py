@@ -16,6 +16,7 @@ import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from pydantic import ValidationError
@@ -115,30 +116,26 @@ def packed(content: Content) -> bytes:
     return buffer.getvalue()
 
 
-def read(path: Path) -> tuple[Capsule, dict[str, Floats]]:
+class Unpacked(NamedTuple):
+    """A capsule, the data of its trajectories by name, each (rows, columns), and its source texts by module."""
+
+    capsule: Capsule
+    arrays: dict[str, Floats]
+    sources: dict[str, bytes]
+
+
+def read(path: Path) -> Unpacked:
     """A capsule from a file. Raises `CapsuleError`."""
-    return unpacked(_content(path))
-
-
-def read_sources(path: Path) -> dict[str, bytes]:
-    """The texts of the source files of a capsule by module. Raises `CapsuleError`."""
-    return _whole(_content(path))[2]
-
-
-def _content(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            return file.read(LARGEST_FILE + 1)
+            data = file.read(LARGEST_FILE + 1)
     except OSError as error:
         raise CapsuleError(f"it cannot be read: {error.strerror}") from None
+    return unpacked(data)
 
 
-def unpacked(data: bytes) -> tuple[Capsule, dict[str, Floats]]:
-    """A capsule and the data of its trajectories by name, each (rows, columns). Raises `CapsuleError`."""
-    return _whole(data)[:2]
-
-
-def _whole(data: bytes) -> tuple[Capsule, dict[str, Floats], dict[str, bytes]]:
+def unpacked(data: bytes) -> Unpacked:
+    """A capsule from the bytes of its file. Raises `CapsuleError`."""
     if len(data) > LARGEST_FILE:
         raise CapsuleError(f"it is larger than {LARGEST_FILE // 2**20} MiB")
     files = _files(data)
@@ -154,7 +151,7 @@ def _whole(data: bytes) -> tuple[Capsule, dict[str, Floats], dict[str, bytes]]:
     arrays = {t.name: _numbers(t, files.get(f"{t.name}.npy")) for t in capsule.trajectories}
     if len(arrays) != sum(name != PAGE for name in files) or len(arrays) != len(capsule.trajectories):
         raise CapsuleError("its trajectories are not those that it states")
-    return capsule, arrays, texts
+    return Unpacked(capsule, arrays, texts)
 
 
 def _files(data: bytes) -> dict[str, bytes]:

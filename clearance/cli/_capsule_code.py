@@ -62,14 +62,15 @@ def refuse_unused(path: str, capsule: Capsule) -> None:
 
 def opened_capsule(path: Path) -> tuple[Capsule, Mapping[str, bytes]]:
     """A capsule, and the texts of the source in it by module. Raises `WrongInputError`."""
-    from campaigns.capsules.packing import CapsuleError, read, read_sources
+    from campaigns.capsules.packing import CapsuleError, read
 
     try:
-        return read(path)[0], read_sources(path)
+        capsule, _, texts = read(path)
     except CapsuleError as error:
         raise WrongInputError(
             f"{path} is not a capsule that can be replayed: {error}", RefusalCode.NO_CAPSULE
         ) from None
+    return capsule, texts
 
 
 def replayed_with_its_code(path: Path, arguments: Sequence[str]) -> int | None:

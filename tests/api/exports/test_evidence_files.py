@@ -24,7 +24,7 @@ from backend.db.engine import read as read_of
 from backend.db.store import RunStore
 from backend.exports.formats import evaluations_parquet, traces_mcap
 from backend.scenes.recordings import recording as recorder
-from campaigns.capsules.packing import read, read_sources
+from campaigns.capsules.packing import read
 from campaigns.capsules.sources import SourceFile, Sources
 from campaigns.stored.records import Trace
 from clearance.cli import WRONG_INPUT, invoke
@@ -173,7 +173,7 @@ def test_a_capsule_holds_the_finding_its_flights_and_its_view(
 ) -> None:
     file = tmp_path / "capsule.zip"
     file.write_bytes(exported(guest, run, "capsule-F1.zip"))
-    capsule, arrays = read(file)
+    capsule, arrays, _ = read(file)
     detail = guest.get(f"/api/v1/runs/{run}").json()
     (finding,) = [one for one in guest.get(f"/api/v1/runs/{run}/findings").json() if one["label"] == "F1"]
     assert (capsule.finding.cost, capsule.finding.parameters) == (finding["cost"], finding["parameters"])
@@ -259,7 +259,7 @@ def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(
         file = tmp_path / "capsule.zip"
         file.write_bytes(exported(client, "R-0001", "capsule-F1.zip"))
         assert exported(client, "R-0001", "capsule-F1.zip") == file.read_bytes(), "the same finding, the same file"
-    assert read_sources(file) == {OWN: text}
+    assert read(file).sources == {OWN: text}
     for named in (["R-0001", "--data", str(bare.settings.data)], [str(file)]):
         assert invoke(["replay", *named, "--json"]) == 0
         statement = json.loads(capsys.readouterr().out)

@@ -70,7 +70,7 @@ def test_a_capsule_replays_to_the_same_bits_without_a_service(
 
 def test_a_capsule_contains_the_finding_exactly(capsule: Path) -> None:
     campaign, store = ran("violated")
-    found, arrays = read(capsule)
+    found, arrays, _ = read(capsule)
     worst = min(store.findings, key=lambda finding: finding.cost)
     assert found.finding == worst
     assert found.specification == campaign

@@ -16,7 +16,7 @@ import pytest
 
 from campaigns.asked.load import load_document
 from campaigns.capsules.capsule import digest_of
-from campaigns.capsules.packing import CapsuleError, read, read_sources, unpacked
+from campaigns.capsules.packing import CapsuleError, read, unpacked
 from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from clearance.cli._capsule_code import _written
@@ -105,11 +105,11 @@ def test_source_of_a_package_is_written_where_its_entry_points_find_it(
     trace: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = with_source(tmp_path, FOREIGN, TEXT)
-    capsule, _ = read(path)
+    capsule, _, texts = read(path)
     assert capsule.sources is not None
     place = tmp_path / "written"
     place.mkdir()
-    packages = _written(place, capsule.sources, read_sources(path))["PYTHONPATH"].split(os.pathsep)[0]
+    packages = _written(place, capsule.sources, texts)["PYTHONPATH"].split(os.pathsep)[0]
     monkeypatch.syspath_prepend(packages)
     monkeypatch.delitem(sys.modules, FOREIGN, raising=False)
     (entry,) = entry_points(group="clearance.components", name="my_field")
@@ -161,7 +161,7 @@ def test_a_run_of_an_own_component_is_replayed_where_it_is_not_installed(
     )
     assert ended.returncode == VIOLATED, ended.stderr
     capsule = out / "capsule-F1.zip"
-    assert set(read_sources(capsule)) == {OWN, "worker.engine.components.own._shared"}
+    assert set(read(capsule).sources) == {OWN, "worker.engine.components.own._shared"}
     assert invoke(["replay", str(capsule)]) == WRONG_INPUT
     capsys.readouterr()
     assert invoke(["replay", str(capsule), "--allow-code", "--json"]) == 0
@@ -212,7 +212,7 @@ def test_sources_that_contradict_the_document_are_refused(
 def test_source_of_shipped_code_is_not_replaced(tmp_path: Path) -> None:
     capsule = with_source(tmp_path, "worker.engine.kernels.maths", b"x = 1\n")
     with pytest.raises(CapsuleError, match=r"worker\.engine\.kernels\.maths in it is no component"):
-        read_sources(capsule)
+        read(capsule)
 
 
 def test_a_run_records_the_source_of_a_packages_component(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

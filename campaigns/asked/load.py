@@ -22,52 +22,15 @@ __all__ = ["CampaignError", "Problem", "library", "load_document", "load_file", 
 LARGEST_FILE = 1_000_000
 """[bytes]"""
 
-CODE = frozenset(
-    {
-        "class",
-        "code",
-        "command",
-        "entry_point",
-        "exec",
-        "executable",
-        "expression",
-        "file",
-        "fmu",
-        "function",
-        "import",
-        "lambda",
-        "module",
-        "package",
-        "program",
-        "python",
-        "run",
-        "script",
-        "shell",
-        "source",
-        "url",
-    }
-)
+CODE = frozenset({
+    "class", "code", "command", "entry_point", "exec", "executable", "expression", "file", "fmu", "function", "import",
+    "lambda", "module", "package", "program", "python", "run", "script", "shell", "source", "url",
+})  # fmt: skip
 """Keys with which a campaign might try to give code."""
-SETTINGS = frozenset(
-    {
-        "args",
-        "arguments",
-        "cwd",
-        "environment",
-        "folder",
-        "ids",
-        "memory",
-        "path",
-        "protocol",
-        "recycle",
-        "results",
-        "slots",
-        "start",
-        "step",
-        "timeout",
-        "trace",
-    }
-)
+SETTINGS = frozenset({
+    "args", "arguments", "cwd", "environment", "folder", "ids", "memory", "path", "protocol", "recycle", "results",
+    "slots", "start", "step", "timeout", "trace",
+})  # fmt: skip
 """Keys of a simulator's descriptor, which a campaign cannot give either."""
 
 INSTALLED = (

@@ -16,21 +16,11 @@ from worker.engine.systems.simulators.declared.external import Use, external
 
 IMPORTING = frozenset({"import_module", "__import__"})
 EXECUTING = frozenset({"exec", "eval"})
-LOADING = frozenset(
-    {"spec_from_file_location", "spec_from_loader", "SourceFileLoader", "SourcelessFileLoader", "ExtensionFileLoader"}
-    | {
-        "exec_module",
-        "load_module",
-        "load_source",
-        "run_path",
-        "run_module",
-        "CDLL",
-        "PyDLL",
-        "LoadLibrary",
-        "load_library",
-    }
-    | {"dlopen"}
-)
+LOADING = frozenset({
+    "spec_from_file_location", "spec_from_loader", "SourceFileLoader", "SourcelessFileLoader", "ExtensionFileLoader",
+    "exec_module", "load_module", "load_source", "run_path", "run_module", "CDLL", "PyDLL", "LoadLibrary",
+    "load_library", "dlopen",
+})  # fmt: skip
 """Functions that load code by something else than the name of a module."""
 MODULES = frozenset({"importlib", "builtins", "runpy", "imp"})
 """Modules of which nothing but an attribute may be used: a function of theirs could be anything."""

@@ -50,7 +50,7 @@ def bowl(x, y):
 def there() -> Iterator[Connection]:
     """A cluster of one process, which stays for all tests."""
     connection = acquire(evaluator(LOCAL))
-    connection.call(connection.open())
+    connection.call(connection.client())
     yield connection
     release(connection)
 

@@ -15,7 +15,6 @@ from distributed import KilledWorker
 from distributed.client import FutureCancelledError
 
 from worker.engine.systems.simulators.cluster import connection as connections
-from worker.engine.systems.simulators.cluster import node
 from worker.engine.systems.simulators.cluster import pool as pools
 from worker.engine.systems.simulators.cluster.address import Evaluator, EvaluatorLost
 from worker.engine.systems.simulators.cluster.pool import DaskPool
@@ -25,6 +24,7 @@ from worker.engine.systems.simulators.cluster.work import (
     NodeClosing,
     NodeUnusable,
     Work,
+    changed,
     check,
     code,
     forget,
@@ -256,7 +256,7 @@ def test_a_node_whose_files_changed_is_named_by_the_pool(
     found = {"tcp://a": "", "tcp://b": ""}
 
     async def run(function: object, *given: object, **options: Any) -> dict[str, str]:
-        assert function is node.changed_now
+        assert function is changed
         return found
 
     monkeypatch.setattr(cluster, "run", run)
@@ -269,7 +269,7 @@ def test_nodes_that_do_not_answer_are_no_evidence(
     cluster: Fake, pool: DaskPool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def run(function: object, *given: object, **options: Any) -> None:
-        if function is node.changed_now:
+        if function is changed:
             await asyncio.Event().wait()
 
     monkeypatch.setattr(cluster, "run", run)
@@ -291,13 +291,13 @@ def test_a_node_compares_its_files_again_and_again(
     work = Work("changing", Program(["true"], "lines"), Limits(), files, code=code())
     check(work)
     check(work)
-    assert node.changed_now(work.key) == ""
+    assert changed(work.key, now=True) == ""
     file.write_text("X = 2\n")
     for _ in range(2):
         with pytest.raises(NodeUnusable, match=r"node .*: s\.py has changed"):
             check(work)
-    assert "s.py has changed" in node.changed_now(work.key)
+    assert "s.py has changed" in changed(work.key, now=True)
     forget(work.key)
-    assert node.changed_now(work.key) == ""
+    assert changed(work.key, now=True) == ""
     with pytest.raises(NodeUnusable, match="has other files"):
         check(work)

@@ -5,6 +5,7 @@ Whatever an evaluation does is a status with a reason: a crash, a hang, a missin
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from functools import cached_property
@@ -88,7 +89,7 @@ class CommandSimulator(Pooled):
         if d.protocol == "lines":
             return Program(command, "lines", d.environment, folder, d.ids)
         child = [sys.executable, str(files.CHILD), f"{files.__file__}:evaluate"]
-        return Program(child, "framed", {**d.environment, files.COMMAND: files.packed(command)}, folder)
+        return Program(child, "framed", {**d.environment, files.COMMAND: json.dumps(command)}, folder)
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
         if outcome.kind != "ok":

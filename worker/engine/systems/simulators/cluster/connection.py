@@ -93,10 +93,6 @@ class Connection:
                 self._failure = error
                 raise
 
-    async def open(self) -> None:
-        """Connect for the first time."""
-        await self.client()
-
     @property
     def connected(self) -> Client | None:
         """The client, if it is connected now."""

@@ -30,7 +30,6 @@ from worker.engine.systems.simulators.cluster.work import (
     NodeClosing,
     NodeUnusable,
     Work,
-    changed,
     check,
     forget,
     name,
@@ -69,11 +68,6 @@ def release(key: str) -> None:
         found = _all_of(key)
         _released.append(key)
     _close(found)
-
-
-def changed_now(key: str) -> str:
-    """Why what this node has evaluated for a pool has not the stated files, a sentence; empty if it has."""
-    return changed(key, now=True)
 
 
 def keep(keys: Sequence[str]) -> None:

@@ -22,7 +22,7 @@ from distributed import KilledWorker
 from worker.engine.systems.simulators.cluster import connection as connections
 from worker.engine.systems.simulators.cluster import node
 from worker.engine.systems.simulators.cluster.address import Evaluator, EvaluatorLost
-from worker.engine.systems.simulators.cluster.work import Done, Files, NodeClosing, NodeUnusable, Work, code
+from worker.engine.systems.simulators.cluster.work import Done, Files, NodeClosing, NodeUnusable, Work, changed, code
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome, Request, Slots
 from worker.engine.systems.simulators.slots.program import Program
 
@@ -70,7 +70,7 @@ class DaskPool(Slots):
         self._failure: EvaluatorLost | None = None
         self._connection = connections.acquire(evaluator)
         try:
-            self._connection.call(self._connection.open())
+            self._connection.call(self._connection.client())
         except BaseException:
             connections.release(self._connection)
             raise
@@ -113,7 +113,7 @@ class DaskPool(Slots):
 
     async def _asked(self) -> dict[str, str]:
         client = await self._connection.client()
-        found: dict[str, str] = await client.run(node.changed_now, self._work.key, on_error="ignore")
+        found: dict[str, str] = await client.run(changed, self._work.key, now=True, on_error="ignore")
         return found
 
     def close(self) -> None:

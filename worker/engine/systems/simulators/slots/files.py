@@ -12,12 +12,8 @@ from worker.engine.systems.simulators.slots.answers import parsed
 
 CHILD = Path(__file__).with_name("child.py")
 COMMAND = "CLEARANCE_COMMAND"
+"""The environment variable with the command line, as JSON."""
 PARAMETERS, RESULTS, TRACE = "parameters.json", "results.json", "trace.json"
-
-
-def packed(command: list[str]) -> str:
-    """A command line as the value of an environment variable."""
-    return json.dumps(command)
 
 
 class Evaluate:

@@ -36,17 +36,17 @@ def estimated(reader: sa.Connection, run_id: int, request: ReweightRequest) -> R
     asked = campaign(reader, run_id)
     limits, stated = densities(reader, run_id, asked)
     if stated is None:
-        return without(claims.no_bounds(), asked.confidence)
+        return without(claims.NO_BOUNDS, asked.confidence)
     moved = _moved(asked, limits, request.uncertain)
     found = _sample(reader, run_id)
     if found is None:
-        return without(claims.no_sample(), asked.confidence)
+        return without(claims.NO_SAMPLE, asked.confidence)
     position, sample = found
     if sample.bound_samples is not None:
-        return without(claims.ended_early(), asked.confidence)
+        return without(claims.ENDED_EARLY, asked.confidence)
     drawn = _drawn(reader, run_id, position, sample)
     if drawn is None:
-        return without(claims.not_whole(), asked.confidence)
+        return without(claims.NOT_WHOLE, asked.confidence)
     bounds = {path: one.interval(limits[path][0]) for path, one in moved.items()}
     over = joined({path: one.distribution for path, one in moved.items()}, asked.correlations, bounds)
     own = [] if sample.quantile is None else [sample.quantile.share]

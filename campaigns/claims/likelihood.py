@@ -8,22 +8,16 @@ from campaigns.claims.say import count, finding, listed, number, percent, probab
 from campaigns.claims.spans import Spans
 
 UNIFORM = say("all points of the box are equally likely")
+AT_BOUND = say("no likelihood is stated: a correlated parameter is at its bound, where its distance is not defined")
+"""Correlated parameters are compared in the standard normal space, in which a bound is at infinity."""
+IMPOSSIBLE = say("the density of the stated distributions is ", percent(0.0, name="density"), " here")
+"""Of triangular and beta distributions at their bounds."""
 
 
 def unbounded(paths: Sequence[str]) -> Spans:
     """Beta distributions with a shape below 1 have no highest density."""
     of = listed([symbol(path) for path in paths])
     return say("no likelihood is stated: the density of ", of, " is unbounded at a bound, so there is no highest one")
-
-
-def at_bound() -> Spans:
-    """Correlated parameters are compared in the standard normal space, in which a bound is at infinity."""
-    return say("no likelihood is stated: a correlated parameter is at its bound, where its distance is not defined")
-
-
-def impossible() -> Spans:
-    """Of triangular and beta distributions at their bounds."""
-    return say("the density of the stated distributions is ", percent(0.0, name="density"), " here")
 
 
 def likelihood(density: float, distance: float, tail: float, parameters: int, of: int) -> Spans:

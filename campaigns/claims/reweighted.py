@@ -9,6 +9,14 @@ from campaigns.claims.say import at_least, at_most, count, listed, lowest, perce
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
 
+NO_SAMPLE = say("no estimate: the run has no independent sample; add a certify stage to its campaign and run it again")
+"""Searches choose their points, and a random search may stop early."""
+NOT_WHOLE = say("no estimate: the independent sample is not stored whole")
+ENDED_EARLY = say("no estimate: the independent sample ended early, when too many violated; draw one of a stated size")
+"""The size of such a sample follows from what came out, so its fraction of violations is too high."""
+NO_BOUNDS = say("no estimate: the bounds of a parameter are not known in this installation")
+"""The descriptions of the run's components are not here."""
+
 
 class Draws(NamedTuple):
     """What an estimate rests on. outside: relative to what is not excluded; few: whether too few violate to weight
@@ -46,26 +54,6 @@ def _width(of: Draws) -> Spans:
     )
     few = say("; few of them violate, so the interval holds wherever the violations are")
     return say(beyond if of.outside else (), few if of.few else ())
-
-
-def no_sample() -> Spans:
-    """Searches choose their points, and a random search may stop early."""
-    return say("no estimate: the run has no independent sample; add a certify stage to its campaign and run it again")
-
-
-def not_whole() -> Spans:
-    """Some draws are missing."""
-    return say("no estimate: the independent sample is not stored whole")
-
-
-def ended_early() -> Spans:
-    """The size of such a sample follows from what came out, so its fraction of violations is too high."""
-    return say("no estimate: the independent sample ended early, when too many violated; draw one of a stated size")
-
-
-def no_bounds() -> Spans:
-    """The descriptions of the run's components are not here."""
-    return say("no estimate: the bounds of a parameter are not known in this installation")
 
 
 def too_few(effective: float, samples: int, needed: int) -> Spans:

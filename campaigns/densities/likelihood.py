@@ -34,9 +34,9 @@ def likelihood(of: Joint, point: Floats) -> Likelihood:
     own, joined = (float(fall[0]) for fall in of.falls(np.clip(point, 0.0, 1.0)[None, :]))
     counted = len(of.mixed) + sum(one.freedom != 0 for one in of.alone)
     if math.isinf(joined):
-        return Likelihood(parameters=counted, statement=claims.at_bound())
+        return Likelihood(parameters=counted, statement=claims.AT_BOUND)
     if math.isinf(own):
-        return Likelihood(density=0.0, tail=0.0, parameters=counted, statement=claims.impossible())
+        return Likelihood(density=0.0, tail=0.0, parameters=counted, statement=claims.IMPOSSIBLE)
     fall = own + joined
     values = math.exp(-fall / 2.0), math.sqrt(fall), beyond(of, fall), counted
     named = dict(zip(("density", "distance", "tail", "parameters"), values, strict=True))

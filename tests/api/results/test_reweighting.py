@@ -107,7 +107,7 @@ def test_without_an_independent_sample_there_is_nothing_to_re_weight(service: Se
     run = submit(client)
     finish(service)
     found = client.post(f"/api/v1/runs/{run}/reweighted", json={}).json()
-    assert (found["probability"], found["samples"], found["text"]) == (None, 0, words(claims.no_sample()))
+    assert (found["probability"], found["samples"], found["text"]) == (None, 0, words(claims.NO_SAMPLE))
     problem(client.post("/api/v1/runs/R-0999/reweighted", json={}), 404)
 
 
@@ -115,7 +115,7 @@ def test_a_sample_that_is_not_stored_whole_is_not_re_weighted(service: Service, 
     run = submit(client)
     finish_fully(service)
     found = client.post(f"/api/v1/runs/{run}/reweighted", json={}).json()
-    assert (found["probability"], found["text"]) == (None, words(claims.not_whole()))
+    assert (found["probability"], found["text"]) == (None, words(claims.NOT_WHOLE))
 
 
 def test_a_sample_that_ended_early_is_not_re_weighted(service: Service, client: httpx.Client, sampled: str) -> None:
@@ -125,7 +125,7 @@ def test_a_sample_that_ended_early_is_not_re_weighted(service: Service, client: 
         stated = result | {"sample": result["sample"] | {"bound_samples": COUNT - 500}}
         connection.execute(early.values(result=stated))
     found = client.post(f"/api/v1/runs/{sampled}/reweighted", json={}).json()
-    assert (found["probability"], found["text"]) == (None, words(claims.ended_early()))
+    assert (found["probability"], found["text"]) == (None, words(claims.ENDED_EARLY))
 
 
 def test_of_a_large_sample_the_first_draws_count(

@@ -84,7 +84,7 @@ def test_what_cannot_be_stated_is_refused_with_the_reason() -> None:
     assert heaps.statement == claims.unbounded(["a.1"])
     bound = likelihood(made(Uniform(), Uniform(), correlation=0.5), np.array([1.0, 0.3]))
     assert [getattr(bound, name) for name in NUMBERS] == [None] * 3
-    assert bound.statement == claims.at_bound()
+    assert bound.statement == claims.AT_BOUND
     corner = likelihood(made(Triangular(mode=5.0)), np.array([0.0]))
     assert (corner.density, corner.distance, corner.tail) == (0.0, None, 0.0)
 

@@ -70,14 +70,6 @@ Kept = Literal["all", "lowest"]
 Until = Literal["samples", "target"]
 
 
-def _all(keep: str) -> bool:
-    return keep == "all"
-
-
-def _samples(until: str) -> bool:
-    return until == "samples"
-
-
 class Certify(Strict):
     """An independent sample from the distributions, declared before the run: the basis of claims on probability.
 
@@ -88,10 +80,10 @@ class Certify(Strict):
     quantile: Annotated[float, Field(ge=1 / MAX_COUNTED, lt=1), AS_NUMBER] = 0.05
     """No sample that may be drawn bounds a smaller one."""
     grid: Grid | None = None
-    keep: Annotated[Kept, Field(exclude_if=_all, json_schema_extra=no_default)] = "all"
+    keep: Annotated[Kept, Field(exclude_if=lambda keep: keep == "all", json_schema_extra=no_default)] = "all"
     """The evaluations that are stored: all, at most 10,000,000; or of a sample of any size the lowest 1,000, the first
     1,024 and counts of all, each of which can be flown again by its index. Omitted from the canonical form if all."""
-    until: Annotated[Until, Field(exclude_if=_samples, json_schema_extra=no_default)] = "samples"
+    until: Annotated[Until, Field(exclude_if=lambda end: end == "samples", json_schema_extra=no_default)] = "samples"
     """When it ends: with its samples, or earlier, when more of them violate than the campaign's target probability
     allows. Omitted from the canonical form if samples."""
 

@@ -10,9 +10,7 @@ import hashlib
 import io
 import json
 import re
-import struct
 import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +28,7 @@ from campaigns.catalogue import Catalogue
 from campaigns.documents import digest_of as described_digest
 from campaigns.results import Finding
 from campaigns.results.measured import Measured
+from campaigns.unreadable import UNREADABLE
 from campaigns.version import VERSION
 from campaigns.versions import Versions
 
@@ -49,10 +48,6 @@ _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 """Control characters, and those that turn the direction of writing."""
 _LABEL = re.compile(r"F[1-9][0-9]{0,3}")
 _COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_UNREADABLE = (
-    zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, NotImplementedError, RuntimeError, ValueError,
-)  # fmt: skip
-"""What the readers of Python raise for files that are damaged."""
 _ENTRY, _MOST_ENTRIES = b"PK\x01\x02", 100
 """How a zip file begins each entry of its directory; a capsule has a few."""
 
@@ -173,7 +168,7 @@ def _files(data: bytes) -> dict[str, bytes]:
                     raise CapsuleError(f"{name} in it is larger than is allowed")
     except CapsuleError:
         raise
-    except _UNREADABLE as error:
+    except UNREADABLE as error:
         raise CapsuleError(f"it is not a zip file of a capsule: {error}") from None
     return found
 

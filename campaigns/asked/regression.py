@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field
 
 from campaigns.asked.reading import repeated
 from campaigns.asked.scenario import MAX_REALISATION
-from campaigns.asked.values import AS_NUMBER, AS_WHOLE, Name, Number, Path, Strict
+from campaigns.asked.values import AS_NUMBER, AS_WHOLE, DISTINCT, Name, Number, Path, Strict
 
 FailOn = Literal["violation", "new_violation", "new", "worse", "not_compared"]
 """violation: the verdict is violated, or a violation of the baseline is not compared; new_violation: a finding violates
@@ -22,14 +22,10 @@ unresolved."""
 DEFAULT: list[FailOn] = ["violation", "new_violation"]
 
 
-def _distinct(changes: list[FailOn]) -> list[FailOn]:
-    return list(dict.fromkeys(changes))
-
-
 class Policy(Strict):
     """Which changes since the baseline fail a launch with one; without a baseline the verdict alone decides."""
 
-    fail_on: Annotated[list[FailOn], Field(max_length=8), AfterValidator(_distinct)] = DEFAULT
+    fail_on: Annotated[list[FailOn], Field(max_length=8), DISTINCT] = DEFAULT
     tolerance: Annotated[float, Field(ge=0), AS_NUMBER] = 0.0
     """A change of the criterion's value up to this, in its unit, is no change."""
 

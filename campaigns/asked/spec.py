@@ -22,6 +22,7 @@ from campaigns.asked.stages import Search, Stages
 from campaigns.asked.values import (
     AS_NUMBER,
     AS_WHOLE,
+    DISTINCT,
     MAX_COUNTED,
     MAX_EVALUATIONS,
     Identifier,
@@ -164,7 +165,7 @@ class Campaign(Strict):
     name: Name
     summary: Summary = ""
     notes: Notes = ""
-    tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] = []
+    tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20), DISTINCT] = []
     scenario: Annotated[Scenario | None, UNSTATED] = None
     """A closed loop of components. Exactly one of this and `simulator` is given."""
     simulator: Annotated[Simulator | None, UNSTATED] = None
@@ -239,11 +240,6 @@ class Campaign(Strict):
                 f"{f'give at least {math.ceil(least):,}' if least <= MAX_COUNTED else most}"
             )
         return self
-
-    @field_validator("tags")
-    @classmethod
-    def _distinct(cls, tags: list[str]) -> list[str]:
-        return list(dict.fromkeys(tags))
 
     @property
     def given_scenario(self) -> Scenario:

@@ -73,6 +73,8 @@ def _text(text: str) -> str:
 AS_NUMBER = BeforeValidator(_number)
 AS_WHOLE = BeforeValidator(_whole)
 """These come last, so that the limits before them apply to the number and appear in the JSON Schema."""
+DISTINCT = AfterValidator(lambda entries: list(dict.fromkeys(entries)))
+"""Each entry of a list counts once."""
 
 Number = Annotated[float, AS_NUMBER]
 Name = Annotated[str, Field(min_length=1, max_length=120), AfterValidator(_line)]

@@ -57,7 +57,7 @@ def written(value: float, unit: str = "", form: Format = Format.PLAIN, digits: i
         return _probability(value, form, digits)
     text = {
         Format.PLAIN: lambda: f"{value:.{digits}g}",
-        Format.LOWEST: lambda: f"{float(_down(value, digits)):.{digits}g}",
+        Format.LOWEST: lambda: f"{float(rounded(value, Format.AT_LEAST, digits)):.{digits}g}",
         Format.SIGNED: lambda: f"{value:+.{digits}g}".replace("-", MINUS),
         Format.COUNT: lambda: f"{round(value):,}".replace(",", NARROW),
     }[form]()
@@ -73,7 +73,7 @@ def printed(value: float, unit: str = "", form: Format = Format.PLAIN, digits: i
 
 
 def rounded(value: float, form: Format, digits: int) -> Decimal:
-    """A probability as it is written, rounded once.
+    """A number as a probability of this format is written, rounded once.
 
     By the digits of the shortest decimal number that is this float: 0.05 rounded up stays 0.05.
     """
@@ -212,10 +212,6 @@ def unit_in_print(text: str) -> str:
     """kg m2 as kg·m²."""
     raised = re.sub(r"([A-Za-zµΩ°])\^?([234])(?!\d)", lambda m: m[1] + _RAISED[m[2]], text)
     return re.sub(r"(?<=\S) (?=\S)", "·", raised)
-
-
-def _down(value: float, digits: int) -> Decimal:
-    return Context(prec=digits, rounding=ROUND_FLOOR).plus(Decimal(repr(float(value))))
 
 
 def _percent(value: float, digits: int) -> str:

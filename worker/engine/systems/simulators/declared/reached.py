@@ -146,6 +146,9 @@ def data_files(declared: Iterable[str], folder: Path) -> tuple[dict[str, Path], 
     return found, ""
 
 
+_distributions = cache(packages_distributions)
+
+
 def distribution(module: str) -> str:
     """Name and version of the distribution that installs a top module; the module's name if none does."""
     try:
@@ -153,11 +156,6 @@ def distribution(module: str) -> str:
     except PackageNotFoundError:
         names = sorted(set(_distributions().get(module, ())))
         return ", ".join(f"{name} {version(name)}" for name in names) or module
-
-
-@cache
-def _distributions() -> dict[str, list[str]]:
-    return dict(packages_distributions())
 
 
 def where(origin: str) -> str:

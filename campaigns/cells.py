@@ -4,28 +4,22 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable
-from typing import Protocol
+from typing import TYPE_CHECKING
 
-
-class Out(Protocol):
-    """What a file is written to."""
-
-    def write(self, text: str, /) -> object:
-        """Write a part of it."""
+if TYPE_CHECKING:
+    from _typeshed import SupportsWrite
 
 
 class Writer:
     """Writes rows; text that a spreadsheet would calculate is marked as text."""
 
-    def __init__(self, out: Out) -> None:
+    def __init__(self, out: SupportsWrite[str]) -> None:
         self._writer = csv.writer(out)
 
     def writerow(self, cells: Iterable[object]) -> None:
-        """Write a row."""
         self._writer.writerow([safe(cell) for cell in cells])
 
     def writerows(self, rows: Iterable[Iterable[object]]) -> None:
-        """Write several rows."""
         self._writer.writerows([safe(cell) for cell in row] for row in rows)
 
 

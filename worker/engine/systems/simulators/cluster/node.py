@@ -58,7 +58,8 @@ def evaluate(work: Work, requests: Sequence[Request]) -> Done:
     except BaseException:
         _drop(work.key, slot)
         raise
-    _give_back(work.key, slot)
+    with _lock:
+        slot.busy = False
     return Done(outcomes, time.monotonic() - began)
 
 
@@ -92,6 +93,8 @@ class NodeSlot:
 
     def __init__(self, work: Work) -> None:
         self.closed, self._once = False, threading.Lock()
+        self.busy = True
+        """Whether a task has it; else it waits for the next one."""
         self.used = time.monotonic()
         self._mean = 1.0
         self._number, self._claim = _numbered()
@@ -137,8 +140,8 @@ class NodeSlot:
 
 
 _lock = threading.Lock()
-_idle: dict[str, list[NodeSlot]] = {}
-_busy: dict[str, list[NodeSlot]] = {}
+_slots: dict[str, list[NodeSlot]] = {}
+"""By pool."""
 _kept: dict[str, float] = {}
 """When a pool was last kept, or sent a task."""
 _released: deque[str] = deque(maxlen=1000)
@@ -151,11 +154,10 @@ def _take(work: Work) -> NodeSlot:
         if work.key in _released:
             raise NodeClosing(name())
         _kept[work.key] = time.monotonic()
-        idle = _idle.get(work.key)
-        slot = idle.pop() if idle else None
-        if slot is not None:
-            _busy.setdefault(work.key, []).append(slot)
-            return slot
+        for slot in _slots.get(work.key, []):
+            if not slot.busy:
+                slot.busy = True
+                return slot
     try:
         made = NodeSlot(work)
     except OSError as error:
@@ -163,7 +165,7 @@ def _take(work: Work) -> NodeSlot:
     with _lock:
         released = work.key in _released
         if not released:
-            _busy.setdefault(work.key, []).append(made)
+            _slots.setdefault(work.key, []).append(made)
             _kept[work.key] = time.monotonic()
             _reap_later()
     if released:
@@ -172,17 +174,10 @@ def _take(work: Work) -> NodeSlot:
     return made
 
 
-def _give_back(key: str, slot: NodeSlot) -> None:
-    with _lock:
-        if slot in _busy.get(key, []):
-            _busy[key].remove(slot)
-            _idle.setdefault(key, []).append(slot)
-
-
 def _drop(key: str, slot: NodeSlot) -> None:
     with _lock:
-        if slot in _busy.get(key, []):
-            _busy[key].remove(slot)
+        if slot in _slots.get(key, []):
+            _slots[key].remove(slot)
     slot.close()
 
 
@@ -190,7 +185,7 @@ def _all_of(key: str) -> list[NodeSlot]:
     """The slots of a pool, which are no longer known here; the caller holds the lock."""
     forget(key)
     _kept.pop(key, None)
-    return _idle.pop(key, []) + _busy.pop(key, [])
+    return _slots.pop(key, [])
 
 
 def _reap_later() -> None:
@@ -208,11 +203,11 @@ def _reap() -> None:
     at = time.monotonic()
     with _lock:
         lost = [slot for key, kept in list(_kept.items()) if kept < at - LOST for slot in _all_of(key)]
-        old = [slot for slots in _idle.values() for slot in slots if slot.used < at - IDLE]
-        for key in list(_idle):
-            _idle[key] = [slot for slot in _idle[key] if slot not in old]
+        old = [slot for slots in _slots.values() for slot in slots if not slot.busy and slot.used < at - IDLE]
+        for key, slots in _slots.items():
+            _slots[key] = [slot for slot in slots if slot not in old]
         _reaper = None
-        if any(_idle.values()) or any(_busy.values()):
+        if any(_slots.values()):
             _reap_later()
     _close(lost + old)
 
@@ -225,7 +220,7 @@ def _close(slots: Sequence[NodeSlot]) -> None:
 
 @atexit.register
 def _close_all() -> None:
-    for key in [*_idle, *_busy]:
+    for key in list(_slots):
         release(key)
 
 

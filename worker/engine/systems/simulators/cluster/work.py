@@ -96,13 +96,9 @@ def check(work: Work) -> None:
             f"{name()} has another version of Clearance in {ROOT}: install the same one on all nodes, and restart "
             "their Dask workers"
         )
-    if work.key in _checked:
-        different = changed(work.key)
-    else:
-        different, files = _differs(work.files)
-        if files is not None:
-            _checked[work.key] = files
-    if different:
+    if work.key not in _checked:
+        _checked[work.key] = _compared(work.files)
+    elif different := changed(work.key):
         raise NodeUnusable(different)
 
 
@@ -118,24 +114,26 @@ def forget(key: str) -> None:
     _checked.pop(key, None)
 
 
-def _differs(files: Files) -> tuple[str, Unchanged | None]:
-    """What is different here, or the files, if nothing is."""
+def _compared(files: Files) -> Unchanged:
+    """The files here, which are those stated; raises `NodeUnusable`."""
     folder, module = Path(files.folder), files.place.get("module")
     if module is None and not folder.is_dir():
-        return f"{name()} has no folder {folder}: put the simulator's folder under the same path on all nodes", None
+        raise NodeUnusable(
+            f"{name()} has no folder {folder}: put the simulator's folder under the same path on all nodes"
+        )
     what = f"the package of {module}" if module else f"the simulator's folder {folder}"
     try:
         here = Unchanged(files.covered())
         digest = files.found()
     except OSError as error:
-        return f"{name()} cannot read {what}: {error.strerror}", None
+        raise NodeUnusable(f"{name()} cannot read {what}: {error.strerror}") from None
     if digest == files.digest:
-        return "", here
+        return here
     other = f"(digest {digest[:12]}, expected {files.digest[:12]})"
     if module:
         what = f"{name()} has other files for {module} {other}: install the same version of the package on all nodes"
-        return what, None
-    return f"{name()} has other files in {folder} {other}: copy the simulator's folder to all nodes", None
+        raise NodeUnusable(what)
+    raise NodeUnusable(f"{name()} has other files in {folder} {other}: copy the simulator's folder to all nodes")
 
 
 def name() -> str:

@@ -89,14 +89,10 @@ class Cost:
         failed = f", of which {self.failed} failed" if self.failed else ""
         what = "evaluation" if calls == 1 else "call"
         text = f"One {what} took {lasting(self.seconds)} ({self.source}, {self.evaluations} evaluations{failed})"
-        text += f" and the start of a process {lasting(self.start)}" if self._starts_slowly else ""
+        text += f" and the start of a process {lasting(self.start)}" if self.start > NOTABLE * self.seconds else ""
         if calls == 1:
             return text
         return f"{text}; an evaluation of {calls} calls takes about {lasting(self.of(calls)[0])}"
-
-    @property
-    def _starts_slowly(self) -> bool:
-        return self.start > NOTABLE * self.seconds
 
     def of(self, calls: int) -> tuple[float, int]:
         """Time of an evaluation of several calls [s], with the replacement of processes, and how many evaluations run

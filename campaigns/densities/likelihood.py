@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from campaigns import cube
 from campaigns.claims import likelihood as claims
 from campaigns.densities.joint import Joint
-from campaigns.densities.shapes import Shape
 from campaigns.densities.special import Floats, chi_square_beyond
 from campaigns.results.base import OK
 from campaigns.results.likelihood import Likelihood, LikelyViolation, MostLikely
@@ -49,17 +48,12 @@ def beyond(of: Joint, fall: float) -> float:
     others = [one for one in of.alone if one.freedom is None]
     if not others or fall <= 0.0:
         return float(chi_square_beyond(fall, freedom))
-    masses = np.array([1.0])
-    for one in others:
-        masses = np.convolve(masses, _masses(one, fall))[:CELLS]
+    masses, edges = np.array([1.0]), np.linspace(0.0, fall, CELLS + 1)
+    for one in others:  # the probabilities that the fall of a draw is in each cell up to `fall`
+        masses = np.convolve(masses, -np.diff(one.beyond(edges)))[:CELLS]
     rest = float(others[0].beyond(np.array([fall]))[0]) if len(others) == 1 else max(1.0 - float(masses.sum()), 0.0)
     at = (np.arange(len(masses)) + len(others) / 2.0) * (fall / CELLS)
     return min(rest + float(masses @ chi_square_beyond(fall - at, freedom)), 1.0)
-
-
-def _masses(one: Shape, fall: float) -> Floats:
-    """The probabilities that the fall of a draw is in each cell up to `fall`."""
-    return -np.diff(one.beyond(np.linspace(0.0, fall, CELLS + 1)))
 
 
 class Rows(NamedTuple):

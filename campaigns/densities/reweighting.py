@@ -119,8 +119,9 @@ def _kish(weights: Floats) -> float:
 
 def _refused(stated: Joint, moved: Joint, found: Reweighted) -> Spans:
     """Why there is no estimate; empty if there is one."""
-    ceiling = rules.CEILING.value
-    if wider := [path for path, one in zip(stated.shapes, _wider(stated, moved), strict=True) if one]:
+    ceiling, slack = rules.CEILING.value, ROUNDING * (stated.high - stated.low)
+    beyond = (moved.low < stated.low - slack) | (moved.high > stated.high + slack)
+    if wider := [path for path, one in zip(stated.shapes, beyond, strict=True) if one]:
         return claims.beyond(wider)
     if moved.outside > ceiling:
         return claims.outside(moved.outside, ceiling)
@@ -128,11 +129,6 @@ def _refused(stated: Joint, moved: Joint, found: Reweighted) -> Spans:
     if redrawn > REDRAWN:
         return claims.redrawn(redrawn)
     return claims.too_few(found.effective, found.samples, NEEDED) if found.effective < NEEDED else ()
-
-
-def _wider(stated: Joint, moved: Joint) -> list[bool]:
-    slack = ROUNDING * (stated.high - stated.low)
-    return [bool(one) for one in (moved.low < stated.low - slack) | (moved.high > stated.high + slack)]
 
 
 def _estimated(found: Reweighted, of: _Weighted, terms: Terms) -> Reweighted:

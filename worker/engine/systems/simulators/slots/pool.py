@@ -156,7 +156,8 @@ class SlotPool(Slots):
         wait = None if not due else max(0.0, min(due) - time.monotonic())
         for key, _ in self._selector.select(wait):
             if key.data is None:
-                self._drain()
+                with contextlib.suppress(BlockingIOError):
+                    os.read(self._woken, 4096)
             elif key.data in self._slots:
                 self._handle(key.data, key.fd)
 
@@ -321,10 +322,6 @@ class SlotPool(Slots):
             self._selector.register(slot.writes, selectors.EVENT_WRITE, slot)
         elif watched and not slot.unsent:
             self._selector.unregister(slot.writes)
-
-    def _drain(self) -> None:
-        with contextlib.suppress(BlockingIOError):
-            os.read(self._woken, 4096)
 
     def _finish(self, job: int, outcome: Outcome) -> None:
         with self._lock:

@@ -41,17 +41,18 @@ def shipped(name: str) -> Row:
     return _searches(asked), most(asked), made.total()
 
 
-def program(name: str) -> Row:
-    """An example of docs/examples, with its campaign."""
+def program(name: str) -> tuple[Row, MemoryStore]:
+    """An example of docs/examples, with its campaign, and its results."""
     if (build := EXAMPLES / name / "build.sh").exists():
         subprocess.run(["bash", str(build)], cwd=build.parent, check=True, capture_output=True)
     simulator = read(EXAMPLES / name)
     asked = load_file(EXAMPLES / "campaigns" / f"{name}.yaml")
     known = catalogue().model_copy(update={"simulators": [simulator.entry]})
     system: Any = opened.simulated(asked, simulator, known)
+    store = MemoryStore()
     with requests(system) as made:
-        execute(asked, MemoryStore(), problem=Problem(asked, system))
-    return _searches(asked), most(asked), made[0]
+        execute(asked, store, problem=Problem(asked, system))
+    return (_searches(asked), most(asked), made[0]), store
 
 
 def unrepeatable() -> Row:
@@ -85,7 +86,7 @@ def main(names: list[str]) -> int:
     exceeded = 0
     for name in names or [*library(), *OWN]:
         own = {"Python function": function, "noisy": unrepeatable}
-        row = own[name]() if name in own else program(name) if name in PROGRAMS else shipped(name)
+        row = own[name]() if name in own else program(name)[0] if name in PROGRAMS else shipped(name)
         exceeded += row[-1] > row[-2]
         print(f"| {name} | {' | '.join(f'{number:,}' for number in row)} |", flush=True)
     return int(exceeded > 0)

@@ -25,7 +25,8 @@ from tests.faults.processes import Started, kill, until, worker
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
-SAMPLES = 50_000
+SAMPLES = 300_000
+"""For several seconds: a worker that looks for a share of it too early rests for five."""
 CERTIFY = 2
 """The position of the sample."""
 SEED = SampleSeed.drawn()

@@ -7,6 +7,7 @@ import { type Curve, linesOn, stepsOn, union } from '../charts/series'
 import type { Line, PlotSpec, Point } from '../charts/spec'
 import type { TraceData } from '../client'
 import { count, decimalsFor, exact, fixed } from '../format/numbers'
+import { ofUnit } from '../format/units'
 import { convergenceOf, searchesOf } from '../run/data/data'
 import { curveOf, extentOf, firstOf } from '../run/flight/flown'
 import { MethodName } from '../ui/MethodMark'
@@ -140,7 +141,7 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
     points,
     xRange,
     yRange: [1.04 * bottom, top * 1.04 || (bottom < 0 ? 0 : 1)],
-    yTitle: `Separation, ${unit}`,
+    yTitle: `Separation${ofUnit(unit)}`,
     xTitle: 'Time since start, s',
     criterion: first === undefined ? undefined : { value: first, label: criterionText(first), tint: true },
     criteria: further.map((value) => ({ value, label: criterionText(value), right: true })),
@@ -186,7 +187,7 @@ export function ConvergenceOverlay({ runs, className }: CardProps) {
       }),
       yTitle: (
         <>
-          Best <Sign text={runs[0]?.run.quantity ?? 'value'} /> so far, {unit}
+          Best <Sign text={runs[0]?.run.quantity ?? 'value'} /> so far{ofUnit(unit)}
         </>
       ),
       xTitle: 'Evaluations of each method (log scale)',
@@ -198,7 +199,7 @@ export function ConvergenceOverlay({ runs, className }: CardProps) {
   }, [searches, runs, unit, methodLook])
   const table = () => ({
     name: 'convergence',
-    columns: ['run', 'method', 'evaluations', `best so far, ${unit}`],
+    columns: ['run', 'method', 'evaluations', `best so far${ofUnit(unit)}`],
     rows: searches.flatMap(({ of, search, curve }) => curve.x.map((x, i) => [of.id, search.title, x, curve.y[i] ?? null])),
   })
   const methods = [...new Map(searches.map(({ search }) => [search.stage.method, search.title]))]

@@ -8,3 +8,6 @@ export function unitText(unit: string): string {
     .replace(/([A-Za-zµΩ°])\^?([234])(?!\d)/g, (_, letter: string, power: string) => letter + (RAISED[power] ?? power))
     .replace(/(?<=\S) (?=\S)/g, '·')
 }
+
+/** What follows a quantity in a title: ", m", or nothing if it has no unit. */
+export const ofUnit = (unit: string): string => unit && `, ${unit}`

@@ -13,7 +13,7 @@ import type { SweepDetail } from '../client'
 import { count, field, plain } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
-import { unitText } from '../format/units'
+import { ofUnit, unitText } from '../format/units'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
@@ -45,7 +45,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
   const codes = codesOf(points)
   const unidentified = points.filter(({ outcome }) => outcome?.state === 'done' && outcome.code === null).length
   const axis = {
-    xTitle: `${sweep.path}${unit && `, ${unit}`}`,
+    xTitle: `${sweep.path}${ofUnit(unit)}`,
     xText: (x: number) => `${sweep.path} = ${plain(x)} ${unit}`.trim(),
   }
   const data = () => ({

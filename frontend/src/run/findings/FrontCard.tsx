@@ -8,7 +8,7 @@ import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
 import type { FrontCriterion } from '../../client'
 import { count, decimalsFor, exact, fixed } from '../../format/numbers'
-import { unitText } from '../../format/units'
+import { ofUnit, unitText } from '../../format/units'
 import { Seg } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
 import { useMethodLook } from '../../ui/methods'
@@ -90,13 +90,13 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
 /** Each method with its title. */
 const methodsOf = (points: readonly Placed[]) => [...new Map(points.map(({ method, title }) => [method, title]))]
 
-const headed = (c: FrontCriterion): string => (c.unit ? `${c.title}, ${c.unit}` : c.title)
+const headed = (c: FrontCriterion): string => `${c.title}${ofUnit(c.unit)}`
 
 function axisTitle(c: FrontCriterion) {
   return (
     <>
       {c.title} <Sign text={c.quantity} />
-      {c.unit && `, ${unitText(c.unit)}`} <span className="mut">({c.worse === 'high' ? 'more' : 'less'} is worse)</span>
+      {ofUnit(unitText(c.unit))} <span className="mut">({c.worse === 'high' ? 'more' : 'less'} is worse)</span>
     </>
   )
 }

@@ -11,7 +11,7 @@ import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
 import type { Curve, Slices, ValidateResult } from '../../client'
 import { decimalsFor, fixed } from '../../format/numbers'
-import { unitText } from '../../format/units'
+import { ofUnit, unitText } from '../../format/units'
 import { Sign, symbolText } from '../../ui/Sign'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData, UncertainParameter } from '../data/data'
@@ -104,7 +104,7 @@ function tableOf({ run }: RunData, result: SlicesResult, slices: Slices | null, 
     )
   return {
     name: 'sensitivity',
-    columns: ['parameter', 'others at', 'value', `${run.quantity}, ${run.unit}`, 'status'],
+    columns: ['parameter', 'others at', 'value', `${run.quantity}${ofUnit(run.unit)}`, 'status'],
     rows: [...rows(result.curves, 'nominal'), ...rows(slices?.curves ?? [], called)],
   }
 }
@@ -150,7 +150,7 @@ function Small({ data, curve, slices, called, parameter, yRange, criterion, hidd
       xTitle: (
         <>
           <Sign text={symbol} path={path} />
-          {unit && `, ${unitText(unit)}`}
+          {ofUnit(unitText(unit))}
         </>
       ),
       yTitle: (

@@ -5,6 +5,7 @@ import { TicksBelow } from '../../charts/axes'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickText } from '../../charts/ticks'
 import { decimalsFor, fixed, signed } from '../../format/numbers'
+import { ofUnit } from '../../format/units'
 import { Sign, SvgSign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import type { RunData } from '../data/data'
@@ -31,7 +32,7 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
   const decimals = decimalsFor([run.nominal_cost], 4)
   const table = () => ({
     name: 'tornado',
-    columns: ['parameter', `change at low bound, ${run.unit}`, `change at high bound, ${run.unit}`],
+    columns: ['parameter', `change at low bound${ofUnit(run.unit)}`, `change at high bound${ofUnit(run.unit)}`],
     rows: bars.map((bar) => [bar.path, bar.low, bar.high]),
   })
   const most = bars[0]
@@ -121,7 +122,7 @@ function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; un
         })}
         <path className={figures.a} d={`M${x(0)} 0V${bottom}`} style={{ stroke: 'var(--ink)' }} strokeWidth={1.5} />
         <text x={left + SIDE + plot / 2} y={bottom + 34} textAnchor="middle">
-          Change of <SvgSign text={quantity || 'value'} />, {unit}
+          Change of <SvgSign text={quantity || 'value'} />{ofUnit(unit)}
         </text>
       </svg>
     </div>

@@ -4,6 +4,7 @@ import type { Distribution, Sample } from '../../client'
 import { Plot } from '../../charts/Plot'
 import type { PlotSpec } from '../../charts/spec'
 import { atLeast, atMost, decimalsFor, fixed, probability } from '../../format/numbers'
+import { ofUnit } from '../../format/units'
 import { Sign, symbolText } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 
@@ -37,7 +38,7 @@ export function DistributionCurve({ data, sample, height }: DistributionCurvePro
           : [],
       xTitle: (
         <>
-          <Sign text={run.quantity || 'value'} />, {run.unit}
+          <Sign text={run.quantity || 'value'} />{ofUnit(run.unit)}
         </>
       ),
       yTitle: 'Fraction of the sample, %',

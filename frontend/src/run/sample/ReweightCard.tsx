@@ -7,7 +7,7 @@ import { reweightedQuery } from '../../api/queries'
 import type { Reweighted } from '../../client'
 import { atLeast, atMost, confidenceText, count, decimalsFor, fixed, NONE, percent, plain, probability } from '../../format/numbers'
 import { sentence } from '../../format/spans'
-import { unitText } from '../../format/units'
+import { ofUnit, unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
@@ -102,7 +102,7 @@ export function Estimates({ run, stated, moved }: EstimatesProps) {
     { name: 'P(violation)', cells: both.map((of) => probability(of?.probability)), tone: 'b' },
     { name: `Interval, ${confidenceText(stated?.confidence)}`, cells: both.map(intervalOf) },
     ...shares.map((share) => ({
-      name: <>{percent(share)} quantile of <Sign text={run.quantity || 'value'} />, {run.unit}</>,
+      name: <>{percent(share)} quantile of <Sign text={run.quantity || 'value'} />{ofUnit(run.unit)}</>,
       cells: both.map((of) => fixed(at(of, share), decimals)),
     })),
     ...(both.some((of) => of?.failed) ? [{ name: 'Failed draws, which count as violations', cells: both.map((of) => (of ? count(of.failed) : NONE)) }] : []),

@@ -9,6 +9,7 @@ import { AxisBelow, TicksBeside } from '../../charts/axes'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { lostOf } from '../../format/counts'
+import { ofUnit } from '../../format/units'
 import { count, decimalsFor, exact, fixed, plain, short } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { Seg } from '../../ui/Card'
@@ -37,7 +38,7 @@ export function SampleCard({ data, sample, grid, blocks, className }: SampleCard
   const edges = sample.histogram?.edges ?? []
   const table = () => ({
     name: 'sample',
-    columns: [`from, ${run.unit}`, `to, ${run.unit}`, 'samples'],
+    columns: [`from${ofUnit(run.unit)}`, `to${ofUnit(run.unit)}`, 'samples'],
     rows: (sample.histogram?.counts ?? []).map((n, i) => [edges[i] ?? null, edges[i + 1] ?? null, n]),
   })
   return (
@@ -137,7 +138,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
           foot={HEIGHT - BOTTOM}
           from={LEFT}
           to={width - RIGHT}
-          title={<><SvgSign text={run.quantity || 'value'} />, {run.unit}</>}
+          title={<><SvgSign text={run.quantity || 'value'} />{ofUnit(run.unit)}</>}
         />
         {marks.map(({ value, ...mark }, row) => value !== null && <Marker key={row} {...mark} at={x(value)} row={row} width={width} />)}
       </svg>

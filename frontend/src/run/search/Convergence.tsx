@@ -7,6 +7,7 @@ import { useReach } from '../../charts/reach'
 import { stepsOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
 import { count, decimalsApart, decimalsFor, fixed, plain } from '../../format/numbers'
+import { ofUnit } from '../../format/units'
 import { Seg } from '../../ui/Card'
 import { useMethodLook } from '../../ui/methods'
 import { Sign, symbolText } from '../../ui/Sign'
@@ -64,7 +65,7 @@ export function Convergence({ data, className, height }: ConvergenceProps) {
       })),
       yTitle: (
         <>
-          Best <Sign text={run.quantity || 'value'} /> so far, {run.unit}
+          Best <Sign text={run.quantity || 'value'} /> so far{ofUnit(run.unit)}
         </>
       ),
       xTitle:
@@ -89,7 +90,7 @@ export function Convergence({ data, className, height }: ConvergenceProps) {
   }))
   const table = () => ({
     name: 'convergence',
-    columns: ['method', 'evaluation', 'working time, s', `best ${run.quantity} so far, ${run.unit}`],
+    columns: ['method', 'evaluation', 'working time, s', `best ${run.quantity} so far${ofUnit(run.unit)}`],
     rows: searches.flatMap(({ series, stage, title }) =>
       (series?.improvements.index ?? []).map((at, i) => [
         title || stage.method,

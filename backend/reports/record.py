@@ -33,6 +33,7 @@ from campaigns.checked.check import parameters
 from campaigns.results import StageResult, TraceHead
 from campaigns.results.likelihood import MostLikely
 from campaigns.results.sample import Certificate
+from campaigns.results.unsearched import certificate_of
 from campaigns.symbols import labels
 
 R = TypeVar("R", bound=StageResult)
@@ -92,7 +93,7 @@ class Record:
     @property
     def certificate(self) -> Certificate | None:
         """The sample of the certify stage, and where its seed came from."""
-        return next((result.certificate for result in self.every if result.certificate is not None), None)
+        return certificate_of(self.every)
 
     def results(self, kind: type[R]) -> list[tuple[StageDetail, R]]:
         return [(stage, stage.result) for stage in self.stages if isinstance(stage.result, kind)]

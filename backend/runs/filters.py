@@ -44,9 +44,10 @@ class Filters:
     campaign: Annotated[list[Word] | None, Query(max_length=MOST, description="Names of campaigns.")] = None
     owner: Annotated[list[Word] | None, Query(max_length=MOST, description="Users or tokens that submitted.")] = None
     """Users, with the runs of their tokens, or names of tokens."""
-    method: Annotated[list[Word] | None, Query(max_length=MOST, description="Methods that found the worst case.")] = (
-        None
-    )
+    method: Annotated[
+        list[Word] | None,
+        Query(max_length=MOST, description="Methods that found the worst case."),
+    ] = None
     since: Annotated[Seconds | None, Query(description="Submitted since this time [s since 1970].")] = None
     until: Annotated[Seconds | None, Query(description="Submitted before this time [s since 1970].")] = None
     pinned: Annotated[bool | None, Query(description="Only pinned runs, or only the others.")] = None

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from campaigns.claims.stages.sample import STATED_SEED
 from campaigns.results.finding import Validation
 from campaigns.results.sample import Certificate
+from campaigns.results.stage import StageResult
+
+
+def certificate_of(results: Iterable[StageResult]) -> Certificate | None:
+    """The sample of the certify stage, and where its seed came from."""
+    return next((result.certificate for result in results if result.certificate is not None), None)
 
 
 def unsearched(case: Validation | None, certificate: Certificate | None) -> str:

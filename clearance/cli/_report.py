@@ -20,7 +20,7 @@ from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import OK
 from campaigns.results.regression import Regression, Standing
-from campaigns.results.unsearched import unsearched
+from campaigns.results.unsearched import certificate_of, unsearched
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
 from clearance.cli import CODES, INCONCLUSIVE, VIOLATED
@@ -250,8 +250,7 @@ def _again(store: MemoryStore) -> list[str]:
 
 def _how_found(store: MemoryStore) -> list[str]:
     lines = []
-    drawn = (stage.result.certificate for stage in store.stages if stage.result is not None)
-    certificate = next(filter(None, drawn), None)
+    certificate = certificate_of(stage.result for stage in store.stages if stage.result is not None)
     for finding in store.findings:
         ways = [f"{named('search', by.method)[8:]} after {count(by.evaluations)}" for by in finding.found]
         by = f"{words(listed(ways))} evaluations" if ways else unsearched(finding.validation, certificate)

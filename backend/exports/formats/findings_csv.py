@@ -14,7 +14,7 @@ from backend.results import service as results
 from backend.runs import service as runs
 from campaigns.results.base import Status
 from campaigns.results.nominal import NominalCase
-from campaigns.results.unsearched import unsearched
+from campaigns.results.unsearched import certificate_of, unsearched
 
 LIKELY = ("standard deviations", "density of the highest", "draws no more likely")
 """How likely a finding is under the stated distributions; empty where all points of the box are equally likely."""
@@ -49,7 +49,7 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     parameters = sheet(reader, run_id, runs.campaign(reader, run_id)).parameters
     units = "; ".join(f"{name} [{unit}]" for name, unit in [("margin", run.unit), *parameters] if unit)
     made = [stage.result for stage in runs.stages(reader, run_id) if stage.result is not None]
-    certificate = next((result.certificate for result in made if result.certificate is not None), None)
+    certificate = certificate_of(made)
     # Without a cost until its stage is done.
     failed = NominalCase(cost=None, margin=None, status=Status.FAILED)
     nominal = next((result.at_nominal for result in made if result.at_nominal is not None), failed)

@@ -110,7 +110,7 @@ KINDS = {
     "not-continuable": Kind(409, "No evaluation of the run can be used by the installed code."),
     "not-removable": Kind(409, "A run is running, or has a valid sign-off."),
     "notes-changed": Kind(409, "The notes were changed since they were read."),
-    "other-version": Kind(409, "The run's campaign was stored by another version of Clearance."),
+    "other-version": Kind(409, "The run's campaign or a result is of another version of Clearance, or damaged."),
     "removed": Kind(409, "The run is removed: restore it first."),
     "requirement-conflict": Kind(409, "The requirement is changed elsewhere, or there are too many."),
     "text-changed": Kind(409, "The text of a requirement has changed since it was reviewed."),

@@ -78,7 +78,7 @@ def _moved(
 def _sample(reader: sa.Connection, run_id: int) -> tuple[int, Sample] | None:
     """The position of the stage that drew the independent sample of a run, and the sample; None without one."""
     of = sa.select(Stage.position, Stage.result).where(Stage.run_id == run_id).order_by(Stage.position)
-    with readable(f"a stage of {run_name(run_id)}"):
+    with readable(f"a stage of {run_name(run_id)}", reader, run_id):
         results = [(row.position, stage_result(row.result)) for row in reader.execute(of) if row.result is not None]
     certified = ((position, result.certificate) for position, result in results)
     return next(((position, one.sample) for position, one in certified if one is not None), None)

@@ -32,7 +32,7 @@ def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
     traced = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}
-    with readable(f"a finding of {run_name(run_id)}"):
+    with readable(f"a finding of {run_name(run_id)}", reader, run_id):
         terms = terms_of(reader, run_id)
         found = [_finding(row, limits, of, traced.get(row.label), terms) for row in ordered]
     threshold = reader.scalar(sa.select(Run.threshold).where(Run.id == run_id))
@@ -61,7 +61,7 @@ def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:
     require(reader, run_id)
     rows = reader.execute(sa.select(Trace.name, Trace.rows, Trace.columns, Trace.meta).where(Trace.run_id == run_id))
     ordered = sorted(rows, key=lambda row: (row.name != "nominal", len(row.name), row.name))
-    with readable(f"a flight of {run_name(run_id)}"):
+    with readable(f"a flight of {run_name(run_id)}", reader, run_id):
         return [TraceInfo.model_validate(dict(row._mapping)) for row in ordered]
 
 
@@ -72,7 +72,7 @@ def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData
     if row is None:
         raise not_found("stored flight of this run called", name)
     data = table(row)
-    with readable(f"flight {name} of {run_name(run_id)}"):
+    with readable(f"flight {name} of {run_name(run_id)}", reader, run_id):
         head, columns = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
     chosen = thin.around(len(data), most, closest_row(head, columns, data))
     return TraceData(

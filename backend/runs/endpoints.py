@@ -174,7 +174,7 @@ def restart_run(run: RunName, once: OnceOnly, visitor: CurrentVisitor) -> RunSum
     dependencies=ROOM,
     responses=CONTINUED
     | problems(
-        *("not-found", "not-waiting", "not-continuable", "invalid-campaign", "no-catalogue", "other-version", "purged"),
+        *("not-found", "not-waiting", "not-continuable", "no-catalogue", "other-version", "purged"),
         *("quota-reached", *ONCE),
     ),
 )

@@ -12,13 +12,15 @@ import sqlalchemy as sa
 from backend.catalog.service import published
 from backend.db import codes
 from backend.db.tables import CampaignRow, Run
-from campaigns import Campaign, Catalogue
+from campaigns import Campaign, Catalogue, check
 from campaigns.identity.identity import UNSTORED, Change, Identity, changes, identity_of, installed, unsound
 from campaigns.runs import run_name
 from campaigns.versions import Versions, differing
 
 CHUNK = 500
 """Runs that are read in one statement."""
+MOST_SHOWN = 5
+"""Problems of a campaign in one sentence."""
 COLUMNS = (
     sa.cast(Run.flown, sa.Text).label("flown"),
     Run.summary["provenance"].as_string().label("provenance"),
@@ -83,7 +85,10 @@ def names(found: Collection[Change]) -> list[str]:
 
 
 def not_continuable(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue) -> str | None:
-    """Why none of its evaluations can be used by the code of the newest worker; None if they can."""
+    """Why the newest worker can continue nothing of it; None if it can."""
+    if problems := check(campaign, catalogue):
+        found = "; ".join(map(str, problems[:MOST_SHOWN]))
+        return f"the campaign of {run_name(run_id)} cannot be run with what the newest worker has installed: {found}"
     then = of_run(reader, run_id) or UNSTORED
     others = unsound(then, installed(campaign, catalogue, then))
     if not others:

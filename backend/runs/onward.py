@@ -17,7 +17,7 @@ from backend.runs import identity, service
 from backend.runs.quota import Quota, refuse_beyond
 from backend.runs.removal import refuse_removed
 from backend.runs.schemas import RunSummary
-from campaigns import Campaign, CampaignError, Catalogue, check
+from campaigns import Campaign, Catalogue
 from campaigns.runs import run_name
 
 
@@ -49,7 +49,7 @@ def restart(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
 
 
 def carry_on(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) -> RunSummary:
-    """Continue a run as a new one; as `restart`, and 409 if no evaluation may be used, 422 for an unusable campaign."""
+    """Continue a run as a new one; as `restart`, and 409 if nothing of it can be used here."""
     _own(writer, run_id, visitor)
     if not waiting.waits(writer, run_id):
         raise _not_waiting(run_id)
@@ -68,8 +68,6 @@ def now(reader: sa.Connection, made: RunSummary) -> RunSummary:
 
 def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:
     campaign, catalogue = service.campaign(reader, run_id), required(reader)
-    if problems := check(campaign, catalogue):
-        raise CampaignError(run_name(run_id), problems)
     if detail := identity.not_continuable(reader, run_id, campaign, catalogue):
         raise RefusedError(409, "not-continuable", detail)
     return campaign, catalogue

@@ -32,7 +32,8 @@ class Outcome(Schema):
     error: str | None
     campaign_name: str
     campaign_digest: str
-    seed: int
+    seed: int | None
+    """Null if this version cannot read it in the stored campaign."""
     code: str | None
     """Digest of its identity: engine, own files, packages; None before its first stage, or if something of it is not
     identified."""
@@ -107,6 +108,14 @@ def _outcome(row: Any) -> Outcome:
         clearance=row.clearance,
         not_sampled=sampled.of(row),
         campaign_name=row.campaign_name,
-        seed=1 if row.seed is None else int(row.seed),
+        seed=_seed(row.seed),
         removed=row.removed is not None,
     )
+
+
+def _seed(text: str | None) -> int | None:
+    """The seed of a stored campaign; without one it is 1."""
+    try:
+        return 1 if text is None else int(text)
+    except ValueError:  # of another version, or damaged
+        return None

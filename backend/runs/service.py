@@ -56,7 +56,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         .where(Run.id == run_id)
     ).one()
-    with readable(f"the campaign of {run_name(run_id)}"):
+    with readable(f"the campaign of {run_name(run_id)}", reader, run_id):
         campaign = Campaign.model_validate(document)
     stated = criteria(document, described(reader, run_id))
     if not base.quantity and stated:  # the installed catalogue no longer has the criterion, the stored one has
@@ -115,7 +115,7 @@ def _verdict(
     """The stored verdict with its checks; those of an inconclusive one with their remedies."""
     if not parts or not parts.get("verdict"):
         return None
-    with readable("the verdict of this run"):
+    with readable(f"the verdict of {run_name(run_id)}", reader, run_id):
         verdict = Verdict.model_validate(earlier.spoken(parts, terms_of(reader, run_id)))
     ran = _ran(reader, run_id, campaign, verdict) if verdict.verdict is VerdictWord.INCONCLUSIVE else None
     checks = verdicts.described(verdict.checks, failed, ran)
@@ -148,7 +148,7 @@ def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
     rows = reader.execute(
         sa.select(*counts.columns(StageDetail)).where(Stage.run_id == run_id).order_by(Stage.position)
     )
-    with readable(f"a result of {run_name(run_id)}"):
+    with readable(f"a result of {run_name(run_id)}", reader, run_id):
         terms = terms_of(reader, run_id)
         return [StageDetail.model_validate(earlier.spoken(dict(row._mapping), terms)) for row in rows]
 
@@ -166,5 +166,5 @@ def campaign(reader: sa.Connection, run_id: int) -> Campaign:
     document = reader.scalar(query.where(Run.id == run_id, Run.purged.is_(None)))
     if document is None:
         require(reader, run_id)
-    with readable(f"the campaign of {run_name(run_id)}"):
+    with readable(f"the campaign of {run_name(run_id)}", reader, run_id):
         return Campaign.model_validate(document)

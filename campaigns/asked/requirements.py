@@ -83,6 +83,11 @@ def _without(part: Mapping[str, Any], names: Collection[str]) -> Mapping[str, An
     return {name: value for name, value in part.items() if name not in names}
 
 
-def definition(document: Mapping[str, Any]) -> str:
-    """SHA-256 of a stored campaign without the baseline, which is added at launch: equal for every launch of a file."""
+def definition(document: Any) -> str:
+    """SHA-256 of a stored campaign without the baseline, which is added at launch: equal for every launch of a file.
+
+    document: also a damaged one, which is no mapping.
+    """
+    if not isinstance(document, Mapping):
+        return digest_of({"damaged": document})
     return digest_of({key: value for key, value in document.items() if key != "baseline"})

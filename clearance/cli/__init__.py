@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import importlib
 import io
+import itertools
 import os
 import pkgutil
 import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
 
 import sqlalchemy as sa
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from backend.db.engine import NewerSchemaError
 from backend.db.outages import DatabaseOutage
@@ -34,6 +35,8 @@ CODES = {"cleared": CLEARED, "violated": VIOLATED, "inconclusive": INCONCLUSIVE}
 """Those of the verdicts."""
 ENDLESS = (["serve"], ["worker"])
 """Commands that run until they are ended: no exit code of theirs is a result."""
+JOB_FILES = ("junit", "sarif")
+"""The options with a file that states from the beginning of a command that there is no verdict yet."""
 NOT_A_RESULT = "Internal error in Clearance; this is not a result of your campaign."
 
 
@@ -71,6 +74,30 @@ class _Commands(TyperGroup):
             return super().invoke(ctx)
         except KeyboardInterrupt as error:
             raise _Interrupted(f"{error}") from None
+
+
+class _Command(TyperCommand):
+    """A command whose files of a job are begun also if its arguments cannot be parsed, as of an unknown option."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        words = [*args]
+        try:
+            return super().parse_args(ctx, args)
+        except typer.TyperException:
+            for option in self.params:
+                file = _value(f"--{option.name}", words) if option.name in JOB_FILES else ""
+                if file:
+                    with suppress(typer.TyperException, WrongInputError):  # the first error is the one to correct
+                        option.handle_parse_result(ctx, {option.name: file}, [])
+            raise
+
+
+def _value(option: str, words: Sequence[str]) -> str:
+    """The last value of an option in arguments that cannot be parsed; empty without one."""
+    words = [*itertools.takewhile(lambda word: word != "--", words)]
+    apart = [value for name, value in itertools.pairwise(words) if name == option and not value.startswith("-")]
+    joined = [word.partition("=")[2] for word in words if word.startswith(f"{option}=")]
+    return (["", *apart, *joined])[-1]
 
 
 class _Output(io.TextIOWrapper):
@@ -186,7 +213,7 @@ def _add(app: typer.Typer, name: str) -> None:
     if hasattr(module, "app"):
         app.add_typer(module.app, name=command)
     else:
-        app.command(command)(getattr(module, name))
+        app.command(command, cls=_Command)(getattr(module, name))
 
 
 def _group() -> None:

@@ -466,6 +466,7 @@ class Outcome(Answer):
     campaign_name: str | None = None
     campaign_digest: str | None = None
     seed: int | None = None
+    """None if this version cannot read it in the stored campaign."""
     code: str | None = None
     """Digest of its identity: engine, own files, packages; None before its first stage, or if something of it is not
     identified.

@@ -35,7 +35,7 @@ from campaigns.runs import run_name
 def content(reader: sa.Connection, run_id: int, label: str) -> Content:
     """What the capsule of a finding contains, without its page; 404 if there is no such run or finding."""
     detail = runs.detail(reader, run_id)
-    with readable(f"a finding of {run_name(run_id)}"):
+    with readable(f"a finding of {run_name(run_id)}", reader, run_id):
         found = {finding.label: finding for finding in continuation.findings(reader, run_id)}
     if label not in found:
         raise not_found("finding of this run called", label)
@@ -43,7 +43,7 @@ def content(reader: sa.Connection, run_id: int, label: str) -> Content:
     first = next(iter(runs.stages(reader, run_id)), None)
     nominal = None if first is None else first.result
     verdict = detail.summary
-    with readable(f"a trajectory of {run_name(run_id)}"):
+    with readable(f"a trajectory of {run_name(run_id)}", reader, run_id):
         trajectories = list(_trajectories(reader, run_id, label))
     return Content(
         origin=Origin(

@@ -143,7 +143,7 @@ def scene_of(reader: sa.Connection, run_id: int) -> Scene | None:
     declaration = next((head["scene"] for head in heads if head.get("scene")), None)
     if declaration is None:
         return None
-    with readable("the 3D view of this run"):
+    with readable(f"the 3D view of {run_name(run_id)}", reader, run_id):
         return Scene.model_validate(declaration)
 
 

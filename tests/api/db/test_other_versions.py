@@ -10,10 +10,15 @@ import sqlalchemy as sa
 
 from backend.db.tables import CampaignRow, Finding, Run, Stage, Trace
 from backend.scenes.recordings import recording
+from campaigns import Campaign
+from campaigns.version import VERSION
+from tests.given.code_versions import VERSIONS
 from tests.given.finished_runs import finish
 from tests.given.problem_documents import problem
+from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
 
 ODD = {"version": 99}
@@ -41,6 +46,22 @@ SPANS = {
 """What answers with it, and so has to say that it cannot."""
 LIKE_THE_VALIDATION = ("slices", "boundary", "closest", "found")
 """Of a finding and read with it, as its validation is: at night."""
+
+
+CRITERION = {"component": "separation", "threshold": 0.5, "requirements": ["REQ-1"]}
+DOCUMENT = Campaign.model_validate(campaign(criterion=CRITERION)).document()
+CAMPAIGNS = {
+    "a future version": {**DOCUMENT, "version": 99},
+    "a future stage": {**DOCUMENT, "stages": DOCUMENT["stages"] | {"explore": {"points": 3}}},
+    "a future seed": {**DOCUMENT, "seed": "entropy"},
+    "no mapping": ["damaged"],
+    "a mapping of another kind": {**DOCUMENT, "uncertain": ["damaged"], "criterion": None},
+}
+EVERY_RUN = (
+    *("runs", "runs/facets", "reports", "requirements", "requirements/export/matrix.csv", "sweeps", "audit"),
+    f"trends?name={DOCUMENT['name']}",
+)
+"""What reads many runs: one that is damaged hides none of the others."""
 
 
 def of_a_run(client: httpx.Client) -> dict[str, set[str]]:
@@ -82,3 +103,42 @@ def test_a_change_that_cannot_be_answered_is_not_made(still: Service, guest: htt
     with changed(still.engine, STORED["campaign"]):
         problem(guest.patch(address, json={"name": "renamed"}), 409)
     assert guest.get(address).json()["name"] == before
+
+
+@pytest.fixture(scope="module")
+def signed(still: Service, guest: httpx.Client) -> str:
+    """A finished run with a requirement and a sign-off, and so read by all that reads a run."""
+    run = submit(guest, criterion=CRITERION)
+    finish_fully(still)
+    address = f"/api/v1/runs/{run}/signoffs"
+    signature = {"name": "Grace Hopper", "role": "Independent review", "comment": "Read."}
+    guest.post(address, json=signature | {"digest": guest.get(address).json()["digest"]}).raise_for_status()
+    return run
+
+
+@pytest.mark.parametrize("kind", CAMPAIGNS)
+def test_a_stored_campaign_that_cannot_be_read_is_no_error_of_the_request(
+    kind: str, still: Service, guest: httpx.Client, signed: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording, "RATE", 0.2)
+    paths = [re.sub(r"\{\w+\}", "F1", path.replace("{run}", signed)) for path in of_a_run(guest)]
+    files = [
+        f"/api/v1/runs/{signed}/exports/{one['name']}" for one in guest.get(f"/api/v1/runs/{signed}/exports").json()
+    ]
+    paths += [path for path in files if not path.endswith(("pdf", "report.html"))]
+    before = {path: guest.get(path, follow_redirects=False).status_code for path in paths}
+    change = sa.update(CampaignRow).where(CampaignRow.digest == digest(guest, signed)).values(document=CAMPAIGNS[kind])
+    flown = VERSIONS.model_copy(update={"clearance": "0.0.9"}).model_dump(mode="json")
+    with changed(still.engine, change), changed(still.engine, sa.update(Run).values(flown=flown)):
+        for path, status in before.items():
+            answer = guest.get(path, follow_redirects=False)
+            if answer.status_code != status:
+                problem(answer, 409, "other-version")
+        detail = str(problem(guest.get(f"/api/v1/runs/{signed}"), 409, "other-version")["detail"])
+        assert {VERSION, "0.0.9"} <= set(re.findall(r"\d+\.\d+\.\d+", detail))
+        for path in EVERY_RUN:
+            assert guest.get(f"/api/v1/{path}").status_code == 200, path
+
+
+def digest(client: httpx.Client, run: str) -> str:
+    return str(client.get(f"/api/v1/runs/{run}").json()["campaign_digest"])

@@ -23,7 +23,7 @@ from backend.signoffs.present import present
 from campaigns.runs import run_name
 from tests.given.code_versions import CODE, VERSIONS, edited
 from tests.given.service import Service
-from tests.given.small_catalogue import campaign
+from tests.given.small_catalogue import CATALOGUE, campaign
 from tests.given.submissions import YAML, submit
 from tests.given.waiting_runs import DIFFERS, HERE, OLD, arrive, waiting
 from tests.simulators import noisy
@@ -161,6 +161,19 @@ def test_evaluations_of_another_model_are_not_continued(service: Service, client
     assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
     assert one(client, run)["not_continuable"] == answer.json()["detail"]
     assert one(client, run)["state"] == "queued"
+
+
+def test_a_campaign_that_cannot_be_run_here_is_not_continued(service: Service, client: httpx.Client) -> None:
+    """The stored campaign is no error of the request: its method is no longer installed."""
+    run = waiting(service, client)
+    fewer = CATALOGUE.model_dump(mode="json")
+    fewer["methods"] = [method for method in fewer["methods"] if method["name"] != "direct"]
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(CatalogueDocument).values(document=fewer))
+    answer = client.post(f"/api/v1/runs/{run}/continuation")
+    assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
+    assert "stages.search.0.method" in answer.json()["detail"]
+    assert one(client, run)["not_continuable"] == answer.json()["detail"]
 
 
 def test_evaluations_of_an_unknown_model_are_not_continued(service: Service, client: httpx.Client) -> None:

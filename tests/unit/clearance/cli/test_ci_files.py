@@ -85,6 +85,9 @@ NOWHERE = ["--service", "http://127.0.0.1:9", "--patience", "0"]
         ["run", "no_such_campaign"],
         ["run", "unicycle_static", "--threads", "many"],
         ["run", "unicycle_static", "--label", "none"],
+        ["run", "unicycle_static", "--no-such-option"],
+        ["submit", "unicycle_static", "--no-such-option", "7"],
+        ["follow", "R-0001", "-x"],
         ["run", "--continue", "no_such_folder", "--budget", "+10"],
         ["submit"],
         ["submit", "unicycle_static", "--no-wait"],
@@ -107,6 +110,41 @@ def test_no_file_of_an_earlier_build_survives_an_end_without_a_verdict(words: li
     assert (run["invocations"][0]["executionSuccessful"], "exitCode" in run["invocations"][0]) == (False, False)
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--junit=j.xml", "--no-such-option"],
+        ["--no-such-option", "--junit", "j.xml"],
+        ["--junit", "j.xml", "--budget"],  # which has no value
+    ],
+    ids=" ".join,
+)
+def test_a_usage_error_writes_the_file_wherever_it_is_named(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert invoke(["run", "unicycle_static", *words]) == WRONG_INPUT
+    assert Xml.parse(tmp_path / "j.xml").getroot()[0].get("errors") == "1"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["runs", "--junit", "j.xml"],  # which has no such option
+        ["run", "unicycle_static", "--no-such-option", "--junit"],
+        ["run", "unicycle_static", "--no-such-option", "--junit", "--sarif"],
+        ["run", "unicycle_static", "--no-such-option", "--", "--junit", "j.xml"],
+    ],
+    ids=" ".join,
+)
+def test_a_usage_error_writes_no_file_that_is_not_of_a_job(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert invoke(words) == WRONG_INPUT
+    assert not [*tmp_path.iterdir()]
+
+
 @pytest.mark.parametrize("option", ["--junit", "--sarif"])
 def test_a_file_with_other_content_is_not_replaced(
     option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -114,6 +152,7 @@ def test_a_file_with_other_content_is_not_replaced(
     (tmp_path / "campaign.yaml").write_text(TEXT, encoding="utf-8")
     assert invoke(["run", option, str(tmp_path / "campaign.yaml")]) == WRONG_INPUT
     assert f"{option} {tmp_path}" in capsys.readouterr().err
+    assert invoke(["run", option, str(tmp_path / "campaign.yaml"), "--no-such-option"]) == WRONG_INPUT
     assert (tmp_path / "campaign.yaml").read_text(encoding="utf-8") == TEXT
 
 

@@ -36,6 +36,15 @@ def results_digest(reader: sa.Connection, run_id: int, evidence: bool = True) ->
     return digest_of(_parts(reader, run_id, evidence))
 
 
+def digest_before_0033(reader: sa.Connection, run_id: int) -> str:
+    """The digest of a run without a verdict before revision 0033: its lowest value was that of its searches alone."""
+    parts = _parts(reader, run_id)
+    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == run_id, Stage.method.is_not(None))
+    for row in parts["run"]:
+        row[_RUN.index("worst_cost")] = reader.scalar(lowest)
+    return digest_of(parts)
+
+
 def current_digest(reader: sa.Connection, run_id: int) -> str:
     """The evidence digest of what is stored now, whether or not the run states one."""
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)

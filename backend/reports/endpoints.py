@@ -21,6 +21,7 @@ from backend.runs.service import number
 router = APIRouter(tags=["reports"])
 
 _HTML = answers("One self-contained file.", "text/html")
+_WORDS = "Words in the name, campaign, tags, owner or number of the run, or the number of a report."
 _PDF = answers("The report on A4 pages.", "application/pdf", binary=True)
 
 
@@ -63,7 +64,7 @@ async def get_report_pdf(run: RunName, request: Request, engine: Engine) -> Resp
 @router.get("/reports", responses=problems("bad-cursor"))
 def list_reports(
     reader: Reader,
-    q: Annotated[str, Query(max_length=200, description="Words in the name, campaign, tags, owner or number.")] = "",
+    q: Annotated[str, Query(max_length=200, description=_WORDS)] = "",
     cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the previous page.")] = None,
     limit: Annotated[int, Query(ge=1, le=50, description="Maximum number of reports on a page.")] = 20,
 ) -> ReportPage:

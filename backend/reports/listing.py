@@ -8,7 +8,7 @@ import sqlalchemy as sa
 
 from backend.db.digest import results_digest
 from backend.http.root import at
-from backend.reports import pdf
+from backend.reports import numbers, pdf
 from backend.reports.schemas import Report, ReportFile, ReportPage
 from backend.runs import listing
 from backend.runs.filters import Filters
@@ -19,13 +19,13 @@ from campaigns.runs import ENDED, run_number
 
 def page(reader: sa.Connection, q: str, cursor: str | None, limit: int) -> ReportPage:
     """One page, newest first. The digest of each run's results is computed from the stored results."""
-    found = listing.page(reader, Filters(q=q, state=list(ENDED)), "-created", cursor, limit, pins=False)
+    words, note = numbers.searched(reader, q)
+    found = listing.page(reader, Filters(q=words, state=list(ENDED)), "-created", cursor, limit, pins=False)
     unavailable = None if pdf.browser() is not None else pdf.MISSING
     signed = signatures(reader, [run_number(run.id) or 0 for run in found.items])
     items = [_report(reader, run, unavailable, signed) for run in found.items]
-    return ReportPage(
-        items=items, next_cursor=found.next_cursor, total=sum(found.counts.get(state, 0) for state in ENDED)
-    )
+    total = sum(found.counts.get(state, 0) for state in ENDED)
+    return ReportPage(items=items, next_cursor=found.next_cursor, total=total, note=note)
 
 
 def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None, signed: Mapping[int, Signed]) -> Report:
@@ -33,7 +33,7 @@ def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None, sig
     digest = results_digest(reader, run_id)
     address = at(f"/api/v1/runs/{run.id}/report")
     return Report(
-        id=f"CLR-{run.id}-{digest[:8]}",
+        id=numbers.printed(run.id, digest),
         run=run.id,
         name=run.name,
         campaign_name=run.campaign_name,

@@ -48,3 +48,5 @@ class ReportPage(Schema):
     next_cursor: str | None
     total: int
     """How many runs have ended, of those that match the search."""
+    note: str
+    """If the search names a report whose run has a report of another number by now: why. Otherwise empty."""

@@ -17,6 +17,7 @@ from markupsafe import Markup
 from backend.http.naming import named
 from backend.reports import attraction, charts, coverage, limits, sections, since, validated, words
 from backend.reports.kept import Kept, Page, key
+from backend.reports.numbers import printed
 from backend.reports.record import Record, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
@@ -92,7 +93,7 @@ def _context(record: Record) -> dict[str, object]:
     return {
         "run": run,
         "record": record,
-        "report": f"CLR-{run.id}-{record.digest[:8]}",
+        "report": printed(run.id, record.digest),
         "day": _DAY,
         "made": _MOMENT,
         "version": VERSION,
@@ -229,7 +230,7 @@ def _margins(record: Record) -> str:
     """Header and footer of every printed page; they contain no text written by users."""
     right = "" if record.run.verdict else '@top-right{content:"No verdict: no evidence for a safety case"}'
     return (
-        f'@page{{{right}@top-left{{content:"Verification report CLR-{record.run.id}-{record.digest[:8]}"}}'
+        f'@page{{{right}@top-left{{content:"Verification report {printed(record.run.id, record.digest)}"}}'
         f'@bottom-left{{content:"Clearance {VERSION}, results sha256 {record.digest[:16]}"}}}}'
     )
 

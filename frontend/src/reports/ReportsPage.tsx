@@ -43,7 +43,7 @@ export function ReportsPage() {
     )
   if (!query.data) return <Loading what="reports" title="Reports" failed={query.failureReason} />
   const items = query.data.pages.flatMap((page) => page.items)
-  const total = query.data.pages[0]?.total ?? items.length
+  const { total = items.length, note = '' } = query.data.pages[0] ?? {}
   return (
     <>
       <PageHead title="Reports" />
@@ -54,6 +54,11 @@ export function ReportsPage() {
             {count(total)} {total === 1 ? 'report' : 'reports'}
           </span>
         </div>
+      )}
+      {note && (
+        <p className="sec" role="status">
+          {note}
+        </p>
       )}
       <Card
         title="Safety-case reports"

@@ -8,9 +8,13 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.tables import Run
+from backend.db.digest import digest_before_0033, results_digest
+from backend.db.engine import read
+from backend.db.tables import Run, Stage
 from backend.reports import pdf
-from tests.given.finished_runs import finish
+from backend.reports.numbers import printed
+from tests.given.databases import KINDS
+from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
@@ -85,3 +89,43 @@ def test_pages_and_search(client: httpx.Client) -> None:
     assert ([item["run"] for item in found["items"]], found["total"]) == (["R-0004", "R-0002"], 2)
     assert listed(client, q="no such thing")["items"] == []
     problem(client.get("/api/v1/reports", params={"cursor": "x"}), 422)
+
+
+def test_a_report_is_found_by_its_number(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish_fully(service)
+    (item,) = listed(client)["items"]
+    for words in (item["id"], f"{item['id'].lower()} {item['name']}"):
+        found = listed(client, q=words)
+        assert ([one["run"] for one in found["items"]], found["note"]) == ([run], "")
+    found = listed(client, q="CLR-R-0999-01234567")
+    assert (found["items"], found["note"]) == ([], "")
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).values(worst_cost=99.0))
+    found = listed(client, q=item["id"])
+    (now,) = found["items"]
+    assert now["id"] != item["id"]
+    assert {item["id"], now["id"]} <= set(found["note"].replace(".", "").split())
+
+
+@pytest.mark.parametrize("database", KINDS, indirect=True)
+def test_a_report_is_found_by_its_number_of_before_the_lowest_value_of_every_stage(
+    service: Service, client: httpx.Client
+) -> None:
+    """As revision 0033 changes a run without a verdict; the results are those of the report."""
+    run = submit(client)
+    Work(service)
+    client.post(f"/api/v1/runs/{run}/cancel")
+    with service.engine.begin() as writer:
+        for kind, cost in {"search": 0.8, "nominal": 0.7}.items():
+            writer.execute(sa.update(Stage).where(Stage.kind == kind).values(best=cost))
+        writer.execute(sa.update(Run).values(worst_cost=0.8, state="cancelled"))
+        before = results_digest(writer, 1)
+        writer.execute(sa.update(Run).values(worst_cost=0.7))
+    with read(service.engine) as reader:
+        assert digest_before_0033(reader, 1) == before
+    found = listed(client, q=printed(run, before))
+    assert [one["run"] for one in found["items"]] == [run]
+    changed = listed(client, q=printed(run, "0" * 64))
+    assert changed["items"] == found["items"]
+    assert len({found["note"], changed["note"], ""}) == 3, "each says what it is"

@@ -6,6 +6,7 @@ function of each marginal (Nelsen, An Introduction to Copulas, 2006, section 2.3
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -110,13 +111,13 @@ def _scaled(r: Range, mean: float, deviation: float) -> tuple[float, float]:
 
 
 def _beyond(r: Range) -> float:
-    """The probability of a value outside the bounds."""
+    """The probability of a value outside the bounds; unlike SciPy's `ndtr`, also where it is below 2e-308."""
     if not isinstance(r.distribution, Normal):
         return 0.0
-    from scipy import special
-
-    mean, deviation = _scaled(r, r.distribution.mean, r.distribution.deviation)
-    return float(special.ndtr(-mean / deviation) + special.ndtr((mean - 1.0) / deviation))
+    mean, deviation = r.distribution.mean, r.distribution.deviation
+    return sum(
+        math.erfc(end / math.sqrt(2.0)) / 2.0 for end in ((mean - r.low) / deviation, (r.high - mean) / deviation)
+    )
 
 
 def _within(r: Range, normal: Floats, redrawn: bool) -> Floats:

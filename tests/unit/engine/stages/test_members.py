@@ -64,3 +64,38 @@ def test_a_point_that_both_sides_requested_is_found_by_both_and_counted_once(fir
     assert [(a.best, a.index) for a in found] == [(0.5, 3), (0.5, 3)]
     assert [a.member for a in found] == ["sqp", "turbo"]
     assert sum(a.evaluations for a in found) == len(POINTS)
+
+
+class _Counted(dict[bytes, set[str]]):
+    """A dictionary that counts in how many points it is asked for."""
+
+    lookups = 0
+
+    def get(self, key: bytes, default: object = None) -> object:  # type: ignore[override]
+        self.lookups += 1
+        return super().get(key, default)
+
+    def __contains__(self, key: object) -> bool:
+        self.lookups += 1
+        return super().__contains__(key)
+
+
+def test_rows_and_apart_read_every_evaluation_once_whatever_the_number_of_members() -> None:
+    names = ["sqp", "turbo", "cma_es", "direct", "genetic"]
+    points = np.random.default_rng(1).random((200, 1))
+    points[100:150] = points[:50]  # requested again, by the next member
+    requested = [names[(k + (k >= 100)) % 5] for k in range(200)]
+    members = listened(requested, points)
+    costs = np.random.default_rng(2).random(200)
+    status = np.where(np.arange(200) % 7, OK, OK + 1).astype(np.uint8)
+    every = Columns(points, costs[:, None], status, np.zeros(200), {})
+    members.others = _Counted(members.others)
+    rows = members.rows(every, methods())
+    assert members.others.lookups == 200
+    members.apart(every, methods(), names[1:])
+    assert members.others.lookups == 400
+    for row in rows:
+        keys = {points[k].tobytes() for k in range(200) if requested[k] == row.member}
+        ok = [costs[k] for k in range(200) if points[k].tobytes() in keys and status[k] == OK]
+        assert row.best == min(ok)
+        assert row.evaluations == sum(members.owner[point.tobytes()] == row.member for point in points)

@@ -53,13 +53,13 @@ class Members:
         """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
         if not self.owner:
             return []
-        names = self._names(columns)
+        requests = self._requests(columns)
         ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
         before = np.r_[np.inf, np.minimum.accumulate(ranked)[:-1]]
         rows = []
-        for member in dict.fromkeys(names):
-            mine = np.array([name == member for name in names])
-            best = float(ranked[mine | self._also(columns, [member])].min())
+        for member in requests.names:
+            mine = requests.first([member])
+            best = float(ranked[requests.all(mine, [member])].min())
             known = methods.get(member)
             rows.append(
                 Member(
@@ -85,18 +85,19 @@ class Members:
         have a value, and none if that is one part only. What a part requested it found, whoever requested it before."""
         if not self.owner or not alone:
             return []
-        names = np.array(self._names(columns))
+        requests = self._requests(columns)
         ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
-        together = sorted({*names.tolist(), *chain(*self.others.values())} - {*alone})
+        together = sorted({*requests.names, *chain(*self.others.values())} - {*alone})
         found = []
         for part in (together, *([name] for name in alone)):
-            own = np.isin(names, part)
-            mine = own | self._also(columns, part)
+            own = requests.first(part)
+            mine = requests.all(own, part)
             if not np.isfinite(ranked[mine]).any():
                 continue
             low = int(np.flatnonzero(mine)[np.argmin(ranked[mine])])
-            others = self.others.get(columns.points[low].tobytes(), ())
-            known = methods.get(names[low] if own[low] else next(name for name in part if name in others))
+            others = requests.later.get(low, ())
+            name = requests.names[requests.index[low]] if own[low] else next(name for name in part if name in others)
+            known = methods.get(name)
             if known is None:  # a method of its own that did not say who requested the point
                 continue
             found.append(
@@ -111,11 +112,32 @@ class Members:
             )
         return found if len(found) > 1 else []
 
-    def _names(self, columns: Columns) -> list[str]:
-        return [self.owner.get(point.tobytes(), "") for point in columns.points]
+    def _requests(self, columns: Columns) -> _Requests:
+        keys = [point.tobytes() for point in columns.points]
+        order: dict[str, int] = {}
+        index = [order.setdefault(self.owner.get(key, ""), len(order)) for key in keys]
+        later = {row: self.others[key] for row, key in enumerate(keys) if key in self.others}
+        return _Requests(list(order), np.array(index, dtype=np.int64), later)
 
-    def _also(self, columns: Columns, part: Collection[str]) -> NDArray[np.bool_]:
-        """Which evaluations one of these members requested after another one."""
-        if not self.others:
-            return np.zeros(len(columns.points), dtype=bool)
-        return np.array([not self.others.get(point.tobytes(), set()).isdisjoint(part) for point in columns.points])
+
+@dataclass(frozen=True)
+class _Requests:
+    """Who requested each of some evaluations: names: the members that were the first, in their order; index (m,): which
+    of them each has; later: by row, those that requested it after another one.
+
+    Made in one pass: with two for every member, a million evaluations of five took 1.5 s in place of 0.6 s.
+    """
+
+    names: list[str]
+    index: NDArray[np.int64]
+    later: Mapping[int, Collection[str]]
+
+    def first(self, part: Collection[str]) -> NDArray[np.bool_]:
+        """Which evaluations one of these members requested first."""
+        return np.isin(self.index, [k for k, name in enumerate(self.names) if name in part])
+
+    def all(self, first: NDArray[np.bool_], part: Collection[str]) -> NDArray[np.bool_]:
+        """These, and those that one of the members requested after another one."""
+        found = first.copy()
+        found[[row for row, names in self.later.items() if any(name in names for name in part)]] = True
+        return found

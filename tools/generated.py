@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from backend import openapi
 from campaigns.rules import LIMITS, RULES
-from tools import image_packages
+from tools import bench_tables, image_packages
 from worker.engine.search.base import Method
 from worker.evidence.audit.trusted import TRUSTED
 from worker.running.catalogue.installed import methods
@@ -108,6 +108,9 @@ TABLES: Mapping[str, Callable[[], str]] = {
     "trusted": _table_of_trusted,
     "methods": table_of_methods,
     "methods without more": methods_without_more,
+    "small budgets": lambda: _table(*bench_tables.small_budgets()),
+    "rare": lambda: _table(*bench_tables.rare()),
+    "subset": bench_tables.subset,
     "checks": _table_of_checks,
     "limits": _table_of_limits,
 }

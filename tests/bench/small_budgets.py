@@ -3,6 +3,7 @@
 `python -m tests.bench.small_budgets [METHOD ...]` prints this table alone, of all or of the given methods; `--seeds N`
 takes N seeds from `--first-seed` on, `--processes N` as many processes, and `--functions` names another set: those on
 which constants are set (`tuning`, `valleys`), and those on which a choice is checked before it is judged (`check`).
+`--keep` keeps the figures for the table of the guide (`tests.bench.figures`).
 
 A score of 1 means that the minimum was found, 0 that the result is the median of as many random points as the smallest
 budget: score = 1 - log(1 + gap / tolerance) / log(1 + gap of random points / tolerance), clipped at 0, with the
@@ -21,6 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tests.bench import figures
 from tests.bench.scoreboard.searches import Trace, own_trace
 from tests.given.small_budget_functions import JUDGED, Judged
 from tests.given.small_budget_tuning import TUNING
@@ -179,12 +181,18 @@ def main() -> None:
     add_arguments(given, SEEDS)
     given.add_argument("--first-seed", type=int, help="by default that of the set")
     given.add_argument("--functions", choices=SETS, default="judged", help="which set")
+    given.add_argument("--keep", action="store_true", help="keep the figures for the table of the guide")
     asked = checked(given)
     if asked.first_seed is not None and asked.first_seed < 0:
         given.error(f"first seed {asked.first_seed}: give 0 or more")
+    if asked.keep and (asked.functions, asked.first_seed, asked.seeds) != ("judged", None, SEEDS):
+        given.error("the guide has the functions that judge, with the seeds of this bench: leave the other options out")
     os.environ["OMP_NUM_THREADS"] = "1"
     with get_context("spawn").Pool(asked.processes) as pool:
-        print("\n".join(markdown(measured(pool, asked.method, asked.seeds, asked.functions, asked.first_seed))))
+        found = measured(pool, asked.method, asked.seeds, asked.functions, asked.first_seed)
+    print("\n".join(markdown(found)))
+    if asked.keep:
+        figures.keep_small_budgets(found)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 
 Constants are set on the half `setting` (`--half setting`); the half `judging` judges, with other seeds. `--seeds N`
 takes N seeds per run, `--references` computes the probabilities of the public problems again, `--loops` compares with
-plain samples of closed loops, `--whole` begins with a search, `--subset` compares with subset simulation.
+plain samples of closed loops, `--whole` begins with a search, `--subset` compares with subset simulation. `--keep`
+keeps the figures of the judging half for the guide (`tests.bench.figures`).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from tests.bench import figures as kept
 from tests.bench.rare import loops, subset, whole
 from tests.bench.rare.generated import PROBLEMS, generated
 from tests.bench.rare.judge import Outcome, figures, outcomes
@@ -36,6 +38,7 @@ def main(arguments: Sequence[str] | None = None, build: Path = Path("build")) ->
     given.add_argument("--loops", action="store_true")
     given.add_argument("--whole", action="store_true")
     given.add_argument("--subset", action="store_true")
+    given.add_argument("--keep", action="store_true")
     asked = given.parse_args(arguments)
     if asked.references:
         return references()
@@ -43,12 +46,17 @@ def main(arguments: Sequence[str] | None = None, build: Path = Path("build")) ->
         return {"loops": loops.measured()}
     if asked.whole or asked.subset:
         compare = whole.measured if asked.whole else subset.measured
-        return {half: compare(*chosen(half, asked.seeds)) for half in asked.half or [*SEEDS]}
+        compared = {half: compare(*chosen(half, asked.seeds)) for half in asked.half or [*SEEDS]}
+        if asked.keep and "judging" in compared:
+            kept.keep_rare("whole" if asked.whole else "subset", asked.seeds, compared["judging"])
+        return compared
     began, halves = time.perf_counter(), {}
     for half in asked.half or [*SEEDS]:
         runs = measured(half, asked.seeds)
         halves[half] = {name: figures(of) for name, of in parts(runs).items()}
         report(half, runs, halves[half])
+        if asked.keep and half == "judging":
+            kept.keep_rare("judging", asked.seeds, halves[half]["all"])
     result = {"seeds": asked.seeds, "seconds": time.perf_counter() - began, "halves": halves}
     build.mkdir(exist_ok=True)
     (build / "rare.json").write_text(json.dumps(result, indent=2), encoding="utf-8")

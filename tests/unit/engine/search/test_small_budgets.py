@@ -3,15 +3,18 @@ function of another."""
 
 from __future__ import annotations
 
+import json
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.bench import small_budgets
+from tests.bench import figures, small_budgets
 from tests.given.small_budget_functions import JUDGED
 from tests.given.small_budget_tuning import TUNING
 from tests.given.small_budget_valleys import VALLEYS, Landscape
+from worker.running.catalogue.installed import methods
 
 SETS = (JUDGED, TUNING, *VALLEYS)
 LANDSCAPES = [f for half in VALLEYS for f in half.values()]
@@ -60,3 +63,31 @@ def test_every_set_is_printed(functions: str) -> None:
     last = small_budgets.markdown(found)[-1]
     assert last.startswith("| DIRECT | **0.10** | ")
     assert ("25 %" in last) == bool(small_budgets.SETS[functions].failing)
+
+
+def test_the_figures_of_some_methods_are_kept_next_to_those_of_the_others(tmp_path: Path) -> None:
+    row = {group: [0.12345, 0.2, 0.3] for group in small_budgets.GROUPS} | {"failed of half fails": 0.25}
+    found = {"functions": "judged", "problems": 10, "seeds": 15, "first_seed": 1000}
+    figures.keep_small_budgets(found | {"methods": {"sqp": row, "direct": row}}, tmp_path)
+    figures.keep_small_budgets(found | {"methods": {"auto": row, "sqp": row | {"failed of half fails": 0.5}}}, tmp_path)
+    kept = json.loads((tmp_path / "small_budgets.json").read_text(encoding="utf-8"))["methods"]
+    assert [*kept] == ["auto", "direct", "sqp"]
+    assert [one["failed"] for one in kept.values()] == [0.25, 0.25, 0.5]
+    assert kept["direct"]["many valleys"] == [0.1235, 0.2, 0.3]
+    assert {name: one["code"] for name, one in kept.items()} == figures.small_budgets_code(kept)
+    with pytest.raises(ValueError, match="15 seeds"):
+        figures.keep_small_budgets(found | {"seeds": 3, "methods": {"auto": row}}, tmp_path)
+
+
+def test_the_guide_has_every_method() -> None:
+    kept = figures.read("small_budgets")
+    assert {*kept["methods"]} == {m.name for m in methods().values() if m.kind != "multi"}
+    assert (kept["problems"], kept["seeds"]) == (len(JUDGED), small_budgets.SEEDS)
+
+
+@pytest.mark.nightly  # by day an edit of a method need not wait for its figures
+def test_the_code_is_that_which_the_figures_of_the_guide_are_of() -> None:
+    kept = figures.read("small_budgets")["methods"]
+    now = figures.small_budgets_code(kept)
+    changed = [name for name, one in kept.items() if one["code"] != now[name]]
+    assert not changed, f"run `python -m tests.bench.small_budgets --keep {' '.join(changed)}`"

@@ -8,9 +8,6 @@ every draw is one call. A full grid, if requested, supports no claim beyond its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 
 from campaigns.asked.problem import Problem as Wrong
@@ -29,7 +26,7 @@ from campaigns.stages.certify import CertifyResult
 from campaigns.stored.blocks import Counted, Scale
 from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
-from worker.engine.search.base import Batch, Ended, Floats
+from worker.engine.search.base import Batch, Ended
 from worker.engine.stages.parts import claims, noise
 from worker.engine.stages.parts.base import all_columns, drive
 from worker.engine.stages.parts.context import Asking, Context, Seeded, Through
@@ -47,37 +44,31 @@ STREAM = 2**21
 BLOCK = 4096
 
 
-@dataclass
-class _Drawn:
-    draws: int = 0
-    evaluated: int = 0
-
-
 def run(context: Context, position: int) -> Outcome[CertifyResult]:
     """Draw and simulate the sample, then the grid."""
     problem, request = context.problem, context.campaign.stages.certify
     assert request is not None
     if request.keep == "lowest":
         return _counted(context, position, request)
-    drawn = _Drawn()
     grid = 0 if request.grid is None else request.grid.points**problem.dimension
     seed = context.sample_seed
     single = slotted(problem.system).single() if noise.noisy(context) else None
-    searching = _search(problem, request, seed.value, drawn, single)
+    searching = _search(problem, request, seed.value, single)
     driven = drive(context, position, searching, DRAWS * request.samples + grid + 1)
     assert driven.columns is not None
     own = problem.realisations.random
     kind = DRAWN if own else Noise.of_calls(context, single=True)
-    rows = some(driven.columns, 0, drawn.draws)
+    tally = driven.tally
+    draws = tally.evaluations - grid
+    rows = some(driven.columns, 0, draws)
     sample = Sample.of(rows, problem, context.campaign.confidence, kind, certifying(seed))
     stated, statement = _whole(sample, context, request)
-    tally = driven.tally
     result = CertifyResult(
         sample=stated,
-        grid=_grid(context, request.grid.points, driven.columns, drawn.draws) if request.grid is not None else None,
+        grid=_grid(context, request.grid.points, driven.columns, draws) if request.grid is not None else None,
         seed=seed.value,
         drawn_at_launch=not seed.stated,
-        drawn_realisations=drawn.draws if own else 0,
+        drawn_realisations=draws if own else 0,
         evaluations=tally.evaluations,
         failed=tally.failed,
         excluded=tally.excluded,
@@ -196,32 +187,27 @@ def _blocks(found: Counted, threshold: float) -> Blocks:
     )
 
 
-def _search(problem: Problem, request: Certify, seed: int, drawn: _Drawn, single: System | None) -> Asking[str]:
-    random = stream(seed, STREAM)
+def _search(problem: Problem, request: Certify, seed: int, single: System | None) -> Asking[str]:
+    random, drawn, evaluated = stream(seed, STREAM), 0, 0
     most = DRAWS * request.samples
-    while drawn.evaluated < request.samples and drawn.draws < most:
-        draws = min(BLOCK, request.samples - drawn.evaluated, most - drawn.draws)
+    while evaluated < request.samples and drawn < most:
+        draws = min(BLOCK, request.samples - evaluated, most - drawn)
         drawn_points = problem.quantile(random.random((draws, problem.dimension)))
-        own = of_draws(seed, drawn.draws, draws) if problem.realisations.random else None
+        own = of_draws(seed, drawn, draws) if problem.realisations.random else None
         if single is not None:
             batch: Batch = yield Through(drawn_points, single)
         else:
             batch = yield drawn_points if own is None else Seeded(drawn_points, own)
-        drawn.draws += draws
-        drawn.evaluated += int(np.count_nonzero(batch.status != EXCLUDED))
+        drawn += draws
+        evaluated += int(np.count_nonzero(batch.status != EXCLUDED))
     if request.grid is None:
-        return Ended("drawn", ends.SAMPLE, flights=drawn.evaluated)
+        return Ended("drawn", ends.SAMPLE, flights=evaluated)
     points = request.grid.points
     total = points**problem.dimension
     for first in range(0, total, BLOCK):
-        yield _of_grid(np.arange(first, min(first + BLOCK, total)), points, problem.dimension)
-    return Ended("drawn", ends.GRID, flights=drawn.evaluated, grid=total)
-
-
-def _of_grid(index: Any, points: int, dimension: int) -> Floats:
-    """Points of the full grid by index; the last parameter varies fastest."""
-    indices = np.stack(np.unravel_index(index, (points,) * dimension), axis=1)
-    return np.asarray(indices / (points - 1))
+        index = np.arange(first, min(first + BLOCK, total))
+        yield np.stack(np.unravel_index(index, (points,) * problem.dimension), axis=1) / (points - 1)
+    return Ended("drawn", ends.GRID, flights=evaluated, grid=total)
 
 
 def _grid(context: Context, points: int, columns: Columns, first: int) -> GridResult:

@@ -68,7 +68,7 @@ def test_a_search_that_ends_by_itself() -> None:
     evaluate, seen = Counting(), []
     made = context(evaluate)
     driven = drive(made, 0, in_batches([3, 5], seen), 100)
-    assert (driven.stop, driven.text) == ("rule", "asked for everything")
+    assert (driven.stop, driven.how.text) == ("rule", "asked for everything")
     assert (driven.tally.evaluations, driven.tally.best, driven.tally.best_index) == (8, 0.0, 0)
     assert [len(b.status) for b in seen] == [3, 5]
     assert seen[1].costs[:, 0].tolist() == [3.0, 4.0, 5.0, 6.0, 7.0]
@@ -82,7 +82,7 @@ def test_the_budget_is_used_exactly_and_never_exceeded(budget: int) -> None:
     evaluate = Counting()
     driven = drive(context(evaluate), 0, in_batches([3, 5, 10]), budget)
     assert evaluate.count == driven.tally.evaluations == budget
-    assert (driven.stop, driven.text) == ("budget", BUDGET.format(budget=budget))
+    assert (driven.stop, driven.how.text) == ("budget", BUDGET.format(budget=budget))
     assert driven.columns is not None
     assert driven.columns.points[:, 0].tolist() == list(range(budget))
 
@@ -236,7 +236,7 @@ def test_a_resumed_stage_evaluates_only_what_is_missing(count: int) -> None:
 
 def same(one: Driven, other: Driven) -> None:
     """Everything but the time is the same, bit for bit."""
-    assert (one.stop, one.text) == (other.stop, other.text)
+    assert one.how == other.how
     assert one.columns is not None
     assert other.columns is not None
     for k in (0, 1, 2):

@@ -349,7 +349,7 @@ def test_a_budget_that_ends_at_once_leaves_the_lowest_evaluation_as_the_finding(
 def test_without_any_cost_there_is_no_finding() -> None:
     _, found, driven = found_by(searching({"method": "direct", "evaluations": 100}), lambda x: np.full(len(x), np.nan))
     assert found.basins == []
-    assert driven.text == "no evaluation succeeded"
+    assert driven.how.text == "no evaluation succeeded"
 
 
 def test_a_spent_budget_retains_the_basins_found_and_is_reported() -> None:

@@ -114,8 +114,3 @@ class Driven:
     def stop(self) -> Literal["rule", "budget"]:
         """How the search ended: by its own rule or by the budget."""
         return self.how.kind
-
-    @property
-    def text(self) -> str:
-        """How the search ended, in words."""
-        return self.how.text

@@ -10,7 +10,6 @@ import time
 from collections.abc import Container
 
 import numpy as np
-from numpy.typing import NDArray
 
 from campaigns.results.base import EXCLUDED, OK, Stop
 from campaigns.stored.records import Ahead, Columns, join
@@ -98,21 +97,18 @@ class Driver:
         room = self.budget - self.tally.evaluations
         spent = len(points) >= room and len(points) > 0
         points = points[:room]
-        costs: list[Floats] = []
-        status: list[NDArray[np.uint8]] = []
+        ended: list[Columns] = []
         done = 0
         while done < len(points):
             if self.context.cancelled():
                 raise Cancelled
             piece = slice(done, done + self._piece())
             columns = self._stored(points[done:]) or self._flown(points[piece], None if seeds is None else seeds[piece])
-            costs.append(columns.costs)
-            status.append(columns.status)
+            ended.append(columns)
             done += len(columns.status)
-        batch = Batch(np.empty((0, 1)), np.empty(0, dtype=np.uint8))
-        if costs:
-            batch = Batch(np.concatenate(costs), np.concatenate(status))
-        return batch, spent
+        if (all_ended := join(ended)) is None:
+            return Batch(np.empty((0, 1)), np.empty(0, dtype=np.uint8)), spent
+        return Batch(all_ended.costs, all_ended.status), spent
 
     def _stored(self, points: Floats) -> Columns | None:
         """The next evaluations as stored by an earlier attempt, if any are left."""

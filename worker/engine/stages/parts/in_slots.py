@@ -18,6 +18,7 @@ import numpy as np
 from campaigns.stored.records import Ahead, Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
+from worker.engine.stages.parts.context import ReplayMismatch
 from worker.engine.systems.base import Evaluated, Floats, Seeds, Slotted, System, slots
 
 LOOK_SECONDS = 0.2
@@ -31,30 +32,23 @@ class Row(NamedTuple):
     seconds: float
 
 
-class OtherPoint(Exception):
-    """A resumed stage requests another point than the one stored at this index."""
-
-    def __init__(self, index: int) -> None:
-        self.index = index
-        super().__init__(index)
-
-
 class InSlots:
     """Hands points to the slots of a system in the order of the requests, and collects what ends.
 
-    An evaluation is identified by its index in the stage. most: how many may be handed out at a time; now: the working
-    time of the stage [s]; stored, ahead: the evaluations of an earlier attempt.
+    An evaluation is identified by its index in the stage, which is at `position`. most: how many may be handed out at a
+    time; now: the working time of the stage [s]; stored, ahead: the evaluations of an earlier attempt.
     """
 
     def __init__(
         self,
         problem: Problem,
+        position: int,
         most: Callable[[], int],
         now: Callable[[], float],
         stored: Columns | None = None,
         ahead: Ahead | None = None,
     ) -> None:
-        self.problem, self.most, self.now = problem, most, now
+        self.problem, self.position, self.most, self.now = problem, position, most, now
         self.rows: list[Row | None] = []
         self.done = 0
         """Number of evaluations before the first that has not ended."""
@@ -72,7 +66,7 @@ class InSlots:
         self._prefix = 0 if stored is None else len(stored.status)
 
     def ask(self, points: Floats, seeds: Seeds | None = None, through: System | None = None) -> range:
-        """Request points (m, n), each under its own seed if given; their indices. Raises `OtherPoint`.
+        """Request points (m, n), each under its own seed if given; their indices; or `ReplayMismatch`.
 
         through: the form of the system that evaluates them, which is used only until they have ended.
         """
@@ -89,7 +83,7 @@ class InSlots:
                 continue
             before, row = known
             if not np.array_equal(before, point):
-                raise OtherPoint(first + k)
+                raise ReplayMismatch(self.position, first + k)
             self.rows.append(row)
         self._hand_out()
         return range(first, len(self.rows))

@@ -53,7 +53,7 @@ class Ordered:
         if high - low == math.inf:
             return Histogram(edges=[low, high], counts=[size])
         try:
-            counts, edges = np.histogram(self.costs, bins=_parts(size))
+            counts, edges = np.histogram(self.costs, bins=min(PARTS[1], max(PARTS[0], int(np.sqrt(size)))))
         except ValueError:  # they differ by rounding, which no bin can divide
             around = max(0.5, 4 * float(np.spacing(abs(high))))
             return Histogram(edges=[low - around, high + around], counts=[size])
@@ -127,7 +127,3 @@ class Binned:
 
 Shape = Ordered | Binned
 """The costs of the evaluations that have one."""
-
-
-def _parts(size: int) -> int:
-    return min(PARTS[1], max(PARTS[0], int(np.sqrt(size))))

@@ -11,7 +11,7 @@ from campaigns.stored.records import Ahead, Columns
 from worker.engine.search.base import Batch, Several
 from worker.engine.stages.parts.context import Cancelled, Context, Driven, ReplayMismatch, Request, Seeded, Through
 from worker.engine.stages.parts.driver import Driver, keys_of, unknown
-from worker.engine.stages.parts.in_slots import InSlots, OtherPoint
+from worker.engine.stages.parts.in_slots import InSlots
 from worker.engine.systems.base import Floats, Seeds, System
 
 
@@ -21,7 +21,7 @@ class SlotDriver(Driver):
     def __init__(self, context: Context, position: int, budget: int, repeats: bool) -> None:
         super().__init__(context, position, budget, repeats)
         ahead = context.store.ahead(position)
-        self.slots = InSlots(context.problem, self._piece, self._seconds, self.stored, ahead)
+        self.slots = InSlots(context.problem, position, self._piece, self._seconds, self.stored, ahead)
         self.offset = self.slots.last
         self.places: dict[bytes, int] | None = {} if repeats else None
         """The index of each point that was requested, where a search may request it again."""
@@ -34,10 +34,9 @@ class SlotDriver(Driver):
             return self._first_of(request)
         if isinstance(request, Through):
             indices, spent = self._ask(request.points, None, request.system)
-            self._until_ended(indices)
-            return self.slots.batch(indices), spent
-        points, seeds = request if isinstance(request, Seeded) else (request, None)
-        indices, spent = self._indices(points, seeds)
+        else:
+            points, seeds = request if isinstance(request, Seeded) else (request, None)
+            indices, spent = self._indices(points, seeds)
         self._until_ended(indices)
         return self.slots.batch(indices), spent
 
@@ -83,11 +82,7 @@ class SlotDriver(Driver):
         """Request points as far as the budget goes: their indices, and whether it is used up by them."""
         room = self.budget - len(self.slots.rows)
         spent = len(points) >= room and len(points) > 0
-        try:
-            indices = self.slots.ask(points[:room], None if seeds is None else seeds[:room], through)
-        except OtherPoint as other:
-            raise ReplayMismatch(self.position, other.index) from None
-        return list(indices), spent
+        return list(self.slots.ask(points[:room], None if seeds is None else seeds[:room], through)), spent
 
     def _until_ended(self, indices: Sequence[int]) -> None:
         for index in indices:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.results import StageResult, TraceHead
+from campaigns.results.base import OK
 from campaigns.results.trace import TraceColumn
 from campaigns.runs import StageState
 from campaigns.stages.found import StageKind
@@ -33,6 +34,10 @@ class Columns(NamedTuple):
     status: NDArray[np.uint8]
     seconds: Floats
     reasons: dict[int, str]
+
+    def ranked(self) -> Floats:
+        """The first criterion's costs (m,) with infinity where not ok: for comparisons only, it is not a value."""
+        return np.where(self.status == OK, self.costs[:, 0], np.inf)
 
 
 class Ahead(NamedTuple):

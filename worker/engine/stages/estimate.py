@@ -7,7 +7,6 @@ evaluations, so a stage that was stopped continues with the same points (`worker
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -43,26 +42,22 @@ ENDED = "drew {draws} weighted samples"
 NOTHING = "estimated nothing"
 
 
-@dataclass
-class _Made:
-    outcome: Estimate | Refused = field(default_factory=lambda: Refused("no_violation"))
-
-
 def run(context: Context, position: int) -> Outcome[EstimateResult]:
     """Search for the modes, draw, and state what follows."""
     request, seed = context.campaign.stages.estimate, context.sample_seed
     assert request is not None
     points, origins = _violations(context, position, request.evaluations)
-    made, outside = _Made(), context.problem.distributions.outside
+    made, outside = list[Estimate | Refused](), context.problem.distributions.outside
     driven = drive(context, position, _search(context, points, request.evaluations, made), request.evaluations + 1)
     empty = EstimateResult(
         confidence=context.campaign.confidence, outside=outside, seed=seed.value, drawn_at_launch=not seed.stated
     )
-    if isinstance(made.outcome, Refused):
-        return Outcome(_refused(context, made.outcome, request.evaluations, empty))
+    outcome = made[0] if made else Refused("no_violation")
+    if isinstance(outcome, Refused):
+        return Outcome(_refused(context, outcome, request.evaluations, empty))
     assert driven.columns is not None
-    modes = [_mode(context.problem, mode, origins) for mode in made.outcome.modes]
-    return Outcome(_estimated(made.outcome, modes, driven.columns, request.evaluations, empty))
+    modes = [_mode(context.problem, mode, origins) for mode in outcome.modes]
+    return Outcome(_estimated(outcome, modes, driven.columns, request.evaluations, empty))
 
 
 def _violations(context: Context, position: int, budget: int) -> tuple[Floats, list[Origin]]:
@@ -79,7 +74,9 @@ def _violations(context: Context, position: int, budget: int) -> tuple[Floats, l
     return np.concatenate(points)[rows], [origins[row] for row in rows]
 
 
-def _search(context: Context, points: Floats, budget: int, made: _Made) -> Generator[Floats, Batch, str]:
+def _search(
+    context: Context, points: Floats, budget: int, made: list[Estimate | Refused]
+) -> Generator[Floats, Batch, str]:
     """The estimate, with its requests as points of the unit cube."""
     problem, random = context.problem, stream(context.sample_seed.value, STREAM)
     if noise.noisy(context) or not len(points):
@@ -95,8 +92,9 @@ def _search(context: Context, points: Floats, budget: int, made: _Made) -> Gener
             batch = yield _cube(problem, asked)
             asked = searching.send(batch)
     except StopIteration as stopped:
-        made.outcome = stopped.value
-    return NOTHING if isinstance(made.outcome, Refused) else Ended("drawn", ENDED, draws=made.outcome.drawn)
+        outcome: Estimate | Refused = stopped.value
+    made.append(outcome)
+    return NOTHING if isinstance(outcome, Refused) else Ended("drawn", ENDED, draws=outcome.drawn)
 
 
 def _cube(problem: Problem, normal: Floats) -> Floats:

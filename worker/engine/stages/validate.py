@@ -24,12 +24,13 @@ from campaigns.stored.records import Trace
 from worker.engine.stages.parts import findings, incumbents, modes, noise, offered, seeds
 from worker.engine.stages.parts.base import all_columns, drive
 from worker.engine.stages.parts.comparison import compare, reached
-from worker.engine.stages.parts.confirm import Case, cases
+from worker.engine.stages.parts.confirm import cases
 from worker.engine.stages.parts.context import Context, Driven
 from worker.engine.stages.parts.encounter import encounter
 from worker.engine.stages.parts.falls import Fall, not_compared
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.outcome import Outcome, Stage
+from worker.engine.stages.parts.repeated import Case
 from worker.engine.stages.parts.traced import traced
 from worker.engine.systems.base import Floats
 
@@ -55,7 +56,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     basins = [labels[id(f)] for f in polished]
     shown = [_labelled(f, labels[id(f)]) for f in order]
     flies = context.campaign.scenario is not None
-    flights, untraced = _flights(context, shown) if flies else _traces(context, shown)
+    flights, untraced = _flights(context, shown)
     named = tuple(_closest(f, t if flies else None) for f, t in zip(shown, flights, strict=True))
     nominal_flight = context.problem.system.trace("nominal", {}) if flies else None
     tolerance = context.campaign.stages.validate_.tolerance
@@ -73,19 +74,11 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         incumbents=best,
         untraced=untraced,
         spent=left.spent(),
-        since=_since(context, named, found, basins),
+        since=[_matching(context, case, named, found, basins) for case in _reevaluated(context)],
         basins=_basins(context, position, found),
         modes=modes.named(context, found.lines, named),
     )
     return Outcome(result, named, tuple(t for t in flights if t is not None))
-
-
-def _since(
-    context: Context, named: Sequence[Finding], found: findings.Found, labels: Sequence[str]
-) -> list[str | None]:
-    """The finding whose basin contains each case of the baseline; labels: those of the listed basins."""
-    distance = context.campaign.stages.findings.distance
-    return [_matching(case, named, found, labels, distance) for case in _reevaluated(context)]
 
 
 def _reevaluated(context: Context) -> list[Reevaluated]:
@@ -93,13 +86,13 @@ def _reevaluated(context: Context) -> list[Reevaluated]:
 
 
 def _matching(
-    case: Reevaluated, named: Sequence[Finding], found: findings.Found, labels: Sequence[str], distance: float
+    context: Context, case: Reevaluated, named: Sequence[Finding], found: findings.Found, labels: Sequence[str]
 ) -> str | None:
-    """The stored evaluation itself, one with the same noise at the same place, or the basin that its descent ended
-    in."""
+    """The finding whose basin contains a case of the baseline: the stored evaluation itself, one with the same noise at
+    the same place, or that of the basin that its descent ended in; labels: those of the listed basins."""
     if case.cost is None:
         return None
-    point = np.array(case.point)
+    point, distance = np.array(case.point), context.campaign.stages.findings.distance
     for finding in named:
         same = case.realisation == finding.realisation
         apart = float(np.abs(np.array(finding.point) - point).max())
@@ -138,17 +131,13 @@ def _downhill(context: Context, position: int, fall: Fall) -> Downhill | None:
     raise AssertionError(fall.violation)
 
 
-Traces = tuple[list[Trace | None], dict[str, str]]
-"""Of each finding, and by its label why a simulator gave none."""
-
-
-def _flights(context: Context, shown: Sequence[Finding]) -> Traces:
-    return [context.problem.system.trace(f.label, f.parameters, f.realisation) for f in shown], {}
-
-
-def _traces(context: Context, shown: Sequence[Finding]) -> Traces:
+def _flights(context: Context, shown: Sequence[Finding]) -> tuple[list[Trace | None], dict[str, str]]:
+    """The trace of each finding, and by its label why a simulator gave none."""
+    system = context.problem.system
+    if context.campaign.scenario is not None:
+        return [system.trace(f.label, f.parameters, f.realisation) for f in shown], {}
     exact = not noise.noisy(context)
-    found = [traced(context.problem.system, f.label, f.parameters, f.cost, exact) for f in shown]
+    found = [traced(system, f.label, f.parameters, f.cost, exact) for f in shown]
     return [trace for trace, _ in found], {f.label: why for f, (_, why) in zip(shown, found, strict=True) if why}
 
 
@@ -235,7 +224,7 @@ def _unrepresented(
 def _lowest_drawn(context: Context, positions: range) -> offered.Stored | None:
     found = []
     for at, columns, own in seeds.drawn(context, positions):
-        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        ranked = columns.ranked()
         row = int(np.argmin(ranked))
         if np.isfinite(ranked[row]):
             found.append(offered.Stored(at, row, columns.points[row].copy(), float(ranked[row]), int(own[row])))

@@ -38,7 +38,7 @@ from worker.engine.stages.parts.base import drive
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.falls import not_compared
 from worker.engine.stages.parts.left import Left
-from worker.engine.stages.validate import _since
+from worker.engine.stages.validate import _matching, _reevaluated
 from worker.evidence.audit import judge
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.runner import execute
@@ -81,6 +81,10 @@ def flat(points: Floats) -> Floats:
 def ran(made: Context) -> BaselineResult:
     made.results[1] = baseline.run(made, 1).result
     return made.results[1]
+
+
+def since(made: Context, found: findings.Found, labels: list[str]) -> list[str | None]:
+    return [_matching(made, case, [], found, labels) for case in _reevaluated(made)]
 
 
 def test_a_finding_is_evaluated_at_its_own_bits() -> None:
@@ -164,7 +168,7 @@ def test_every_case_is_followed_to_its_basin() -> None:
     assert not findings.settle(made, 2, found, Left(made.campaign, False, 0))
     labels = [f"F{i}" for i in range(1, len(found.basins) + 1)]
     where = {label: basin.point for label, basin in zip(labels, found.basins, strict=True)}
-    first, second, third = _since(made, [], found, labels)
+    first, second, third = since(made, found, labels)
     assert first is not None
     assert second is not None
     assert np.allclose(where[first], WELLS[0], atol=0.01)
@@ -192,7 +196,7 @@ def test_cases_are_followed_however_many_findings_are_listed(most: int) -> None:
     driven = drive(made, 2, findings.search(made, 2, found), allowed, repeats=True)
     assert not findings.settle(made, 2, found, Left(made.campaign, False, driven.tally.evaluations))
     labels = [f"F{i}" for i in range(1, len(found.basins) + 1)]
-    assert None not in _since(made, [], found, labels)
+    assert None not in since(made, found, labels)
     assert not any(not_compared(made, 2, found.falls, index) for index in range(len(cases)))
 
 

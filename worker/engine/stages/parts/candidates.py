@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.asked.allowance import STARTS, USUAL, per_finding, validation
-from campaigns.results.base import OK
 from campaigns.stored.records import Columns
 from worker.engine.search.parts.basin import Basin
 from worker.engine.search.parts.basins import LOOKED_AT, downhill, promising, spread
@@ -50,9 +49,8 @@ def gather(context: Context, position: int) -> tuple[list[Candidate], int]:
     best: list[Candidate] = []
     searched = context.searched
     for at, columns in seeds.stated(context, range(position)):
-        ranked = ranked_of(columns)
-        result = context.results.get(at)
-        known = result is not None and result.followed
+        ranked = columns.ranked()
+        known = context.results[at].followed
         rows = np.flatnonzero(np.isfinite(ranked)) if known else promising_rows(context, columns)
         mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at, followed=known) for i in map(int, rows)]
         best += mine if known else mine[:1]
@@ -71,7 +69,7 @@ def gather(context: Context, position: int) -> tuple[list[Candidate], int]:
 def promising_rows(context: Context, columns: Columns) -> NDArray[np.int64]:
     """Rows of a stage to descend from; where more findings are listed than usual, more of them, of which some are low
     although something lower is near."""
-    most, ranked = context.campaign.stages.findings.at_most, ranked_of(columns)
+    most, ranked = context.campaign.stages.findings.at_most, columns.ranked()
     rows = spread(columns.points, ranked, CELL)
     further = CELL if most > USUAL else np.inf
     return rows[promising(columns.points[rows], ranked[rows], per_finding(EACH, most), further)]
@@ -83,9 +81,9 @@ def walked(context: Context, position: int, candidates: Sequence[Candidate], sta
 
     Not the best of a stage, nor cases of the baseline: in which basin they are is a claim, shown by lines and descents.
     """
-    low = [(c, np.argsort(ranked_of(c), kind="stable")[:LOOKED_AT]) for _, c in seeds.stated(context, range(position))]
+    low = [(c, np.argsort(c.ranked(), kind="stable")[:LOOKED_AT]) for _, c in seeds.stated(context, range(position))]
     points = np.concatenate([np.empty((0, context.problem.dimension)), *(c.points[rows] for c, rows in low)])
-    ranked = np.concatenate([np.empty(0), *(ranked_of(c)[rows] for c, rows in low)])
+    ranked = np.concatenate([np.empty(0), *(c.ranked()[rows] for c, rows in low)])
     searched = context.searched.items()
     bests = {(at, part.best) for at, result in searched for part in result.apart}
     bests |= {(at, result.best.cost) for at, result in searched if result.best is not None}
@@ -97,8 +95,3 @@ def walked(context: Context, position: int, candidates: Sequence[Candidate], sta
             if downhill(moved, points, ranked, context.campaign.stages.findings.distance) > ALONE:
                 alone.add(i)
     return frozenset(alone)
-
-
-def ranked_of(columns: Columns) -> Floats:
-    """The costs (m,), infinity where there is none."""
-    return np.where(columns.status == OK, columns.costs[:, 0], np.inf)

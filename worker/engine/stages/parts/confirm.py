@@ -8,7 +8,6 @@ a floor taken from the scale of the threshold, because a fraction of 0 is 0.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,18 +17,8 @@ from campaigns.limits import ROUNDING, TOLERANCE_OF_MARGIN
 from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validation
 from worker.engine.stages.parts import noise, repeated
 from worker.engine.stages.parts.context import Cancelled, Context
+from worker.engine.stages.parts.repeated import Case
 from worker.engine.systems.base import Comparison, Confirmed, Floats
-
-
-@dataclass(frozen=True)
-class Case:
-    """A case to simulate again: a name, a point (n,), the stored cost, if any, and, if it drew its own noise, the
-    seed."""
-
-    name: str
-    point: Floats
-    cost: float | None
-    seed: int | None = None
 
 
 def cases(context: Context, subjects: Sequence[Case], calls: int | None = None) -> list[Validation]:
@@ -40,7 +29,7 @@ def cases(context: Context, subjects: Sequence[Case], calls: int | None = None) 
     if not subjects:
         return []
     if noise.noisy(context):
-        return repeated.cases(context, [(c.name, c.point, c.cost) for c in subjects], calls)
+        return repeated.cases(context, subjects, calls)
     found = context.problem.system.confirm(*_vectors_and_seeds(context, subjects), context.cancelled)
     if len(found) < len(subjects):
         raise Cancelled

@@ -161,7 +161,7 @@ class Driver:
         tally.failed += int(np.count_nonzero((columns.status != OK) & (columns.status != EXCLUDED)))
         tally.excluded += int(np.count_nonzero(columns.status == EXCLUDED))
         tally.seconds = self._seconds()
-        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        ranked = columns.ranked()
         row = int(np.argmin(ranked))
         if np.isfinite(ranked[row]) and (tally.best is None or ranked[row] < tally.best):
             tally.best, tally.best_index = float(ranked[row]), first + row

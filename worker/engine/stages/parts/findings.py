@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from worker.engine.search.parts.lowest import Lowest
 from worker.engine.search.parts.polish import Polish, crossed, explored, sharpened
 from worker.engine.stages.parts import modes, seeds
 from worker.engine.stages.parts.boundary import Around, after
-from worker.engine.stages.parts.candidates import Candidate, gather, promising_rows, ranked_of, walked
+from worker.engine.stages.parts.candidates import Candidate, gather, promising_rows, walked
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.falls import Falls, begun, fall
 from worker.engine.stages.parts.left import Left
@@ -36,6 +37,8 @@ FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
 ROUNDS = 20
 """The largest number of rounds in which lower evaluations become candidates."""
+
+T = TypeVar("T")
 
 Part = Generator[Floats, Batch, None]
 """A part of the search."""
@@ -117,33 +120,32 @@ def search(context: Context, position: int, found: Found) -> Search:
     A quarter of the allowance is reserved for the cases of the baseline that violate no more.
     """
     found.falls.cases = begun(context)
-    asking, waits = _search(context, position, found), bool(found.falls.cases)
-    try:
-        points = next(asking)
-        while True:
-            batch = yield points
-            found.see(points, batch, context)
-            if waits and found.seen.evaluations > 0.75 * validation(context.campaign, noisy(context)).stored:
-                waits = False
-                yield from _recorded(context, found, _fall(context, position, found))
-            points = asking.send(batch)
-    except StopIteration as end:
-        rule: str = end.value
-        return rule
-    finally:
-        asking.close()
+    waits = bool(found.falls.cases)
+
+    def reserved() -> Part:
+        nonlocal waits
+        if waits and found.seen.evaluations > 0.75 * validation(context.campaign, noisy(context)).stored:
+            waits = False
+            yield from _recorded(context, found, _fall(context, position, found))
+
+    return (yield from _recorded(context, found, _search(context, position, found), reserved))
 
 
-def _recorded(context: Context, found: Found, part: Generator[Floats, Batch, bool]) -> Part:
-    """A part whose evaluations are recorded in `found`."""
+def _recorded(
+    context: Context, found: Found, part: Generator[Floats, Batch, T], after: Callable[[], Part] | None = None
+) -> Generator[Floats, Batch, T]:
+    """A part whose evaluations are recorded in `found`, with another one after every batch."""
     try:
         points = next(part)
         while True:
             batch = yield points
             found.see(points, batch, context)
+            if after is not None:
+                yield from after()
             points = part.send(batch)
-    except StopIteration:
-        return
+    except StopIteration as end:
+        result: T = end.value
+        return result
     finally:
         part.close()
 
@@ -233,8 +235,7 @@ def scale(context: Context, worst: float) -> float:
 def _drawn(context: Context, position: int, found: Found) -> Part:
     """Points that drew their own noise, evaluated again under the campaign's realisations, as candidates."""
     for at, columns, _ in seeds.drawn(context, range(position)):
-        result = context.results.get(at)
-        known = result is not None and result.followed
+        known = context.results[at].followed
         points = columns.points[promising_rows(context, columns)]
         ranked = (yield points).ranked() if len(points) else np.empty(0)
         found.candidates += [
@@ -343,8 +344,8 @@ def _lower(context: Context, position: int, found: Found, settled: bool = False)
     if found.seen.point is not None:
         candidates.append(Candidate(found.seen.point, found.seen.cost, position))
     for at, columns in seeds.stated(context, range(position + settled)):
-        row = int(np.argmin(ranked_of(columns)))
-        candidates.append(Candidate(columns.points[row].copy(), float(ranked_of(columns)[row]), at))
+        row = int(np.argmin(columns.ranked()))
+        candidates.append(Candidate(columns.points[row].copy(), float(columns.ranked()[row]), at))
     low = min(candidates, key=lambda c: c.cost, default=None)
     return low if low is not None and low.cost < known else None
 

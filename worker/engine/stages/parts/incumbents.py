@@ -18,6 +18,7 @@ from worker.engine.stages.parts.base import all_columns
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.offered import Stored
+from worker.engine.stages.parts.repeated import Case
 
 Confirmed = tuple[Stored, Validation]
 
@@ -35,7 +36,7 @@ def called(context: Context, findings: Sequence[Finding]) -> list[Incumbent]:
         name = f"best of {result.title}"
         validation = known.get(tuple(stored.point.tolist()))
         if validation is None or validation.cost != stored.cost:
-            (validation,) = repeated.cases(context, [(name, stored.point, stored.cost)])
+            (validation,) = repeated.cases(context, [Case(name, stored.point, stored.cost)])
         found.append(
             Incumbent(
                 position=at,
@@ -62,7 +63,7 @@ def confirmed(context: Context, also: Sequence[Confirmed], left: Left) -> list[C
     """The lowest stored violation that one independent call confirmed, if further calls, by which it was not chosen,
     confirm it, too."""
     for stored, _ in also[: left.called_again(min(len(also), CALLED_AGAIN))]:
-        (validation,) = repeated.cases(context, [(stored.case.name, stored.point, stored.cost)])
+        (validation,) = repeated.cases(context, [stored.case])
         if validation.violates:
             return [(stored, validation)]
     return []

@@ -9,7 +9,6 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.results.base import OK
 from campaigns.results.search import Apart, Member
 from campaigns.stored.records import Columns
 from worker.engine.search.base import Method, Parallel, Several
@@ -54,7 +53,7 @@ class Members:
         if not self.owner:
             return []
         requests = self._requests(columns)
-        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        ranked = columns.ranked()
         before = np.r_[np.inf, np.minimum.accumulate(ranked)[:-1]]
         rows = []
         for member in requests.names:
@@ -76,7 +75,7 @@ class Members:
     def leading(self, columns: Columns) -> str | None:
         """The member that was the first to request the lowest evaluation; None if nobody announced it or none has a
         value."""
-        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        ranked = columns.ranked()
         low = columns.points[int(ranked.argmin())] if np.isfinite(ranked).any() else None
         return None if low is None else self.owner.get(low.tobytes())
 
@@ -86,7 +85,7 @@ class Members:
         if not self.owner or not alone:
             return []
         requests = self._requests(columns)
-        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        ranked = columns.ranked()
         together = sorted({*requests.names, *chain(*self.others.values())} - {*alone})
         found = []
         for part in (together, *([name] for name in alone)):

@@ -19,9 +19,10 @@ from campaigns.results.finding import Validation
 from campaigns.results.validate import Furthest, SpotChecks, StageCount, Violations
 from worker.engine.stages.parts import noise, seeds
 from worker.engine.stages.parts.base import all_columns
-from worker.engine.stages.parts.confirm import Case, cases, reference
+from worker.engine.stages.parts.confirm import cases, reference
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.left import Left
+from worker.engine.stages.parts.repeated import Case
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 

@@ -7,6 +7,7 @@ not count, because the search has selected it.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,14 +18,22 @@ from worker.engine.stages.parts import claims
 from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.systems.base import Floats, slotted
 
-Subject = tuple[str, Floats, float | None]
-"""A name, a point (n,), and the stored cost, if any."""
+
+@dataclass(frozen=True)
+class Case:
+    """A case to simulate again: a name, a point (n,), the stored cost, if any, and, if it drew its own noise, the
+    seed."""
+
+    name: str
+    point: Floats
+    cost: float | None
+    seed: int | None = None
 
 
-def cases(context: Context, subjects: Sequence[Subject], calls: int | None = None) -> list[Validation]:
+def cases(context: Context, subjects: Sequence[Case], calls: int | None = None) -> list[Validation]:
     """Every case by this many independent calls, or as many as the campaign states. Raises `Cancelled`."""
     many = context.campaign.stages.validate_.repeats if calls is None else calls
-    return [_case(context, *each, _called(context, each[1], many)) for each in subjects]
+    return [_case(context, case, *_called(context, case.point, many)) for case in subjects]
 
 
 def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold: float, confidence: float) -> Calls:
@@ -67,17 +76,15 @@ def _called(context: Context, point: Floats, many: int) -> tuple[list[float | No
     return values, reasons
 
 
-def _case(
-    context: Context, name: str, point: Floats, cost: float | None, called: tuple[list[float | None], list[str]]
-) -> Validation:
+def _case(context: Context, case: Case, values: list[float | None], reasons: list[str]) -> Validation:
     threshold = context.problem.threshold
-    repeats = of_values(*called, threshold, context.campaign.confidence)
+    repeats = of_values(values, reasons, threshold, context.campaign.confidence)
     violates = repeats.violating > 0
-    agrees = cost is not None and cost > threshold and not violates and not repeats.failed
+    agrees = case.cost is not None and case.cost > threshold and not violates and not repeats.failed
     return Validation(
-        name=name,
+        name=case.name,
         step=None,
-        cost=cost,
+        cost=case.cost,
         allowed=None,
         agrees=agrees,
         violates=violates,

@@ -71,26 +71,20 @@ class Parts:
 
 
 @dataclass(frozen=True)
-class Section:
-    """The position of a component's parameters in the flat vector, and their prefix in a campaign."""
-
-    prefix: str
-    fields: type
-    first: int
-    parameters: tuple[Declared, ...]
-
-    @property
-    def last(self) -> int:
-        return self.first + len(self.parameters)
-
-
-@dataclass(frozen=True)
 class Span:
     """The position of a component's parameters or derived constants in the extended vector."""
 
     fields: type
     first: int
     last: int
+
+
+@dataclass(frozen=True)
+class Section(Span):
+    """The position of a component's parameters, which come first in the vector, and their prefix in a campaign."""
+
+    prefix: str
+    parameters: tuple[Declared, ...]
 
 
 def sections(parts: Parts) -> tuple[Section, ...]:
@@ -103,7 +97,8 @@ def sections(parts: Parts) -> tuple[Section, ...]:
     named |= {prefix: fields[prefix] for prefix in last}
     found: list[Section] = []
     for prefix, own in named.items():
-        found.append(Section(prefix, own, found[-1].last if found else 0, declared(own)))
+        at, parameters = found[-1].last if found else 0, declared(own)
+        found.append(Section(own, at, at + len(parameters), prefix, parameters))
     return tuple(found)
 
 
@@ -119,7 +114,7 @@ def derivations(parts: Parts, flat: Sequence[Section]) -> Iterator[tuple[Section
 def spans(parts: Parts, flat: Sequence[Section]) -> dict[str, Span]:
     """The span that each component receives; trim and derived constants follow all parameters."""
     end = flat[-1].last
-    found = {s.prefix: Span(s.fields, s.first, s.last) for s in flat}
+    found: dict[str, Span] = {s.prefix: s for s in flat}
     if parts.vehicle.trim is not None:
         fields: Any = parts.vehicle.trim.fields
         found["trim"] = Span(fields, end, end + len(fields._fields))

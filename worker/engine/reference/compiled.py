@@ -42,27 +42,20 @@ def bound(loop: Loop, keep: bool = True) -> Function:
 
     Noise changes only where a stretch begins. Drawing it for every slope took a quarter of the slope's time.
     """
-    done: dict[int, Any] = {identity(kernel): _library(other) for kernel, other in LIBRARY.items()}
+    done: dict[int, Any] = {
+        identity(kernel): _inlined(other) if isinstance(other, FunctionType) else other
+        for kernel, other in LIBRARY.items()
+    }
     drawn, stored = _noise(loop, done)
     done |= stored if keep else {}
     slots = {name: rebuilt(loop.kernel(name), done, _inlined) for name in PARTS} | {"drawn": drawn}
-    counts = {"x": loop.n_state, "p": loop.size_extended + draws(loop), "g": loop.n_held}
     first, last = loop.channels.of["criterion"]
-    slots |= {
-        "N_X": counts["x"],
-        "N_P": loop.size_extended,
-        "N_D": draws(loop),
-        "N_G": counts["g"],
-        "N_Y": last - first,
-        "Y0": first,
-        "Y1": last,
-    }
-    slots["AHEAD"] = (0.0,) * first
-    slots |= {f"load_{letter}": lane_ops(rows, 1).load for letter, rows in counts.items()}
-    slots |= {"load_y": lane_ops(last - first, 1).load}
-    slots |= {f"store_{letter}": lane_ops(counts[letter], 1).store for letter in "xg"}
-    slots |= {"store_d": lane_ops(draws(loop), 1).store}
-    slots |= {"store_y": lane_ops(last - first, 1).store}
+    sizes = {"x": loop.n_state, "d": draws(loop), "g": loop.n_held, "y": last - first}
+    slots |= {f"N_{letter.upper()}": size for letter, size in sizes.items()}
+    slots |= {"N_P": loop.size_extended, "Y0": first, "Y1": last, "AHEAD": (0.0,) * first}
+    sizes["p"] = loop.size_extended + draws(loop)
+    slots |= {f"load_{letter}": lane_ops(sizes[letter], 1).load for letter in "xpgy"}
+    slots |= {f"store_{letter}": lane_ops(sizes[letter], 1).store for letter in "xdgy"}
     made = filled(closed.answer, slots)
     made.__qualname__ = f"{loop.parts.vehicle.name}_reference_{digest(made, STRICT)}"
     return made
@@ -95,10 +88,6 @@ def _separate(function: Function) -> Any:
 
 def _inlined(function: Function) -> Any:
     return linked(function, forceinline=True, **STRICT)
-
-
-def _library(function: Any) -> Any:
-    return _inlined(function) if isinstance(function, FunctionType) else function
 
 
 @intrinsic

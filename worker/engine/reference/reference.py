@@ -97,7 +97,7 @@ class Reference:
         return self._judged(found)
 
     def _fly(self, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
-        from worker.engine.reference import compiled
+        from worker.engine.reference import compiled, flight
         from worker.engine.reference.stepper import CHANNEL_ROWS, ROWS
 
         loop = self.flights.loop
@@ -106,16 +106,9 @@ class Reference:
         states, channels = np.zeros((ROWS, loop.n_state)), np.zeros((CHANNEL_ROWS, last - first))
         parameters = np.array((*p, *(0.0,) * (compiled.draws(loop) + loop.n_held)))
         where = stretches.instants, stretches.asks, stretches.before, stretches.patience
-        fly(system.address, *where, states, channels, parameters, self._control(p), found)
-
-    def _control(self, p: tuple[float, ...]) -> Floats:
-        """The state of the step control, with the longest interval between two looks at obstacles that turn this
-        fast."""
-        from worker.engine.reference import flight
-
         control = np.zeros(5)
         control[flight.LOOK] = max(self.flights.look(p), self.timetable.horizon / LOOKS)
-        return control
+        fly(system.address, *where, states, channels, parameters, control, found)
 
     def _judged(self, found: Floats) -> Flight:
         from worker.engine.reference import flight  # imported late: a campaign's process must start fast

@@ -16,11 +16,10 @@ gap = rho_0 and at v_RO = 0.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
-from worker.engine.components.avoiders import ge_cui
-from worker.engine.components.avoiders.potential_field_3d import first, steer
-from worker.engine.kernels.component import Avoider
+from worker.engine.components.avoiders import ge_cui, potential_field_3d
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.parameters import in_space
 from worker.engine.physics.fields import relative
@@ -42,15 +41,10 @@ def weigh(
     return moved(moved(force, across, away), inward, outward)
 
 
-component = Avoider(
+component = replace(
+    potential_field_3d.component,
     name="ge_cui_3d",
     title="Potential field for moving obstacles",
-    dimension=3,
-    demand="force",
     parameters=GeCui,
-    goal=Goal,
-    memory=0,
-    steer=steer,
     weigh=weigh,
-    first=first,
 )

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple
 
+from worker.engine.components.criteria.peak_bank import value
 from worker.engine.kernels.component import Criterion, Derived, Parameter
 from worker.engine.kernels.maths import kernel
 
@@ -63,11 +64,6 @@ def sample(t: float, q: Any, v: Any, x: Any, u: Any, pose: Any, p: Weights) -> t
     first = larger(abs(four[0]) * p.w_1, abs(four[1]) * p.w_2)
     second = larger(abs(four[2]) * p.w_3, abs(four[3]) * p.w_4)
     return (-larger(first, second),)
-
-
-@kernel
-def value(lowest: Any, p: Weights) -> float:
-    return -lowest[0]  # type: ignore[no-any-return]
 
 
 component = Criterion(

@@ -8,10 +8,11 @@ never gives way. Avoiders keep clear of its radius; `separation` measures distan
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.components.obstacles.orbiting_circle import Turning, derive
-from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach, extended
+from worker.engine.components.obstacles import orbiting_circle
+from worker.engine.kernels.component import Derived, ObstacleLook, Parameter, extended
 from worker.engine.kernels.maths import kernel, sincos
 from worker.engine.kernels.views import Body3
 from worker.engine.physics.space import Vector, ball
@@ -28,7 +29,7 @@ class OrbitingSphere(NamedTuple):
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 25.0
 
 
-Constants = extended("Constants", OrbitingSphere, Turning)
+Constants = extended("Constants", OrbitingSphere, orbiting_circle.Turning)
 
 
 @kernel
@@ -38,15 +39,13 @@ def body(t: float, o: tuple[()], q: Vector, p: Any) -> Body3:
     return ball(centre, (-p.speed * s, p.speed * c, p.climb), p.radius, q)
 
 
-component = Obstacle(
+component = replace(
+    orbiting_circle.component,
     name="orbiting_sphere",
     title="Sphere, circular path",
     dimension=3,
     parameters=OrbitingSphere,
     body=body,
-    moving=True,
-    derived=Derived(Constants, derive),
-    reach=Reach(("radius",)),
-    rate=Rate(("speed",), ("way",)),
+    derived=Derived(Constants, orbiting_circle.derive),
     look=ObstacleLook(shape="sphere", radius="radius", way="orbit"),
 )

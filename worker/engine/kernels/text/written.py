@@ -9,18 +9,7 @@ from __future__ import annotations
 import textwrap
 
 from worker.engine.kernels.layout import Parts
-from worker.engine.kernels.text.guidance import avoider_demand, avoider_demand_at, demand, guide, initial_guidance
-from worker.engine.kernels.text.loop import (
-    actuated,
-    extend,
-    initial,
-    judgement,
-    loop,
-    observation,
-    readings,
-    surroundings,
-)
-from worker.engine.kernels.text.perception import air_data, bodies, measurements
+from worker.engine.kernels.text import guidance, loop, perception
 from worker.engine.kernels.text.scenario import WIDTH, Scenario
 
 FUNCTIONS = {
@@ -53,8 +42,9 @@ FUNCTIONS = {
 
 
 WRITERS = (
-    *(extend, bodies, measurements, air_data, avoider_demand, avoider_demand_at, demand, guide, initial_guidance),
-    *(surroundings, actuated, readings, initial, loop, observation, judgement),
+    *(loop.extend, perception.bodies, perception.measurements, perception.air_data),
+    *(guidance.avoider_demand, guidance.avoider_demand_at, guidance.demand, guidance.guide, guidance.initial_guidance),
+    *(loop.surroundings, loop.actuated, loop.readings, loop.initial, loop.loop, loop.observation, loop.judgement),
 )
 
 

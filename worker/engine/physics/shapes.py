@@ -7,19 +7,7 @@ from __future__ import annotations
 
 import math
 
-from worker.engine.kernels.maths import kernel, norm2
-from worker.engine.kernels.views import Body
-
-Pair = tuple[float, float]
-
-
-@kernel
-def disc(centre: Pair, velocity: Pair, radius: float, q: Pair) -> Body:
-    """A circle as seen from q."""
-    x, y = q[0] - centre[0], q[1] - centre[1]
-    d = norm2(x, y)
-    near = 1.0 / (d + 1e-12)
-    return Body(centre[0], centre[1], velocity[0], velocity[1], radius, d - radius, x * near, y * near)
+from worker.engine.kernels.maths import kernel
 
 
 @kernel

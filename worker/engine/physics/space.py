@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 from worker.engine.kernels.maths import HALF_PI, atan2, kernel, sincos
-from worker.engine.kernels.views import Body3
 
 Vector = tuple[float, float, float]
 
@@ -89,12 +88,3 @@ def arcsine(x: float) -> float:
     inside = x if x < 1.0 else 1.0
     angle = atan2(inside, math.sqrt(1.0 - inside * inside))
     return (angle if x < 1.0 else HALF_PI) + 0.0 * x
-
-
-@kernel
-def ball(centre: Vector, velocity: Vector, radius: float, q: Vector) -> Body3:
-    """A sphere as seen from q."""
-    x, y, z = q[0] - centre[0], q[1] - centre[1], q[2] - centre[2]
-    d = norm3((x, y, z))
-    near = 1.0 / (d + 1e-12)
-    return Body3(*centre, *velocity, radius, d - radius, x * near, y * near, z * near)

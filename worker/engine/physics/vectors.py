@@ -11,8 +11,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Parameter
 from worker.engine.kernels.maths import kernel, norm2
 from worker.engine.kernels.views import Body, Body3
-from worker.engine.physics.shapes import disc
-from worker.engine.physics.space import ball, norm3
+from worker.engine.physics.space import norm3
 
 Vector = Any
 """A tuple of two or three numbers."""
@@ -125,6 +124,11 @@ def normal(body: Any, q: Vector) -> Vector:
 @kernel
 def round_body(centre: Vector, velocity: Vector, radius: float, q: Vector) -> Body | Body3:
     """A circle or a sphere as seen from q."""
+    away = difference(q, centre)
+    d = norm(away)
+    n = scaled(1.0 / (d + 1e-12), away)
     if len(q) == 2:
-        return disc(centre, velocity, radius, q)
-    return ball(centre, velocity, radius, q)
+        return Body(centre[0], centre[1], velocity[0], velocity[1], radius, d - radius, n[0], n[1])
+    x, y, z = centre
+    vx, vy, vz = velocity
+    return Body3(x, y, z, vx, vy, vz, radius, d - radius, n[0], n[1], n[2])

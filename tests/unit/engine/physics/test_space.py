@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from worker.engine.kernels.bind import plain
-from worker.engine.physics import space
+from worker.engine.physics import space, vectors
 
 RANDOM = np.random.default_rng(11)
 
@@ -59,5 +59,5 @@ class TestAttitude:
 
 
 def test_a_ball_is_seen_at_its_surface() -> None:
-    b = plain(space.ball)((1.0, 2.0, -3.0), (4.0, 5.0, 6.0), 2.0, (1.0, 6.0, 0.0))
+    b = plain(vectors.round_body)((1.0, 2.0, -3.0), (4.0, 5.0, 6.0), 2.0, (1.0, 6.0, 0.0))
     assert b == pytest.approx((1.0, 2.0, -3.0, 4.0, 5.0, 6.0, 2.0, 3.0, 0.0, 0.8, 0.6), abs=1e-11)

@@ -11,9 +11,9 @@ from typing import Annotated, NamedTuple
 
 from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach
 from worker.engine.kernels.maths import kernel
-from worker.engine.kernels.views import Body
+from worker.engine.kernels.views import Body, Body3
 from worker.engine.physics.paths import leg
-from worker.engine.physics.shapes import disc
+from worker.engine.physics.vectors import round_body
 
 
 class MovingCircle(NamedTuple):
@@ -45,7 +45,7 @@ def derive(p: MovingCircle, trim: object) -> tuple[float, ...]:
 
 
 @kernel
-def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
+def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body | Body3:
     moving = t < p.stop
     x = p.x + p.vx * t
     y = p.y + p.vy * t
@@ -53,7 +53,7 @@ def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
     y = y if moving else p.goal_y
     vx = p.vx if moving else 0.0
     vy = p.vy if moving else 0.0
-    return disc((x, y), (vx, vy), p.radius, q)
+    return round_body((x, y), (vx, vy), p.radius, q)
 
 
 component = Obstacle(

@@ -12,8 +12,9 @@ from typing import Annotated, NamedTuple
 
 from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach
 from worker.engine.kernels.maths import kernel
-from worker.engine.kernels.views import Body3
-from worker.engine.physics.space import Vector, ball, velocity_vector
+from worker.engine.kernels.views import Body, Body3
+from worker.engine.physics.space import Vector, velocity_vector
+from worker.engine.physics.vectors import round_body
 
 
 class MovingSphere(NamedTuple):
@@ -43,8 +44,8 @@ def derive(p: MovingSphere, trim: object) -> tuple[float, ...]:
 
 
 @kernel
-def body(t: float, o: tuple[()], q: Vector, p: Constants) -> Body3:
-    return ball((p.x + p.vx * t, p.y + p.vy * t, p.z + p.vz * t), (p.vx, p.vy, p.vz), p.radius, q)
+def body(t: float, o: tuple[()], q: Vector, p: Constants) -> Body | Body3:
+    return round_body((p.x + p.vx * t, p.y + p.vy * t, p.z + p.vz * t), (p.vx, p.vy, p.vz), p.radius, q)
 
 
 component = Obstacle(

@@ -11,8 +11,8 @@ from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Rate, Reach, extended
 from worker.engine.kernels.maths import kernel, sincos
-from worker.engine.kernels.views import Body
-from worker.engine.physics.shapes import disc
+from worker.engine.kernels.views import Body, Body3
+from worker.engine.physics.vectors import round_body
 
 
 class OrbitingCircle(NamedTuple):
@@ -37,9 +37,9 @@ def derive(p: Any, trim: object) -> tuple[float, ...]:
 
 
 @kernel
-def body(t: float, o: tuple[()], q: tuple[float, float], p: Any) -> Body:
+def body(t: float, o: tuple[()], q: tuple[float, float], p: Any) -> Body | Body3:
     s, c = sincos(p.phase + p.rate * t)
-    return disc((p.centre_x + p.way * c, p.centre_y + p.way * s), (-p.speed * s, p.speed * c), p.radius, q)
+    return round_body((p.centre_x + p.way * c, p.centre_y + p.way * s), (-p.speed * s, p.speed * c), p.radius, q)
 
 
 component = Obstacle(

@@ -14,8 +14,8 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.components.obstacles import orbiting_circle
 from worker.engine.kernels.component import Derived, ObstacleLook, Parameter, extended
 from worker.engine.kernels.maths import kernel, sincos
-from worker.engine.kernels.views import Body3
-from worker.engine.physics.space import Vector, ball
+from worker.engine.kernels.views import Body, Body3
+from worker.engine.physics.vectors import Vector, round_body
 
 
 class OrbitingSphere(NamedTuple):
@@ -33,10 +33,10 @@ Constants = extended("Constants", OrbitingSphere, orbiting_circle.Turning)
 
 
 @kernel
-def body(t: float, o: tuple[()], q: Vector, p: Any) -> Body3:
+def body(t: float, o: tuple[()], q: Vector, p: Any) -> Body | Body3:
     s, c = sincos(p.phase + p.rate * t)
     centre = (p.centre_x + p.way * c, p.centre_y + p.way * s, p.centre_z + p.climb * t)
-    return ball(centre, (-p.speed * s, p.speed * c, p.climb), p.radius, q)
+    return round_body(centre, (-p.speed * s, p.speed * c, p.climb), p.radius, q)
 
 
 component = replace(

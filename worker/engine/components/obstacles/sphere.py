@@ -11,15 +11,15 @@ from worker.engine.components.obstacles import circle
 from worker.engine.kernels.component import Obstacle, ObstacleLook, Reach
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.parameters import in_space
-from worker.engine.kernels.views import Body3
-from worker.engine.physics.space import Vector, ball
+from worker.engine.kernels.views import Body, Body3
+from worker.engine.physics.vectors import Vector, round_body
 
 Sphere = in_space(circle.Circle, radius=20.0)
 
 
 @kernel
-def body(t: float, o: tuple[()], q: Vector, p: Any) -> Body3:
-    return ball((p.position_x, p.position_y, p.position_z), (0.0, 0.0, 0.0), p.radius, q)
+def body(t: float, o: tuple[()], q: Vector, p: Any) -> Body | Body3:
+    return round_body((p.position_x, p.position_y, p.position_z), (0.0, 0.0, 0.0), p.radius, q)
 
 
 component = Obstacle(

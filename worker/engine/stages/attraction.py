@@ -66,7 +66,6 @@ def run(context: Context, position: int) -> Outcome[AttractionResult]:
 
 
 def _refused(empty: AttractionResult, why: NoAttractionWhy) -> AttractionResult:
-    """Why no region is stated, with its sentence."""
     statement = sentences.REASONS[why]
     none = NoAttraction(why=why, statement=statement)
     return empty.model_copy(update={"refused": none, "statement": sentences.refused(statement)})

@@ -105,7 +105,6 @@ def _cube(problem: Problem, normal: Floats) -> Floats:
 
 
 def _refused(context: Context, refused: Refused, budget: int, empty: EstimateResult) -> EstimateResult:
-    """Why there is no estimate, with its sentence."""
     n, noisy = context.problem.dimension, noise.noisy(context)
     why: NoEstimateWhy = "noise" if noisy else refused.why
     limit = 0 if noisy else refused.limit

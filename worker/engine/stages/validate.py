@@ -49,8 +49,9 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     everything = range(position + 1)
     violations, also = offered.violations(context, everything, left)
     best = incumbents.called(context, polished)
-    others = incumbents.violating(context, nominal, best) if noise.noisy(context) else []
-    others = [*others, *incumbents.confirmed(context, also, left)] if noise.noisy(context) else also
+    others = also
+    if noisy:
+        others = [*incumbents.violating(context, nominal, best), *incumbents.confirmed(context, also, left)]
     order = sorted([*polished, *_unrepresented(context, polished, others, everything)], key=lambda f: f.cost)
     labels = {id(f): f"F{number}" for number, f in enumerate(order, 1)}
     basins = [labels[id(f)] for f in polished]
@@ -142,7 +143,6 @@ def _flights(context: Context, shown: Sequence[Finding]) -> tuple[list[Trace | N
 
 
 def _closest(finding: Finding, flight: Trace | None) -> Finding:
-    """The finding with the closest approach of its trace, if there is one."""
     if flight is None:
         return finding
     return finding.model_copy(update={"closest": ClosestApproach.of(flight.meta.closest, len(flight.data))})

@@ -23,6 +23,7 @@ from fractions import Fraction
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.components.vehicles.pioneer_3dx import Constants as Robot
+from worker.engine.components.vehicles.unicycle import State
 from worker.engine.kernels.component import (
     AboutTrim,
     Controller,
@@ -57,7 +58,6 @@ class Turn(NamedTuple):
 
 
 Constants = extended("Constants", PiAntiWindup, Turn, Robot)
-State = tuple[float, float, float, float, float]
 Pair = tuple[float, float]
 
 

@@ -30,6 +30,7 @@ from collections.abc import Mapping
 from typing import Annotated, NamedTuple
 
 from worker.engine.components.vehicles import unicycle
+from worker.engine.components.vehicles.unicycle import GRAVITY, PER_CREEP, State
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import Derived, Parameter, Signal, Trim, Vehicle, VehicleLook
 from worker.engine.kernels.maths import clip, kernel, sincos
@@ -86,11 +87,6 @@ class Start(NamedTuple):
     psi: Annotated[float, Parameter("rad", "Start heading, from the x axis", -6.4, 6.4, symbol="ψ")] = 0.0
     u: Annotated[float, Parameter("m/s", "Start speed", -100.0, 100.0)] = 0.0
     omega: Annotated[float, Parameter("rad/s", "Start turn rate", -100.0, 100.0, symbol="ω")] = 0.0
-
-
-GRAVITY = 9.81
-PER_CREEP = 100.0
-State = tuple[float, float, float, float, float]
 
 
 @kernel

@@ -47,7 +47,6 @@ def reference(context: Context, subjects: Sequence[Case]) -> list[Comparison]:
 
 
 def _vectors_and_seeds(context: Context, subjects: Sequence[Case]) -> tuple[Floats, list[int | None]]:
-    """The vectors of these cases, and the seeds of those that drew their own noise."""
     return context.problem.vectors(np.array([case.point for case in subjects])), [case.seed for case in subjects]
 
 
@@ -97,7 +96,6 @@ def _against(stored: float | None, found: Confirmed, threshold: float) -> Confir
 
 
 def _stored(other: Comparison, difference: float | None) -> Any:
-    """A comparison as stored in a validation."""
     if other.kind == "half_step":
         return HalfStep(step=other.step or 0.0, cost=other.cost, difference=difference)
     kind = ReferenceCost if other.kind == "integrator" else Repeated

@@ -189,7 +189,6 @@ def _search(context: Context, position: int, found: Found) -> Search:
 
 
 def _room(context: Context, found: Found) -> int:
-    """The evaluations that are left of the allowance."""
     return validation(context.campaign, noisy(context)).stored - found.seen.evaluations
 
 

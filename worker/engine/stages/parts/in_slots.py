@@ -169,7 +169,6 @@ def _started(system: System, vector: Floats, seed: int | None) -> Future[Evaluat
 
 
 def _stored(stored: Columns | None, ahead: Ahead | None) -> list[tuple[int, tuple[Floats, Row]]]:
-    """The stored evaluations by index: point and row."""
     found = []
     parts = [] if stored is None else [(range(len(stored.status)), stored)]
     parts += [] if ahead is None else [(ahead.indices.tolist(), ahead.columns)]

@@ -36,23 +36,19 @@ def morris(
     box = _box(problem)
     points = np.asarray(sampling.sample(box, request.trajectories, num_levels=request.levels, seed=random))
     batch = yield points
-
-    def study(rows: list[MorrisRow] | None, statement: Spans) -> MorrisStudy:
-        counts = _counts(batch, confidence)
-        return MorrisStudy(
-            **counts, trajectories=request.trajectories, levels=request.levels, indices=rows, statement=statement
-        )
-
-    reason = _unusable(batch)
-    if reason is not None:
-        return study(None, reason)
+    empty = MorrisStudy(
+        **_counts(batch, confidence), trajectories=request.trajectories, levels=request.levels, indices=None
+    )
+    if reason := _unusable(batch):
+        return empty.model_copy(update={"statement": reason})
     values = batch.costs[:, 0]
     found = analysis.analyze(
         box, points, values, conf_level=confidence, num_levels=request.levels, seed=int(random.integers(2**31))
     )
     columns = {"mu": "mu", "mu_star": "mu_star", "mu_star_confidence": "mu_star_conf", "sigma": "sigma"}
     rows = [MorrisRow(path=path, **values) for path, values in _rows(problem, found, columns)]
-    return study(rows, sentences.effects(_leading(problem, {row.path: row.mu_star for row in rows})))
+    statement = sentences.effects(_leading(problem, {row.path: row.mu_star for row in rows}))
+    return empty.model_copy(update={"indices": rows, "statement": statement})
 
 
 def sobol(
@@ -68,25 +64,21 @@ def sobol(
     box = _box(problem)
     uniform = np.asarray(sampling.sample(box, request.samples, calc_second_order=False, seed=random))
     batch = yield problem.distributions.marginals(uniform)
-
-    def study(rows: list[SobolRow] | None, statement: Spans) -> SobolStudy:
-        return SobolStudy(**_counts(batch, confidence), samples=request.samples, indices=rows, statement=statement)
-
-    reason = _unusable(batch)
-    if reason is not None:
-        return study(None, reason)
+    empty = SobolStudy(**_counts(batch, confidence), samples=request.samples, indices=None)
+    if reason := _unusable(batch):
+        return empty.model_copy(update={"statement": reason})
     _, exponent = np.frexp(np.abs(batch.costs[:, 0]).max())
     values = np.ldexp(batch.costs[:, 0], -exponent)  # the indices are of no unit, and squares must be finite
-    reason = _no_variance(values, box["num_vars"])
-    if reason is not None:
-        return study(None, reason)
+    if reason := _no_variance(values, box["num_vars"]):
+        return empty.model_copy(update={"statement": reason})
     found = analysis.analyze(
         box, values, calc_second_order=False, conf_level=confidence, seed=int(random.integers(2**31))
     )
     columns = {"first": "S1", "first_confidence": "S1_conf", "total": "ST", "total_confidence": "ST_conf"}
     rows = [SobolRow(path=path, **values) for path, values in _rows(problem, found, columns)]
     leading = _leading(problem, {row.path: row.total for row in rows})
-    return study(rows, sentences.totals(leading, bool(problem.distributions.mixed)))
+    statement = sentences.totals(leading, bool(problem.distributions.mixed))
+    return empty.model_copy(update={"indices": rows, "statement": statement})
 
 
 class _Box(TypedDict):
@@ -144,6 +136,5 @@ def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[s
 
 
 def _leading(problem: Problem, values: dict[str, float | None]) -> list[tuple[Part, float]]:
-    """The three parameters of the largest values."""
     ordered = sorted(values.items(), key=lambda item: -(item[1] or 0.0))
     return [(problem.symbols[path], value or 0.0) for path, value in ordered[:3]]

@@ -106,7 +106,6 @@ class SlotDriver(Driver):
         self._flush_if_due()
 
     def _measure(self) -> None:
-        """The time of an evaluation, as the slots finish them."""
         ended, elapsed = self.slots.ended_here, time.perf_counter() - self.began
         if ended > self.taken:
             self.taken = ended

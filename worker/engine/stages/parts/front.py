@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns import thin
 from campaigns.results.base import OK
 from campaigns.results.search import FrontCriterion, FrontPoint
 from campaigns.stored.records import Columns
@@ -45,8 +46,7 @@ def of_stage(problem: Problem, columns: Columns | None) -> tuple[list[FrontPoint
     ok = np.flatnonzero(columns.status == OK)
     rows = ok[undominated(columns.costs[ok])]
     size = len(rows)
-    if size > MOST:
-        rows = rows[np.unique(np.linspace(0, size - 1, MOST).round().astype(np.int64))]
+    rows = rows[thin.even(size, MOST)]
     names = [result.name for result in problem.results]
     shown = in_own_sign(problem.results, columns.costs[rows])
     return [

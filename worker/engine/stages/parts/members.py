@@ -9,6 +9,7 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns import thin
 from campaigns.results.search import Apart, Member
 from campaigns.stored.records import Columns
 from worker.engine.search.base import Method, Parallel, Several
@@ -54,7 +55,7 @@ class Members:
             return []
         requests = self._requests(columns)
         ranked = columns.ranked()
-        before = np.r_[np.inf, np.minimum.accumulate(ranked)[:-1]]
+        improved = thin.improvements(ranked)
         rows = []
         for member in requests.names:
             mine = requests.first([member])
@@ -66,7 +67,7 @@ class Members:
                     title=known.title if known else member,
                     evaluations=int(mine.sum()),
                     best=best if np.isfinite(best) else None,
-                    improvements=int(np.count_nonzero(mine & (ranked < before))),
+                    improvements=int(np.count_nonzero(mine[improved])),
                     apart=member in alone,
                 )
             )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns import limits
+from campaigns import limits, thin
 from campaigns.asked.allowance import CASE
 from campaigns.results.base import OK
 from campaigns.results.finding import Validation
@@ -79,7 +79,7 @@ def violations(context: Context, positions: range, left: Left) -> tuple[Violatio
     lowest_first = np.argsort(found.cost, kind="stable")
     each = 1 if noise.noisy(context) else CASE
     most = left.violations(min(len(found), AT_MOST), each)
-    chosen = found.pick(lowest_first[_even(len(found), most)])
+    chosen = found.pick(lowest_first[thin.even(len(found), most)])
     again = cases(context, [s.case for s in chosen], calls=1)
     confirmed = [(s, case) for s, case in zip(chosen, again, strict=True) if case.violates]
     stages, counts = np.unique(found.position, return_counts=True)
@@ -128,7 +128,3 @@ def _furthest(context: Context, stored: Stored, other: float) -> Furthest:
         parameters=context.problem.named(stored.point),
         realisation=stored.seed,
     )
-
-
-def _even(size: int, at_most: int) -> NDArray[np.int64]:
-    return np.unique(np.linspace(0, size - 1, min(size, at_most)).round().astype(np.int64))

@@ -10,7 +10,6 @@ from collections.abc import Generator
 
 import numpy as np
 
-from campaigns.claims.spans import Spans
 from campaigns.claims.stages import estimate as sentences
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.estimate import (
@@ -126,10 +125,19 @@ def _estimated(
     size = int(np.count_nonzero(columns.status[first : first + count] != EXCLUDED))
     alarms = [_alarm(alarm, size, found.probability, budget) for alarm in made.alarms]
     beyond = _beyond(empty.outside, size, count)
+    low, high = found.low * (1.0 - beyond), min(1.0, found.high + beyond)
+    if alarms:
+        statement = sentences.alarmed([alarm.statement for alarm in alarms])
+    else:
+        numbers = made.drawn, made.effective, made.failed, count - size, count, beyond
+        draws = sentences.Draws(*numbers, not empty.drawn_at_launch)
+        about = sentences.estimated(found.probability, (low, high), empty.confidence, draws)
+        hidden = [mode.share for mode in modes if not mode.origins]
+        statement = sentences.whole(about, sentences.modes([m.share for m in modes], len(hidden), sum(hidden)))
     drawn = {
         "probability": found.probability,
-        "low": None if alarms else found.low * (1.0 - beyond),
-        "high": None if alarms else min(1.0, found.high + beyond),
+        "low": None if alarms else low,
+        "high": None if alarms else high,
         "variation": found.variation if np.isfinite(found.variation) else None,
         "effective": made.effective,
         "draws": made.drawn,
@@ -139,29 +147,14 @@ def _estimated(
         "density": _density(made.mixture),
         "independent": Rows(first=first, count=count),
         "final": Rows(first=len(columns.status) - made.drawn, count=made.drawn),
+        "statement": statement,
     }
-    result = empty.model_copy(update=drawn)
-    return result.model_copy(update={"statement": _statement(result, count - size)})
+    return empty.model_copy(update=drawn)
 
 
 def _beyond(outside: float, kept: int, drawn: int) -> float:
     """The probability beyond the bounds relative to what is not excluded: there, nothing may be excluded."""
     return min(1.0, outside * drawn / kept) if kept else 1.0
-
-
-def _statement(result: EstimateResult, excluded: int) -> Spans:
-    """The sentence on an estimate; excluded: draws of the independent sample."""
-    if result.low is None or result.high is None:
-        return sentences.alarmed([alarm.statement for alarm in result.alarms])
-    assert result.probability is not None
-    assert result.effective is not None
-    assert result.independent is not None
-    sampled, stated = result.independent.count, not result.drawn_at_launch
-    beyond = _beyond(result.outside, sampled - excluded, sampled)
-    draws = sentences.Draws(result.draws, result.effective, result.failed_draws, excluded, sampled, beyond, stated)
-    about = sentences.estimated(result.probability, (result.low, result.high), result.confidence, draws)
-    hidden = [mode.share for mode in result.modes if not mode.origins]
-    return sentences.whole(about, sentences.modes([mode.share for mode in result.modes], len(hidden), sum(hidden)))
 
 
 def _density(mixture: Mixture) -> ImportanceDensity:

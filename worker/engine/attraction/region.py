@@ -16,7 +16,6 @@ from campaigns.certificates import exact
 from campaigns.certificates.coordinates import Matrix, product, rows, transformed
 from campaigns.certificates.exact import Bases, Certificate
 from campaigns.certificates.polynomials import Polynomial, substituted
-from worker.engine.attraction import coordinates
 from worker.engine.attraction.iteration import Loop, as_form, grown, linear, linearised, multiplier, scaled
 from worker.engine.attraction.rounding import certificate
 
@@ -25,6 +24,8 @@ DEGREES = {1: 6, 2: 6, 3: 4, 4: 2}
 ROUNDS, PHASES = 15, 8
 BACK = (1.0, 0.9999, 0.999, 0.99, 0.95)
 """Fractions of the level that are tried, because rounding needs room."""
+FINENESS = 64
+"""Of the entries of the triangular matrix of coordinates."""
 Why = Literal["unstable", "no_region", "rounding"]
 Stopping = Callable[[], bool]
 
@@ -43,7 +44,7 @@ def found(
     n, bounds = len(flow), {k: exact.coefficient(limit) for k, limit in limits.items()}
     if np.linalg.eigvals(linearised(flow)).real.max() >= 0.0:
         return "unstable"
-    matrix = coordinates.scaling(_scales(flow, bounds))
+    matrix = scaling(_scales(flow, bounds))
     loop, v = _loop(flow, bounds, matrix, 2), None
     for _ in range(PHASES):
         first = scaled(loop, linear(linearised(loop.flow)) if v is None else v)
@@ -52,7 +53,7 @@ def found(
             return "no_region"
         if v is first:
             break
-        turned = coordinates.rounding(as_form(v, n))
+        turned = rounding(as_form(v, n))
         matrix = product(matrix, turned)
         v = substituted(v, _floats(rows(turned)))
         loop = _loop(flow, bounds, matrix, 2)
@@ -60,6 +61,33 @@ def found(
         loop = _loop(flow, bounds, matrix, higher)
         v = _grown(loop, v, stopping)
     return "no_region" if v is None else _exactly(flow, bounds, matrix, loop, v)
+
+
+# Coordinates x = T y in which a quadratic form is nearly |y|^2, exactly: T and its inverse are multiples of 2^-k. A
+# unit triangular matrix of such numbers has an inverse of such numbers, and so has a power of two.
+
+
+def scaling(scales: Any) -> Matrix:
+    """Diagonal, of powers of two."""
+    return [
+        [Fraction(2) ** round(float(np.log2(s))) if i == k else Fraction(0) for k in range(len(scales))]
+        for i, s in enumerate(scales)
+    ]
+
+
+def rounding(form: Any) -> Matrix:
+    """In which x' form x is nearly |y|^2: y = D U x from its Cholesky factor, rounded."""
+    factor = np.linalg.cholesky(form).T
+    size = np.diag(factor)
+    upper = np.rint(factor / size[:, None] * FINENESS)
+    n = len(form)
+    inverse: Matrix = [[Fraction(int(i == k)) for k in range(n)] for i in range(n)]
+    for i in reversed(range(n)):
+        for j in range(i + 1, n):
+            u = Fraction(int(upper[i, j]), FINENESS)
+            inverse[i] = [a - u * b for a, b in zip(inverse[i], inverse[j], strict=True)]
+    powers = [Fraction(2) ** -round(float(np.log2(d))) for d in size]
+    return [[a * p for a, p in zip(row, powers, strict=True)] for row in inverse]
 
 
 def _loop(flow: list[Polynomial], bounds: Mapping[int, Fraction], matrix: Matrix, degree: int) -> Loop:

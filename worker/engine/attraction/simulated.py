@@ -1,19 +1,22 @@
 """The region from which a loop returns to its trim in simulation, along rays: what a certified region is compared with.
 
 A start counts as returning if it stays within the limits until its distance, in the norm of the linearised loop, has
-fallen to 0.3. A ray ends at the first start that does not, of starts farther and farther from the trim.
+fallen to 0.3. A ray ends at the first start that does not, of starts farther and farther from the trim. How far the
+model is from the loop is measured at points of these rays.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.certificates.polynomials import Polynomial
-from campaigns.certificates.rays import INSIDE, Floats
-from worker.engine.attraction.iteration import as_form, linear, linearised
+from campaigns.certificates.rays import ANGLES, EVERY, INSIDE, Floats, all_around, directions, drawn
+from worker.engine.attraction.iteration import as_form, linear, linearised, values
+from worker.engine.attraction.region import Region
 
 FALL, TIMES = 0.3, 4.0
 """The fraction of the distance, and the time for it, in time constants of the slowest mode."""
@@ -60,3 +63,36 @@ def _balance(a: Floats) -> Floats:
         scale = scale * np.sqrt(np.diag(spread))
         scale /= scale[0]
     return scale
+
+
+class Measured(NamedTuple):
+    """Radii along the rays of the volume and of every section, as simulated."""
+
+    simulated: Floats
+    sections: dict[tuple[int, int], Floats]
+    points: Floats
+    """Deviations at which model and loop are compared: on each ray one inside the region and one at its boundary."""
+
+
+def measured(region: Region, simulation: Simulation) -> Measured:
+    """Simulated along the rays of `drawn`."""
+    of = drawn(region.certificate.v, region.matrix)
+    matrix, n = np.array([[float(c) for c in row] for row in region.matrix]), len(region.matrix)
+    rays = all_around(n) @ matrix.T
+    sections, some = {}, directions(2, ANGLES)[::EVERY]
+    for (i, k), proved in of.sections.items():
+        plane = np.zeros((len(some), n))
+        plane[:, [i, k]] = some * np.array(of.reach)[[i, k]]
+        sections[i, k] = simulation.radii(plane, proved[::EVERY])
+    boundary = rays * of.certified[:, None]
+    inside = boundary * np.random.default_rng(1).random((len(rays), 1))
+    return Measured(simulation.radii(rays, of.certified), sections, np.concatenate([inside, boundary]))
+
+
+def difference(flow: list[Polynomial], points: Floats, rates: Floats) -> float:
+    """The largest difference of dx/dt from the rates, relative to the largest rate of the same state."""
+    model = np.zeros_like(rates)
+    for k, p in enumerate(flow):
+        model[:, k] = values(p, points)
+    largest = np.maximum(np.abs(rates).max(axis=0), 1e-300)
+    return float((np.abs(model - rates).max(axis=0) / largest).max())

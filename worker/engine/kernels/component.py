@@ -13,11 +13,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from worker.engine.kernels import signatures as sig
-from worker.engine.kernels.about_trim import AboutTrim as AboutTrim
+from worker.engine.kernels.about_trim import AboutTrim as AboutTrim  # components import all that they need from here
 from worker.engine.kernels.about_trim import Polynomial as Polynomial
 from worker.engine.kernels.about_trim import Trimmed as Trimmed
-from worker.engine.kernels.look import ObstacleLook as ObstacleLook  # components import all that they need from here
-from worker.engine.kernels.look import VehicleLook as VehicleLook
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.numba_internals import python
 from worker.engine.kernels.parameters import Declared as Declared
@@ -76,6 +74,14 @@ class Derived:
 
     constants: type
     derive: sig.Derive
+
+
+@dataclass(frozen=True)
+class VehicleLook:
+    """How a vehicle is drawn: the mesh, and the start state that gives the heading."""
+
+    mesh: str
+    heading: str = ""
 
 
 @dataclass(frozen=True)
@@ -197,6 +203,19 @@ class Rate:
     legs: tuple[str, ...] = ()
     used: str = ""
     stops: str = ""
+
+
+@dataclass(frozen=True)
+class ObstacleLook:
+    """How an obstacle is drawn: the shape, the parameters that give the sizes, and the kind of path; the allowed values
+    are those of `campaigns.looks`, which checks them."""
+
+    shape: str
+    radius: str = ""
+    height: str = ""
+    sides: tuple[str, ...] = ()
+    angle: str = ""
+    way: str = "still"
 
 
 @dataclass(frozen=True)

@@ -73,8 +73,7 @@ def _refused(empty: AttractionResult, why: NoAttractionWhy) -> AttractionResult:
 
 def _stated(empty: AttractionResult, loop: PolynomialLoop, found: Region) -> AttractionResult:
     """The region with what is measured of it."""
-    from worker.engine.attraction.measured import difference, measured
-    from worker.engine.attraction.simulated import Simulation
+    from worker.engine.attraction.simulated import Simulation, difference, measured
 
     flow, drawn = list(loop.flow), rays.drawn(found.certificate.v, found.matrix)
     made = measured(found, Simulation(flow, loop.returns))

@@ -20,15 +20,16 @@ from worker.engine.kernels.component import (
     Fault,
     Limit,
     Obstacle,
+    ObstacleLook,
     Order,
     Rate,
     Reach,
     Signal,
     Trim,
     Vehicle,
+    VehicleLook,
     declared,
 )
-from worker.engine.kernels.look import ObstacleLook, VehicleLook
 from worker.engine.kernels.numba_internals import is_compiled
 from worker.engine.kernels.parameters import Parameter
 from worker.running.examination import units

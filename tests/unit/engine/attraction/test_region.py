@@ -17,9 +17,8 @@ from campaigns.certificates.polynomials import Polynomial, exactly, of_gram
 from campaigns.certificates.rays import contradicting, directions, drawn, fraction, radii, volume
 from tests.bench.attraction.truth import VAN_DER_POL, area_of_limit_cycle
 from worker.engine.attraction import region
-from worker.engine.attraction.measured import difference, measured
 from worker.engine.attraction.rounding import projected
-from worker.engine.attraction.simulated import Simulation
+from worker.engine.attraction.simulated import Simulation, difference, measured
 from worker.engine.systems.base import CampaignUnusable, PolynomialLoop
 from worker.running.opening import opened
 

@@ -22,8 +22,6 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.components.vehicles.pioneer_3dx import Constants as Robot
-from worker.engine.components.vehicles.unicycle import State
 from worker.engine.kernels.component import (
     AboutTrim,
     Controller,
@@ -34,7 +32,6 @@ from worker.engine.kernels.component import (
     Polynomial,
     Signal,
     Trimmed,
-    extended,
 )
 from worker.engine.kernels.maths import atan2, clip, kernel, sincos
 
@@ -52,12 +49,32 @@ class PiAntiWindup(NamedTuple):
     w_high: Annotated[float, Parameter("rad/s", "Highest demanded turn rate, either way", 0.0, 100.0, "ω_high")] = 3.5
 
 
-class Turn(NamedTuple):
+class Constants(NamedTuple):
+    k_p: float
     turn: float
     turn_a: float
+    K_1: float
+    K_2: float
+    K_3: float
+    K_4: float
+    k_aw: float
+    u_low: float
+    u_high: float
+    w_high: float
+    u_min: float
+    u_max: float
+    w_max: float
+    per_u: float
+    c_uww: float
+    c_u: float
+    delta_u: float
+    per_w: float
+    c_wuw: float
+    c_w: float
+    delta_w: float
 
 
-Constants = extended("Constants", PiAntiWindup, Turn, Robot)
+State = tuple[float, float, float, float, float]
 Pair = tuple[float, float]
 
 
@@ -65,11 +82,15 @@ Pair = tuple[float, float]
 def derive(p: PiAntiWindup, trim: Any) -> tuple[float, ...]:
     # comparisons would drop a NaN among the limits: 0 times them propagates it
     turn = p.k_q / (trim.a * trim.a + 1.0) + 0.0 * (p.u_low + p.u_high + p.w_high)
-    return *p[0:], turn, turn * trim.a, *trim[0:]
+    return (
+        p.k_p, turn, turn * trim.a, p.K_1, p.K_2, p.K_3, p.K_4, p.k_aw, p.u_low, p.u_high, p.w_high,
+        trim.u_min, trim.u_max, trim.w_max,
+        trim.per_u, trim.c_uww, trim.c_u, trim.delta_u, trim.per_w, trim.c_wuw, trim.c_w, trim.delta_w,
+    )  # fmt: skip
 
 
 @kernel
-def follow(x: State, demand: Pair, k_p: float, p: Any) -> Pair:
+def follow(x: State, demand: Pair, k_p: float, p: Constants) -> Pair:
     s, c = sincos(x[2])
     along = demand[0] * c + demand[1] * s
     left = demand[1] * c - demand[0] * s
@@ -78,17 +99,17 @@ def follow(x: State, demand: Pair, k_p: float, p: Any) -> Pair:
 
 
 @kernel
-def follow_force(x: State, demand: Pair, p: Any) -> Pair:
+def follow_force(x: State, demand: Pair, p: Constants) -> Pair:
     return follow(x, demand, p.k_p, p)
 
 
 @kernel
-def follow_velocity(x: State, demand: Pair, p: Any) -> Pair:
+def follow_velocity(x: State, demand: Pair, p: Constants) -> Pair:
     return follow(x, demand, 1.0, p)
 
 
 @kernel
-def control(x: State, c: Pair, aim: Pair, p: Any) -> tuple[Pair, Pair]:
+def control(x: State, c: Pair, aim: Pair, p: Constants) -> tuple[Pair, Pair]:
     u, w = x[3], x[4]
     e_u = aim[0] - u
     e_w = aim[1] - w
@@ -104,17 +125,17 @@ def control(x: State, c: Pair, aim: Pair, p: Any) -> tuple[Pair, Pair]:
 
 
 @kernel
-def prepare(x: State, demand: Pair, p: Any) -> Pair:
+def prepare(x: State, demand: Pair, p: Constants) -> Pair:
     return 0.0, 0.0
 
 
 @kernel
-def command_force(t: float, x: State, c: Pair, demand: Pair, p: Any) -> tuple[Pair, Pair]:
+def command_force(t: float, x: State, c: Pair, demand: Pair, p: Constants) -> tuple[Pair, Pair]:
     return control(x, c, follow_force(x, demand, p), p)
 
 
 @kernel
-def command_velocity(t: float, x: State, c: Pair, demand: Pair, p: Any) -> tuple[Pair, Pair]:
+def command_velocity(t: float, x: State, c: Pair, demand: Pair, p: Constants) -> tuple[Pair, Pair]:
     return control(x, c, follow_velocity(x, demand, p), p)
 
 

@@ -21,7 +21,6 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.components.vehicles.unicycle import FASTEST_TURN, State
 from worker.engine.kernels.component import AboutTrim, Controller, Parameter, Polynomial, Signal, Trimmed
 from worker.engine.kernels.maths import atan2, kernel, sincos
 
@@ -38,6 +37,7 @@ class PidSpeed(NamedTuple):
     N: Annotated[float, Parameter("rad/s", "Bandwidth of the derivative filter", 1e-3, 1e4)] = 15.0
 
 
+State = tuple[float, float, float, float, float]
 Pair = tuple[float, float]
 Memory = tuple[float, float, float, float]
 
@@ -91,6 +91,9 @@ def command_velocity(t: float, x: State, c: Memory, demand: Pair, p: PidSpeed) -
 
 
 # The heading loop about trim: theta, omega, int(e_w) and the filter's state.
+
+FASTEST_TURN = 1e3
+"""The envelope of the vehicle [rad/s]."""
 
 
 def trimmed(values: Mapping[str, float], trim: Any) -> Trimmed:

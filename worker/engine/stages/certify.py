@@ -28,14 +28,13 @@ from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Ended
 from worker.engine.stages.parts import claims, noise
-from worker.engine.stages.parts.base import all_columns, drive
+from worker.engine.stages.parts.base import all_columns, drive, stream
 from worker.engine.stages.parts.context import Asking, Context, Seeded, Through
 from worker.engine.stages.parts.counting import Counting, Drawing, kept
 from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.sample import DRAWN, Noise, Sample, certifying
 from worker.engine.stages.parts.seeds import some
-from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import System, slotted
 
 STREAM = 2**21

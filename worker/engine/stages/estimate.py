@@ -30,10 +30,9 @@ from worker.engine.rare.estimate import Estimate, Mode, Refused, estimated
 from worker.engine.rare.mixture import Mixture
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.stages.parts import noise
-from worker.engine.stages.parts.base import all_columns, drive
+from worker.engine.stages.parts.base import all_columns, drive, stream
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.outcome import Outcome, Stage
-from worker.engine.stages.parts.streams import stream
 
 STREAM = 2**25
 """Index of the random stream; searches use those from 0 on."""

@@ -13,10 +13,9 @@ from campaigns.claims.stages.calls import nominal_excluded, without_value
 from campaigns.results.base import EXCLUDED, OK, STATUS
 from campaigns.stages.nominal import NominalResult
 from worker.engine.stages.parts import noise
-from worker.engine.stages.parts.base import drive, once
+from worker.engine.stages.parts.base import drive, once, traced
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.outcome import Outcome, Stage
-from worker.engine.stages.parts.traced import traced
 from worker.engine.systems.base import CampaignUnusable
 
 

@@ -20,12 +20,11 @@ from campaigns.results.search import Best
 from campaigns.results.search import Minimum as MinimumFound
 from worker.engine.search.base import Batch, Floats, Method, Minimum, Space
 from worker.engine.stages.parts import front, gap, sample
-from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.base import drive, stream
 from worker.engine.stages.parts.context import Context, Driven
 from worker.engine.stages.parts.ended import spoken
 from worker.engine.stages.parts.members import Members
 from worker.engine.stages.parts.outcome import Outcome, Stage
-from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import slots
 
 WARM = 2

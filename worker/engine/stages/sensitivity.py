@@ -25,11 +25,10 @@ from campaigns.results.indices import MorrisRow, MorrisStudy, SobolRow, SobolStu
 from campaigns.stages.sensitivity import SensitivityResult
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Floats
-from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.base import drive, stream
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.slices import curves
-from worker.engine.stages.parts.streams import stream
 
 MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
 """Index of the random stream; searches use those from 0 on."""

@@ -22,7 +22,7 @@ from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin, Downhill, Gathered
 from campaigns.stored.records import Trace
 from worker.engine.stages.parts import findings, incumbents, modes, noise, offered, seeds
-from worker.engine.stages.parts.base import all_columns, drive
+from worker.engine.stages.parts.base import all_columns, drive, traced
 from worker.engine.stages.parts.comparison import compare, reached
 from worker.engine.stages.parts.confirm import cases
 from worker.engine.stages.parts.context import Context, Driven
@@ -31,7 +31,6 @@ from worker.engine.stages.parts.falls import Fall, not_compared
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.repeated import Case
-from worker.engine.stages.parts.traced import traced
 from worker.engine.systems.base import Floats
 
 

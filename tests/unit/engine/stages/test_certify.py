@@ -21,9 +21,9 @@ from tests.given.sampled_stages import PROBABILITY, THRESHOLD, asked, context, c
 from tests.given.stated_facts import Fact, facts
 from worker.engine.search.base import Floats
 from worker.engine.stages import certify
+from worker.engine.stages.parts.base import stream
 from worker.engine.stages.parts.claims import bound
 from worker.engine.stages.parts.sample import Sample
-from worker.engine.stages.parts.streams import stream
 from worker.running.catalogue.installed import catalogue
 
 REPETITIONS = 400

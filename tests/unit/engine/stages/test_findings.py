@@ -15,12 +15,11 @@ from tests.given.case_campaigns import case1, searching
 from worker.engine.search.parts.basin import Basin
 from worker.engine.stages import search
 from worker.engine.stages.parts import candidates, findings
-from worker.engine.stages.parts.base import drive
+from worker.engine.stages.parts.base import drive, stream
 from worker.engine.stages.parts.comparison import compare, reached
 from worker.engine.stages.parts.context import Context, Driven
 from worker.engine.stages.parts.findings import Found
 from worker.engine.stages.parts.left import Left
-from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 from worker.running.catalogue.installed import methods
 from worker.running.runs.store import MemoryStore

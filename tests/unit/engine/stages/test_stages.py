@@ -21,7 +21,7 @@ from tests.given.sampled_stages import DRAWN
 from tests.given.stated_facts import facts
 from tests.given.verdict_evidence import check_of
 from worker.engine.reference.reference import Reference
-from worker.engine.stages.parts.streams import stream
+from worker.engine.stages.parts.base import stream
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 

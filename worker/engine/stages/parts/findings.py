@@ -24,13 +24,13 @@ from worker.engine.search.parts.basins import added, distinct
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.search.parts.polish import Polish, crossed, explored, sharpened
 from worker.engine.stages.parts import modes, seeds
+from worker.engine.stages.parts.base import stream
 from worker.engine.stages.parts.boundary import Around, after
 from worker.engine.stages.parts.candidates import Candidate, gather, promising_rows, walked
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.falls import Falls, begun, fall
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.noise import noisy
-from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 
 FINDINGS_STREAM = 2**20

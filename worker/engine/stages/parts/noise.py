@@ -13,8 +13,8 @@ from campaigns.results.measured import Measured
 from campaigns.stages.nominal import POINTS, TIMES
 from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
+from worker.engine.stages.parts.base import stream
 from worker.engine.stages.parts.context import Asking, Context, Through
-from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats, slotted
 
 STREAM = 2**23

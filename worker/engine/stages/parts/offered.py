@@ -18,12 +18,11 @@ from campaigns.results.base import OK
 from campaigns.results.finding import Validation
 from campaigns.results.validate import Furthest, SpotChecks, StageCount, Violations
 from worker.engine.stages.parts import noise, seeds
-from worker.engine.stages.parts.base import all_columns
+from worker.engine.stages.parts.base import all_columns, stream
 from worker.engine.stages.parts.confirm import cases, reference
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.repeated import Case
-from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 
 AT_MOST, SPOT_CHECKS = limits.VIOLATIONS, limits.SPOT_CHECKS

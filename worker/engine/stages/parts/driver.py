@@ -39,7 +39,6 @@ class Driver:
         self.context, self.position, self.budget = context, position, budget
         self.tally = Tally()
         self.known: dict[bytes, tuple[Floats, int]] | None = {} if repeats else None
-        self.through: System | None = None
         self.evaluated: list[Columns] = []
         self.unsaved: list[Columns] = []
         self.stored = context.store.evaluations(position)
@@ -52,11 +51,7 @@ class Driver:
         if isinstance(request, Several):
             raise TypeError("a search requested several groups of a system without slots")
         if isinstance(request, Through):
-            self.through = request.system
-            try:
-                return self._fresh(request.points)
-            finally:
-                self.through = None
+            return self._fresh(request.points, through=request.system)
         points, seeds = request if isinstance(request, Seeded) else (request, None)
         if self.known is None:
             return self._fresh(points, seeds)
@@ -93,7 +88,7 @@ class Driver:
             self.unsaved = []  # even on error: the store may have written them before it raised
             self.context.store.append(self.position, first, columns, *([] if ahead is None else [ahead]))
 
-    def _fresh(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, bool]:
+    def _fresh(self, points: Floats, seeds: Seeds | None = None, through: System | None = None) -> tuple[Batch, bool]:
         room = self.budget - self.tally.evaluations
         spent = len(points) >= room and len(points) > 0
         points = points[:room]
@@ -103,9 +98,9 @@ class Driver:
             if self.context.cancelled():
                 raise Cancelled
             piece = slice(done, done + self._piece())
-            columns = self._stored(points[done:]) or self._flown(points[piece], None if seeds is None else seeds[piece])
-            ended.append(columns)
-            done += len(columns.status)
+            own = None if seeds is None else seeds[piece]
+            ended.append(self._stored(points[done:]) or self._flown(points[piece], own, through))
+            done += len(ended[-1].status)
         if (all_ended := join(ended)) is None:
             return Batch(np.empty((0, 1)), np.empty(0, dtype=np.uint8)), spent
         return Batch(all_ended.costs, all_ended.status), spent
@@ -125,11 +120,11 @@ class Driver:
         self._count(columns)
         return columns
 
-    def _flown(self, points: Floats, seeds: Seeds | None) -> Columns:
+    def _flown(self, points: Floats, seeds: Seeds | None, through: System | None) -> Columns:
         began = time.perf_counter()
         evaluate = self.context.evaluate
-        if self.through is not None:
-            batch, reasons = self.through.evaluate(self.context.problem.vectors(points))
+        if through is not None:
+            batch, reasons = through.evaluate(self.context.problem.vectors(points))
         else:
             batch, reasons = evaluate(points) if seeds is None else evaluate(points, seeds)
         self.context.problem.system.cost = max(time.perf_counter() - began, 1e-6) / len(points)

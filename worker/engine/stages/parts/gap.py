@@ -33,7 +33,7 @@ def estimate(problem: Problem, method: Method, options: Any, columns: Columns) -
         return None
     half = 0.5 * 3.0 ** -boxes.depth[: boxes.count][kept].astype(np.float64)
     lowest = float((boxes.value[: boxes.count][kept] - half @ slopes).min())
-    best = float(Batch(columns.costs, columns.status).ranked().min())
+    best = float(columns.ranked().min())
     if best < lowest:
         return None
     lost = int(np.count_nonzero(~kept))

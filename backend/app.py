@@ -18,6 +18,7 @@ from backend.access.frames import Frames
 from backend.access.rates import Bucket, Rates
 from backend.access.rules import METRICS, OPEN, RULES
 from backend.access.shares import Shares
+from backend.batch import endpoints as batch
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
@@ -147,6 +148,7 @@ def create(settings: Settings) -> FastAPI:
     features = (health, workers, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
     for feature in (
         *features,
+        batch,
         flights,
         cases,
         proposals,

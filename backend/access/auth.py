@@ -55,7 +55,8 @@ class Guard:
         if refused is None:
             assert visitor is not None, "a request without a visitor is refused"
             still = partial(self.door.still, connection) if voucher is None else voucher.still
-            scope.setdefault("state", {}).update(visitor=visitor, still=still)
+            too_many = partial(self._too_many, visitor)
+            scope.setdefault("state", {}).update(visitor=visitor, still=still, too_many=too_many)
             with self._open.entered(visitor):
                 await self.app(scope, receive, send)
         elif scope["type"] == "websocket":

@@ -53,7 +53,7 @@ _RUN = f"{API}/runs/{{run}}"
 
 _READING = (
     f"{API}/openapi.json",
-    *(f"{API}/{name}" for name in ("workers", "components", "events", "reports", "trends", "session")),
+    *(f"{API}/{name}" for name in ("workers", "components", "events", "reports", "trends", "session", "batch")),
     *(f"{API}/campaigns{rest}" for rest in ("", "/{name}")),
     *(f"{API}/drafts", f"{API}/drafts/{{draft}}"),
     *(f"{API}/runs", f"{API}/runs/facets", _RUN),

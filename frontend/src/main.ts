@@ -8,7 +8,8 @@ const pages = import('./app/Pages')
 pageAt(location.pathname)?.().catch(() => undefined)
 askAhead(location)
 // Without preloading, fonts would be requested at first use and cause a second layout.
-void document.fonts.load('1em "Inter Variable"')
+// Greek symbols are in a separate font file.
+void document.fonts.load('1em "Inter Variable"', 'aα')
 void document.fonts.load('1em "JetBrains Mono Variable"')
 
 const root = document.getElementById('root')

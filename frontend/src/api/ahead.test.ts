@@ -4,18 +4,25 @@ const BASE = 'http://service'
 const RUN = '/api/v1/runs/R-0001'
 
 let sent: string[] = []
-let ended: string[] = []
+let answering: (path: string) => unknown
+
+/** The paths of a batch. */
+const pathsOf = (url: string): string[] => new URL(url, BASE).searchParams.getAll('path')
+const batches = () => sent.filter((url) => url.includes('/batch?'))
 
 beforeEach(() => {
   sent = []
-  ended = []
+  answering = (path) => ({ of: path })
   vi.resetModules()
-  vi.stubGlobal('document', { fonts: { load: () => Promise.resolve([]) } })
-  vi.stubGlobal('fetch', (request: string | Request, init?: RequestInit) => {
+  vi.stubGlobal('fetch', (request: string | Request) => {
     const url = typeof request === 'string' ? request : request.url.replace(BASE, '')
     sent.push(url)
-    init?.signal?.addEventListener('abort', () => ended.push(url))
-    return Promise.resolve(Response.json(url.endsWith('/traces') ? [{ name: 'nominal' }, { name: 'F1' }, { name: 'F2' }] : url))
+    if (!url.includes('/batch?')) return Promise.resolve(Response.json({ alone: url }))
+    const lines = pathsOf(url).flatMap((path) => {
+      const document = answering(path)
+      return document === undefined ? [] : [JSON.stringify({ path: `/api/v1${path}`, etag: `"${path}"` }), JSON.stringify(document)]
+    })
+    return Promise.resolve(new Response(lines.map((line) => `${line}\n`).join('')))
   })
 })
 
@@ -25,64 +32,56 @@ afterEach(() => {
 })
 
 const fresh = () => import('./ahead')
+const take = async (fetchOnce: (request: Request) => Promise<Response>, path: string): Promise<unknown> =>
+  JSON.parse(await (await fetchOnce(new Request(BASE + path))).text())
 
-it('asks for what a run shows first, and once', async () => {
+it('asks for what a run shows first in one request, for its evaluations in another, and once', async () => {
   const { askAhead, fetchOnce } = await fresh()
   askAhead({ pathname: '/runs/R-0001', search: '?finding=F2' })
-  await vi.waitFor(() => expect(sent).toContain(`${RUN}/evaluations?max_points=2000`))
-  expect(sent).toContain(`${RUN}/traces/F2?max_points=1500`)
-  expect(sent).not.toContain(`${RUN}/traces/F1?max_points=1500`)
-  const before = sent.length
-  const take = async (path: string): Promise<unknown> => (await fetchOnce(new Request(BASE + path))).json()
-  expect(await take(`${RUN}/findings`)).toBe(`${RUN}/findings`)
-  expect(await take(`${RUN}/traces`)).toHaveLength(3)
-  expect(sent).toHaveLength(before)
-  await take(`${RUN}/findings`)
-  expect(sent).toHaveLength(before + 1)
+  expect(batches()).toEqual(sent)
+  const [first = '', second = ''] = sent
+  expect(pathsOf(second)).toEqual(['/runs/R-0001/evaluations?max_points=2000'])
+  expect(pathsOf(first)).toEqual(expect.arrayContaining(['/session', '/runs/R-0001', '/runs/R-0001/traces/F2?max_points=1500']))
+  const found = await fetchOnce(new Request(`${BASE}${RUN}/findings`))
+  expect(found.headers.get('ETag')).toBe('"/runs/R-0001/findings"')
+  expect(found.ok).toBe(true)
+  expect(JSON.parse(await found.text())).toEqual({ of: '/runs/R-0001/findings' })
+  expect(sent).toHaveLength(2)
+  expect(await take(fetchOnce, `${RUN}/findings`)).toEqual({ alone: `${RUN}/findings` })
 })
 
-it('takes no answer that has become old, and lets its connection go', async () => {
+it('takes no answer that has become old', async () => {
   vi.useFakeTimers()
   const { askAhead, fetchOnce } = await fresh()
   askAhead({ pathname: '/runs', search: '' })
-  expect(sent).toEqual(['/api/v1/session', '/api/v1/runs?limit=100'])
+  expect(pathsOf(sent[0] ?? '')).toEqual(['/session', '/workers', '/runs?limit=100', '/runs/facets'])
   vi.advanceTimersByTime(16_000)
-  expect(ended).toEqual(['/api/v1/session', '/api/v1/runs?limit=100'])
-  await fetchOnce(new Request(`${BASE}/api/v1/runs?limit=100`))
-  expect(sent).toHaveLength(3)
+  expect(await take(fetchOnce, '/api/v1/runs?limit=100')).toEqual({ alone: '/api/v1/runs?limit=100' })
 })
 
-it.each(['refused', 'lost'])('gives a request that was %s only to who waits for it', async (how) => {
-  let fails = true
-  const { fetch } = globalThis
+it.each(['refused', 'lost', 'left out'])('lets a request send itself where its answer was %s', async (how) => {
+  const usual = globalThis.fetch
   vi.stubGlobal('fetch', (request: string | Request) => {
-    if (!fails) return fetch(request)
-    sent.push(typeof request === 'string' ? request : request.url)
-    return how === 'lost' ? Promise.reject(new TypeError('no network')) : Promise.resolve(Response.json({}, { status: 422 }))
+    if (typeof request !== 'string' || how === 'left out') return usual(request)
+    return how === 'lost' ? Promise.reject(new TypeError('no network')) : Promise.resolve(Response.json({}, { status: 429 }))
   })
+  answering = () => undefined
   const { askAhead, fetchOnce } = await fresh()
   askAhead({ pathname: '/runs/R-0001', search: '' })
-  const take = async (path: string) => (await fetchOnce(new Request(BASE + path))).status
-  const waiting = take(`${RUN}/findings`)
-  if (how === 'lost') await expect(waiting).rejects.toThrow('no network')
-  else expect(await waiting).toBe(422)
-  await new Promise((settled) => setTimeout(settled))
-  fails = false
-  const before = sent.length
-  for (const part of ['findings', 'traces', 'stages']) expect(await take(`${RUN}/${part}`)).toBe(200)
-  expect(sent).toHaveLength(before + 3)
+  for (const part of ['findings', 'traces', 'stages']) expect(await take(fetchOnce, `${RUN}/${part}`)).toEqual({ alone: `${RUN}/${part}` })
 })
 
-it('asks for nothing more once the page asks for itself', async () => {
+it('answers nothing but GET', async () => {
   const { askAhead, fetchOnce } = await fresh()
-  await fetchOnce(new Request(`${BASE}${RUN}`))
   askAhead({ pathname: '/runs/R-0001', search: '' })
-  expect(sent).toEqual([RUN])
+  const answer = await fetchOnce(new Request(BASE + RUN, { method: 'PATCH' }))
+  expect(await answer.json()).toEqual({ alone: RUN })
 })
 
-it('asks for nothing ahead on other pages', async () => {
+it('asks only for what all pages need where it does not know the page', async () => {
   const { askAhead } = await fresh()
-  for (const pathname of ['/launch', '/runs/other', '/help']) askAhead({ pathname, search: '' })
+  for (const pathname of ['/compare', '/runs/other', '/help', '/runs/R-0001/flight']) askAhead({ pathname, search: '' })
   askAhead({ pathname: '/runs', search: '?q=release' })
-  expect(sent).toEqual([])
+  for (const url of sent) expect(pathsOf(url)).toEqual(['/session', '/workers'])
+  expect(sent).toHaveLength(5)
 })

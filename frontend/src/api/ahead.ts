@@ -1,60 +1,62 @@
-// Prefetch: the first requests of the run page and the run list are sent before the code of the page is loaded, so that
-// the service responds while the browser still parses that code.
+// Prefetch: what the most frequent pages show first is asked for before their code is loaded, in one request, so that the
+// service responds while the browser still parses that code.
 import { at, inside } from '../format/root'
 
 /** How long a response counts as fresh, as in the query cache [ms]. */
 const FRESH = 15_000
 
-const responses = new Map<string, Promise<Response>>()
-/** False from the page's own first request on. */
-let open = true
+const ALL = ['/session', '/workers']
+const PAGES: Record<string, readonly string[]> = {
+  '/runs': ['/runs?limit=100', '/runs/facets'],
+  '/launch': ['/components', '/campaigns', '/runs/facets', '/drafts'],
+}
+const PARTS = ['', '/stages', '/findings', '/components', '/traces', '/related', '/signoffs']
 
-/** Sends the requests of the page at this address, the most important first. */
+type Answers = ReadonlyMap<string, Response>
+
+/** What is on its way, by the path of the request that it answers. */
+const coming = new Map<string, Promise<Answers>>()
+
+/** Asks for what the page at this address shows first. */
 export function askAhead({ pathname, search }: Pick<Location, 'pathname' | 'search'>): void {
-  const run = /^\/runs\/(R-\d+)$/.exec(inside(pathname))?.[1]
-  if (run) askRun(`/api/v1/runs/${run}`, new URLSearchParams(search).get('finding') ?? 'F1')
-  else if (inside(pathname) === '/runs' && !search) ask('/api/v1/session', '/api/v1/runs?limit=100')
+  const path = inside(pathname)
+  const run = /^\/runs\/R-\d+$/.exec(path)?.[0]
+  if (run) {
+    const flights = ['nominal', new URLSearchParams(search).get('finding') ?? 'F1']
+    ask([...ALL, ...PARTS.map((part) => run + part), ...flights.map((name) => `${run}/traces/${encodeURIComponent(name)}?max_points=1500`)])
+    ask([`${run}/evaluations?max_points=2000`]) // of a long search they take long: nothing else waits for them
+  } else ask([...ALL, ...(path === '/runs' && search ? [] : (PAGES[path] ?? []))])
+  setTimeout(() => coming.clear(), FRESH)
 }
 
-function askRun(run: string, chosen: string): void {
-  ask('/api/v1/session', run, `${run}/traces`, `${run}/stages`, `${run}/findings`, `${run}/components`)
-  void namesOf(responses.get(`${run}/traces`)).then((names) => {
-    const shown = names.filter((name) => name === 'nominal' || name === chosen)
-    ask(...shown.map((name) => `${run}/traces/${name}?max_points=1500`), `${run}/evaluations?max_points=2000`)
-  })
-  // Greek symbols are in a separate font file.
-  void document.fonts.load('1em "Inter Variable"', 'α')
+function ask(paths: readonly string[]): void {
+  const answers = answersTo(paths).catch(() => new Map<string, Response>())
+  for (const path of paths) coming.set(`/api/v1${path}`, answers)
 }
 
-/** Answers a request from the prefetched response, once and only while it is fresh; otherwise sends it. */
-export function fetchOnce(request: Request): Promise<Response> {
-  open = false
+/** What the service could answer; a refusal is left to the request itself. */
+async function answersTo(paths: readonly string[]): Promise<Answers> {
+  const response = await fetch(at(`/api/v1/batch?${new URLSearchParams(paths.map((path) => ['path', path]))}`))
+  const lines = response.ok ? (await response.text()).split('\n') : []
+  const answers = new Map<string, Response>()
+  for (let line = 0; line + 1 < lines.length; line += 2) {
+    const { path, etag } = JSON.parse(lines[line] ?? '') as { path: string; etag: string | null }
+    answers.set(path, responseOf(lines[line + 1] ?? '', etag))
+  }
+  return answers
+}
+
+/** A response with this text, which is not encoded and decoded again. */
+function responseOf(text: string, etag: string | null): Response {
+  const response = new Response(null, { headers: { 'Content-Type': 'application/json', ...(etag !== null && { ETag: etag }) } })
+  return Object.assign(response, { text: () => Promise.resolve(text) })
+}
+
+/** Answers a request from what was asked ahead, once and only while that is fresh; otherwise sends it. */
+export async function fetchOnce(request: Request): Promise<Response> {
   const { pathname, search } = new URL(request.url)
-  const found = request.method === 'GET' && responses.get(inside(pathname) + search)
-  if (!found) return fetch(request)
-  responses.delete(inside(pathname) + search)
-  return found
-}
-
-function ask(...urls: string[]): void {
-  if (!open) return
-  for (const url of urls) {
-    const end = new AbortController()
-    const answer = fetch(at(url), { signal: end.signal })
-    responses.set(url, answer)
-    // A failure reaches only who already waits for it: a later request, such as after "Try again", is sent anew.
-    const drop = () => responses.delete(url)
-    answer.then((response) => response.ok || drop(), drop)
-    // An unread response would block one of the browser's six connections.
-    setTimeout(() => responses.delete(url) && end.abort(), FRESH)
-  }
-}
-
-async function namesOf(traces: Promise<Response> | undefined): Promise<string[]> {
-  try {
-    const answer = (await traces)?.clone()
-    return answer?.ok ? ((await answer.json()) as { name: string }[]).map((trace) => trace.name) : []
-  } catch {
-    return []
-  }
+  const path = inside(pathname) + search
+  const answers = request.method === 'GET' ? coming.get(path) : undefined
+  coming.delete(path)
+  return (await answers)?.get(path) ?? fetch(request)
 }

@@ -6,6 +6,7 @@ import { StrictMode, useMemo } from 'react'
 import { createRoot } from 'react-dom/client'
 import { queryClient } from '../api/queries'
 import { useTheme } from '../theme/useTheme'
+import { loaded } from './first'
 import { mantineTheme } from './mantine'
 import { router } from './router'
 
@@ -35,7 +36,8 @@ function Pages() {
   )
 }
 
-export function show(root: HTMLElement): void {
+export async function show(root: HTMLElement): Promise<void> {
+  await Promise.all([loaded(location), router.load()])
   createRoot(root).render(
     <StrictMode>
       <Pages />

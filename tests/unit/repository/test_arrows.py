@@ -48,6 +48,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.users": SHARED,
     "backend.tokens": SHARED,
     "backend.trail": SHARED,
+    "backend.batch": SHARED,
     "backend.catalog": SHARED,
     "backend.runs": (*SHARED, "backend.catalog"),
     "backend.workers": (*SHARED, "backend.runs"),

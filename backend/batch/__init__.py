@@ -1,0 +1,1 @@
+"""Several answers to one request: what a page shows first."""

@@ -1,0 +1,1 @@
+"""Tests over HTTP of several answers to one request."""

@@ -13,7 +13,8 @@ import sqlalchemy as sa
 from backend.access.rules import READ, RULES
 from backend.batch.service import TOGETHER
 from backend.db.tables import Run
-from tests.api.conftest import Fresh, running
+from tests.api.conftest import running
+from tests.given.databases import Fresh
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed

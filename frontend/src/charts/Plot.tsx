@@ -1,5 +1,5 @@
 // A line chart: uPlot under React, with axis titles, crosshair and values; redrawn when theme, size or data change.
-import { useEffect, useLayoutEffect, useRef, useState } from 'react'
+import { useEffect, useEffectEvent, useLayoutEffect, useRef, useState } from 'react'
 import uPlot from 'uplot'
 import 'uplot/dist/uPlot.min.css'
 import { useTheme } from '../theme/useTheme'
@@ -42,11 +42,8 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
   const plot = useRef<uPlot | null>(null)
   /** Whether it has been near the window; it is drawn from then on. */
   const reached = useRef(false)
-  const latest = useRef({ spec, hidden, onCross })
   const [cursor, setCursor] = useState<Cursor | null>(null)
-  useLayoutEffect(() => {
-    latest.current = { spec, hidden, onCross }
-  })
+  const now = useEffectEvent(() => ({ spec, hidden, onCross }))
 
   // uPlot is recreated only when its structure changes; data and size update the existing instance.
   const structure = [
@@ -61,7 +58,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
   useLayoutEffect(() => {
     const element = holder.current
     if (!element) return
-    const read = () => latest.current.spec
+    const read = () => now().spec
     let crossed: number | undefined
     let placing = false
     let settled = 0
@@ -80,12 +77,12 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
       setCursor(cursor)
       // Only under a pointer: uPlot also moves its cursor when data or size change.
       const x = cursor && u.over.matches(':hover') ? read().x[cursor.at] : undefined
-      if (x !== undefined && x !== crossed) latest.current.onCross?.(x)
+      if (x !== undefined && x !== crossed) now().onCross?.(x)
       crossed = x
       stand()
     }
     const build = (width: number) => {
-      const built = new uPlot(optionsFor(read, () => latest.current.hidden, width, crossing), dataOf(read()), element)
+      const built = new uPlot(optionsFor(read, () => now().hidden, width, crossing), dataOf(read()), element)
       if (document.fonts.status === 'loading')
         void document.fonts.ready.then(() => plot.current === built && built.redraw(false, true))
       return built

@@ -1,8 +1,4 @@
 // The title of the browser's tab.
-import { useEffect } from 'react'
+import { useDocumentTitle } from '@mantine/hooks'
 
-export function useTitle(title: string): void {
-  useEffect(() => {
-    document.title = `${title} · Clearance`
-  }, [title])
-}
+export const useTitle = (title: string): void => useDocumentTitle(`${title} · Clearance`)

@@ -1,5 +1,5 @@
 // Single keys of a page. They never fire while something is being typed or a dialog is open.
-import { useEffect, useRef } from 'react'
+import { useEffect, useEffectEvent } from 'react'
 
 const typed = (target: EventTarget): boolean =>
   target instanceof HTMLElement &&
@@ -12,21 +12,17 @@ const typing = (event: KeyboardEvent): boolean => event.composedPath().some(type
 
 /** `keys` maps a key, or Ctrl+key, to what it does; Ctrl combinations also fire while typing. */
 export function useHotkeys(keys: Record<string, () => void>): void {
-  const latest = useRef(keys)
-  useEffect(() => {
-    latest.current = keys
+  const pressed = useEffectEvent((event: KeyboardEvent) => {
+    if (event.altKey || event.defaultPrevented || document.querySelector('dialog')) return
+    const control = event.ctrlKey || event.metaKey
+    if (!control && typing(event)) return
+    const act = keys[control ? `Ctrl+${event.key}` : event.key]
+    if (act) {
+      event.preventDefault()
+      act()
+    }
   })
   useEffect(() => {
-    const pressed = (event: KeyboardEvent) => {
-      if (event.altKey || event.defaultPrevented || document.querySelector('dialog')) return
-      const control = event.ctrlKey || event.metaKey
-      if (!control && typing(event)) return
-      const act = latest.current[control ? `Ctrl+${event.key}` : event.key]
-      if (act) {
-        event.preventDefault()
-        act()
-      }
-    }
     document.addEventListener('keydown', pressed)
     return () => document.removeEventListener('keydown', pressed)
   }, [])

@@ -1,15 +1,12 @@
 // Polls at an interval while a page is visible. The query's own interval would restart with every event that the stream
 // writes into the cache, and never elapse.
-import { useEffect, useRef } from 'react'
+import { useEffect, useEffectEvent } from 'react'
 
 export function usePolling(ask: () => unknown, interval: number, on: boolean): void {
-  const latest = useRef(ask)
-  useEffect(() => {
-    latest.current = ask
-  })
+  const tick = useEffectEvent(() => document.hidden || ask())
   useEffect(() => {
     if (!on) return
-    const timer = setInterval(() => document.hidden || latest.current(), interval)
+    const timer = setInterval(tick, interval)
     return () => clearInterval(timer)
   }, [interval, on])
 }

@@ -4,7 +4,7 @@ import { setDiagnostics } from '@codemirror/lint'
 import { EditorView } from '@codemirror/view'
 import { useQuery, useQueryClient } from '@tanstack/react-query'
 import { clsx } from 'clsx'
-import { type RefObject, useEffect, useMemo, useRef, useState } from 'react'
+import { type RefObject, useEffect, useEffectEvent, useMemo, useRef, useState } from 'react'
 import type { Campaign } from '../../api/campaign'
 import type { FieldProblem } from '../../api/problems'
 import { schemaQuery } from '../../api/queries'
@@ -83,13 +83,9 @@ function useView(
 ): RefObject<EditorView | null> {
   const view = useRef<EditorView | null>(null)
   const cache = useQueryClient()
-  const latest = useRef(props)
-  useEffect(() => {
-    latest.current = props
-  })
+  const now = useEffectEvent(() => props)
   useEffect(() => {
     if (!host.current) return
-    const now = () => latest.current
     const schema = (): Schema | undefined => cache.getQueryData(schemaQuery.queryKey)
     const hands: Hands = {
       // The line ends of the file are kept.

@@ -14,6 +14,7 @@ import type { RunData } from '../data/data'
 import { written } from '../flight/whatif'
 import type { WhatIfState } from '../flight/useWhatIf'
 import { layout } from '../../ui/styles'
+import { useWindowEvent } from '@mantine/hooks'
 
 const SpaceCard = later(() => import('./SpaceCard'), 'SpaceCard')
 
@@ -26,7 +27,8 @@ interface Props {
 export function SpaceSection({ data, whatIf }: Props) {
   const calm = useCalm()
   const [holder, near] = useNear<HTMLDivElement>()
-  const printed = usePrinted()
+  const [printed, setPrinted] = useState(false)
+  useWindowEvent('beforeprint', () => flushSync(() => setPrinted(true)))
   // Drawing all evaluations takes a fifth of the page's time: only where they are seen. To print them, the code must be there.
   useEffect(() => {
     if (calm) void SpaceCard.preload()
@@ -40,17 +42,6 @@ export function SpaceSection({ data, whatIf }: Props) {
       )}
     </div>
   )
-}
-
-/** True once the page is printed, then at once. */
-function usePrinted(): boolean {
-  const [printed, setPrinted] = useState(false)
-  useEffect(() => {
-    const print = () => flushSync(() => setPrinted(true))
-    addEventListener('beforeprint', print)
-    return () => removeEventListener('beforeprint', print)
-  }, [])
-  return printed
 }
 
 /** How often the evaluations of an active run are read while their drawing has been near the window [ms]. */

@@ -22,12 +22,7 @@ const PROPERTIES = [
   'paint-order',
 ]
 
-interface Box {
-  x: number
-  y: number
-  width: number
-  height: number
-}
+type Box = Pick<DOMRect, 'x' | 'y' | 'width' | 'height'>
 
 /** Whether everything in the card is drawn as SVG. */
 export const isDrawing = (card: HTMLElement): boolean => !chartOf(card).querySelector('canvas')

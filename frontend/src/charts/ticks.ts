@@ -76,16 +76,15 @@ export function labelWidth(text: string): number {
 
 const significantDecimals = (value: number): number => Math.max(0, 3 - Math.floor(Math.log10(Math.abs(value))))
 
+/** The lowest and the highest value; null without any. Of more values than a call takes arguments. */
+export const extremes = (values: readonly number[]): [number, number] | null =>
+  values.length === 0 ? null : [values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))]
+
 /** A range around the values with padding; never empty. */
 export function padded(values: readonly number[], air = 0.06): [number, number] {
-  const finite = values.filter(Number.isFinite)
-  if (finite.length === 0) return [0, 1]
-  let low = finite[0] as number
-  let high = low
-  for (const value of finite) {
-    if (value < low) low = value
-    if (value > high) high = value
-  }
+  const found = extremes(values.filter(Number.isFinite))
+  if (!found) return [0, 1]
+  const [low, high] = found
   const reach = (high - low) * air || Math.abs(high) * 0.05 || 1
   return [low - reach, high + reach]
 }

@@ -47,8 +47,7 @@ export function rfc3339(time: number): string {
   const two = (value: number) => String(value).padStart(2, '0')
   const away = -date.getTimezoneOffset()
   const offset = `${away < 0 ? '-' : '+'}${two(Math.floor(Math.abs(away) / 60))}:${two(Math.abs(away) % 60)}`
-  const day = `${String(date.getFullYear()).padStart(4, '0')}-${two(date.getMonth() + 1)}-${two(date.getDate())}`
-  return `${day}T${two(date.getHours())}:${two(date.getMinutes())}:${two(date.getSeconds())}${offset}`
+  return `${new Date(date.getTime() + away * 60_000).toISOString().slice(0, 19)}${offset}`
 }
 
 /** The name of the reader's time zone. */

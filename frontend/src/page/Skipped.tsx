@@ -33,7 +33,6 @@ export function Skipped({ unusable }: { unusable: readonly UnusableEntry[] | und
 function heading(unusable: readonly UnusableEntry[]): string {
   const kinds = [...new Set(unusable.map((entry) => entry.kind ?? 'component'))]
   if (unusable.length === 1) return `A ${kinds[0]} cannot be used.`
-  const named = kinds.map((kind) => `${kind}s`)
-  const last = named.pop()
-  return `${unusable.length} ${named.length ? `${named.join(', ')} or ${last}` : last} cannot be used.`
+  const named = new Intl.ListFormat('en-GB', { type: 'disjunction' }).format(kinds.map((kind) => `${kind}s`))
+  return `${unusable.length} ${named} cannot be used.`
 }

@@ -26,11 +26,7 @@ export const isSame = (before: readonly MissingPart[], now: readonly MissingPart
   before.length === now.length && before.every(({ name, error }, i) => now[i]?.name === name && now[i].error === error)
 
 /** `stages, findings and evaluations`. */
-export function listed(parts: readonly Pick<MissingPart, 'name'>[]): string {
-  const names = parts.map(({ name }) => name)
-  const last = names.pop() ?? ''
-  return names.length > 0 ? `${names.join(', ')} and ${last}` : last
-}
+export const listed = (parts: readonly Pick<MissingPart, 'name'>[]): string => new Intl.ListFormat('en-GB').format(parts.map(({ name }) => name))
 
 /** In place of a part that is not there: it is still being loaded, or could not be. */
 export function insteadOf(missing: readonly Pick<MissingPart, 'name'>[], name: string): string {

@@ -4,6 +4,7 @@ import type { TraceColumn, TraceData, TraceInfo } from '../../client'
 import { fixed, NARROW } from '../../format/numbers'
 import { symbolText } from '../../ui/Sign'
 import type { Shown } from '../../ui/WindowSeg'
+import { extremes } from '../../charts/ticks'
 
 /** Key of the crosshair shared by charts over time. */
 export const TIME = 'time'
@@ -33,15 +34,7 @@ export function spanOf(traces: readonly TraceData[], threshold: number | null, s
 
 /** Lowest and highest value of curves between two times; null without values. */
 export function extentOf(curves: readonly Curve[], [from, to]: readonly [number, number]): [number, number] | null {
-  let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY]
-  for (const curve of curves)
-    curve.x.forEach((x, i) => {
-      const y = curve.y[i]
-      if (x < from || x > to || typeof y !== 'number') return
-      low = Math.min(low, y)
-      high = Math.max(high, y)
-    })
-  return low <= high ? [low, high] : null
+  return extremes(curves.flatMap(({ x, y }) => x.flatMap((at, i) => (at >= from && at <= to ? (y[i] ?? []) : []))))
 }
 
 /** All columns over time of a simulator's trace, in the order that it declares. */

@@ -1,5 +1,6 @@
 // Plan view of flights of several runs on one scale. East is right and north is up.
 import type { TraceData, TraceHead } from '../../client'
+import { extremes } from '../../charts/ticks'
 
 export interface Place {
   east: number
@@ -49,14 +50,8 @@ export interface Scale {
 
 /** Equal scales that fit all positions into a box of width by height, with margins. */
 export function scaleOf(places: readonly Place[], width: number, height: number, left: number, bottom: number): Scale {
-  let [e0, e1, n0, n1] = [Infinity, -Infinity, Infinity, -Infinity]
-  for (const { east, north } of places) {
-    e0 = Math.min(e0, east)
-    e1 = Math.max(e1, east)
-    n0 = Math.min(n0, north)
-    n1 = Math.max(n1, north)
-  }
-  if (!(e1 >= e0)) [e0, e1, n0, n1] = [0, 1, 0, 1]
+  const [e0, e1] = extremes(places.map(({ east }) => east)) ?? [0, 1]
+  const [n0, n1] = extremes(places.map(({ north }) => north)) ?? [0, 1]
   const [across, up] = [width - left - 12, height - bottom - 10]
   const metres = Math.max((1.08 * (e1 - e0)) / across, (1.08 * (n1 - n0)) / up, 1e-9)
   const [e, n] = [(e0 + e1) / 2, (n0 + n1) / 2]

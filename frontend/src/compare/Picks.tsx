@@ -11,7 +11,7 @@ import { RunBadge } from '../ui/VerdictBadge'
 import type { Compared, Comparison } from './data'
 import { MOST, withRun } from './search'
 import { IconButton } from '../ui/IconButton'
-import { cards, tables } from '../ui/styles'
+import { cards, layout, tables } from '../ui/styles'
 import styles from './compare.module.css'
 
 interface PicksProps {
@@ -40,7 +40,7 @@ function Unread({ id, error, onRemove }: { id: string; error: Error | undefined;
   return (
     <div className={clsx(cards.card, styles.cmpPick)} role={error ? 'alert' : undefined}>
       <span className={styles.letter}>{error ? '?' : '…'}</span>
-      <div className={clsx(tables.rn, styles.who)}>
+      <div className={clsx(tables.rn, layout.grow, styles.who)}>
         <b className="mono">{id}</b>
         <small className={error ? 'bad-t' : undefined}>{error ? error.message : 'Loading …'}</small>
       </div>
@@ -54,7 +54,7 @@ function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void
   return (
     <div className={clsx(cards.card, styles.cmpPick)} data-run={run.id}>
       <Letter of={letter} />
-      <div className={clsx(tables.rn, styles.who)}>
+      <div className={clsx(tables.rn, layout.grow, styles.who)}>
         <Link to="/runs/$id" params={{ id: run.id }} className="b" title={run.name}>
           {run.name}
         </Link>

@@ -1,9 +1,10 @@
 // At the lower edge of the window wherever the page is scrolled: the estimated effort, and the start of the run.
 import { IconPlayerPlay } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import type { Checked } from '../client'
 import { Button } from '../ui/Button'
 import { amountOf, timeOf } from './estimate'
-import { buttons } from '../ui/styles'
+import { buttons, layout } from '../ui/styles'
 import styles from './launch.module.css'
 
 interface StartBarProps {
@@ -23,7 +24,7 @@ interface StartBarProps {
 export function StartBar({ checked, checking, failed, disabled, busy, why, onStart }: StartBarProps) {
   return (
     <div className={styles.bar} role="region" aria-label="Start">
-      <div className={styles.effort}>
+      <div className={clsx(layout.grow, styles.effort)}>
         <p aria-busy={checking} data-testid="effort">
           {effortOf(checked, failed)}
         </p>

@@ -73,8 +73,8 @@ function Page({ run }: { run: RunDetail }) {
       <div className={layout.ph}>
         <div className={layout.t}>
           <nav className={styles.crumb} aria-label="Breadcrumb">
-            <Link to="/runs">Runs</Link>/
-            <Link to="/runs/$id" params={{ id: run.id }} search={(before) => before} className="mono">
+            <Link to="/runs" className="sec">Runs</Link>/
+            <Link to="/runs/$id" params={{ id: run.id }} search={(before) => before} className="mono sec">
               {run.id}
             </Link>
             /<span>{flies ? 'Flight' : '3D view'}</span>

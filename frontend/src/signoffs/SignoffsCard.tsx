@@ -232,7 +232,7 @@ function Texts({ of }: { of: Signoffs['texts'] }) {
     <dl className={styles.texts} aria-label="Requirements, with the texts that are signed">
       {Object.entries(of).map(([id, text]) => (
         <div key={id}>
-          <dt>{id}</dt>
+          <dt className="b">{id}</dt>
           <dd>{text || 'no text'}</dd>
         </div>
       ))}

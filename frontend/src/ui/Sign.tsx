@@ -52,7 +52,7 @@ export function Sign({ text, path }: { text: string; path?: string }) {
   const [base, index] = split(symbol)
   const sign = (
     <span className="nw" title={path}>
-      <i className={styles.v}>{base}</i>
+      <i>{base}</i>
       {index && <sub>{index}</sub>}
     </span>
   )

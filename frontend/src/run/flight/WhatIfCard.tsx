@@ -52,7 +52,7 @@ export function WhatIfCard({ data, state, className }: Props) {
               onChange={(like) => change({ like, set: {}, seed: null })}
             />
           </label>
-          <Button small disabled={changed === 0 && whatIf.seed === null} onClick={() => change({ like: whatIf.like, set: {}, seed: null })}>
+          <Button small className={layout.atend} disabled={changed === 0 && whatIf.seed === null} onClick={() => change({ like: whatIf.like, set: {}, seed: null })}>
             Back to {name}
           </Button>
         </span>
@@ -157,7 +157,7 @@ function Figure({ name, value, text, unit, bad, testId }: FigureProps) {
 function Further({ one: { title, value, unit, worse } }: { one: FlightValue }) {
   return (
     <div>
-      <dt title={worse === 'high' ? 'more is worse' : 'less is worse'}>{title}</dt>
+      <dt className="sec" title={worse === 'high' ? 'more is worse' : 'less is worse'}>{title}</dt>
       <dd className="num">
         {fixed(value, decimalsFor([value]))} {value !== null && <span className="mut">{unitText(unit)}</span>}
       </dd>
@@ -197,7 +197,7 @@ function Row({ parameter, value, base, worst, changed, onChange }: RowProps) {
   const at = (of: number) => (high > low ? (of - low) / (high - low) : 0)
   return (
     <div className={styles.whatIfRow}>
-      <span className={changed ? 'b' : ''} title={`${path}: ${text}`}>
+      <span className={clsx(layout.cut, changed && 'b')} title={`${path}: ${text}`}>
         <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
       </span>
       <span className={fields.scrub}>

@@ -34,7 +34,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
     <div className={layout.ph}>
       <div className={layout.t}>
         <nav className={runStyles.crumb} aria-label="Breadcrumb">
-          <Link to="/runs">Runs</Link>/<span>{run.campaign_name}</span>/<span className="mono">{run.id}</span>
+          <Link to="/runs" className="sec">Runs</Link>/<span>{run.campaign_name}</span>/<span className="mono">{run.id}</span>
         </nav>
         <div className={runStyles.titles}>
           <h1>{run.name}</h1>

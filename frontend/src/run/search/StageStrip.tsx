@@ -8,7 +8,7 @@ import { atMost, count, decimalsFor, duration, exact, fixed } from '../../format
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { headlineOf } from '../../ui/VerdictBadge'
-import { icons } from '../../ui/styles'
+import { icons, layout } from '../../ui/styles'
 import styles from './search.module.css'
 
 type State = 'done' | 'act' | 'todo' | 'fail'
@@ -42,7 +42,7 @@ export function StageStrip({ run }: { run: RunDetail }) {
               )}
             </span>
           </div>
-          <div className={styles.dt} title={step.whole ?? step.text}>
+          <div className={clsx(layout.cut, styles.dt)} title={step.whole ?? step.text}>
             {step.text}
           </div>
           <Progress

@@ -9,7 +9,7 @@ import { Spans } from '../../ui/Spans'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf, wordOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
 import { NextSteps } from './NextSteps'
-import { cards } from '../../ui/styles'
+import { cards, layout } from '../../ui/styles'
 import styles from './verdict.module.css'
 
 export function Banner({ data }: { data: RunData }) {
@@ -40,7 +40,7 @@ export function Banner({ data }: { data: RunData }) {
         )}
         {run.verdict && summary && summary.holds_for.length > 0 && (
           <details className={styles.scope}>
-            <summary>
+            <summary className={layout.cut}>
               Scope: <Spans spans={summary.holds_for} exact />
             </summary>
           </details>

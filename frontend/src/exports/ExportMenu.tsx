@@ -6,13 +6,12 @@ import { useState } from 'react'
 import { getExports, getFile } from '../api/calls'
 import { asCampaign, caseWord } from '../api/campaign'
 import type { ExportFile, RunDetail } from '../client'
-import { ButtonAnchor } from '../ui/Button'
+import { ButtonAnchor, worded } from '../ui/Button'
 import { Popup } from '../ui/Popup'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
 import { at } from '../format/root'
 import { EntryLines } from '../ui/EntryLines'
-import { buttons } from '../ui/styles'
 import styles from './exports.module.css'
 
 /** The address of a recording, and its flight. */
@@ -41,15 +40,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
         onChange={setOpened}
         position="bottom-end"
         width={340}
-        button={{
-          className: buttons.btn,
-          children: (
-            <>
-              <IconDownload className="i s" aria-hidden />
-              Export
-            </>
-          ),
-        }}
+        button={worded(IconDownload, 'Export')}
       >
         <Menu.Dropdown className={styles.files}>
           <Menu.Label>Files of {run.id}</Menu.Label>

@@ -1,13 +1,12 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
-import { clsx } from 'clsx'
 import { Menu } from '@mantine/core'
 import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '@tabler/icons-react'
 import { type Theme, useTheme } from '../theme/useTheme'
+import { worded } from '../ui/Button'
 import { Popup } from '../ui/Popup'
 import { at } from '../format/root'
 import { EntryLines } from '../ui/EntryLines'
 import { byHand, useCopy } from '../ui/files'
-import { buttons } from '../ui/styles'
 
 /** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
 export const recordedAt = (run: string, flight: string, theme: Theme) => ({
@@ -29,14 +28,7 @@ export function RecordingMenu(props: Props) {
       kind="menu"
       position="bottom-end"
       width={300}
-      button={{
-        className: clsx(buttons.btn, buttons.s),
-        children: (
-          <>
-            <IconPlayerPlay className="i s" aria-hidden /> Recording
-          </>
-        ),
-      }}
+      button={worded(IconPlayerPlay, 'Recording', true)}
     >
       <Menu.Dropdown>
         <RecordingEntries {...props} />

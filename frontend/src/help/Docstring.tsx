@@ -1,8 +1,9 @@
 // Renders the text of a component or method: equations on their own lines, sources labelled.
 import { clsx } from 'clsx'
+import type { ReactNode } from 'react'
 import { partsOf } from './docstring'
 import { Ticked } from '../ui/Ticked'
-import { prose } from '../ui/styles'
+import { lists, prose } from '../ui/styles'
 import styles from './help.module.css'
 
 export function Docstring({ text }: { text: string }) {
@@ -25,3 +26,21 @@ export function Docstring({ text }: { text: string }) {
     </div>
   )
 }
+
+interface AboutProps {
+  summary: string
+  text: string
+  /** Below the text. */
+  children?: ReactNode
+}
+
+/** The same, folded, below the fields of what it describes. */
+export const About = ({ summary, text, children }: AboutProps) => (
+  <details>
+    <summary>{summary}</summary>
+    <div className={lists.about}>
+      <Docstring text={text} />
+      {children}
+    </div>
+  </details>
+)

@@ -5,10 +5,9 @@ import { useTitle } from '../page/useTitle'
 import { count, percent, plain } from '../format/numbers'
 import { type Column, Table } from '../ui/Table'
 import { ATTACKS } from './attacks'
-import { HelpFrame, Passage } from './HelpFrame'
+import { HelpFrame, Passage, Terms } from './HelpFrame'
 import { missed, SAMPLES, SLITS } from './missed'
 import { layout } from '../ui/styles'
-import styles from './help.module.css'
 
 const CAPS: readonly [string, string][] = [
   [
@@ -93,14 +92,7 @@ function Intended() {
         and the verdict repeats the reason.
       </p>
       <pre tabIndex={0}>{EXAMPLE}</pre>
-      <dl className={styles.terms}>
-        {CHECKS.filter(({ intended }) => intended).map(({ code, intended }) => (
-          <div key={code}>
-            <dt className="mono">{code.replace(' ', '_')}</dt>
-            <dd>{intended}</dd>
-          </div>
-        ))}
-      </dl>
+      <Terms of={CHECKS.filter(({ intended }) => intended).map(({ code, intended }) => ({ word: code.replace(' ', '_'), mono: true, text: intended }))} />
     </Passage>
   )
 }
@@ -108,14 +100,7 @@ function Intended() {
 function Caps() {
   return (
     <Passage id="caps" title="What a campaign cannot relax">
-      <dl className={styles.terms}>
-        {CAPS.map(([name, text]) => (
-          <div key={name}>
-            <dt className={name.includes(' ') || name === 'Excluded' ? undefined : 'mono'}>{name}</dt>
-            <dd>{text}</dd>
-          </div>
-        ))}
-      </dl>
+      <Terms of={CAPS.map(([word, text]) => ({ word, text, mono: /^[a-z]/.test(word) }))} />
     </Passage>
   )
 }

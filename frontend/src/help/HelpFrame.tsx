@@ -1,7 +1,7 @@
 // The layout of the help pages: table of contents and content.
 import { clsx } from 'clsx'
 import { Link } from '@tanstack/react-router'
-import { type ReactNode, useEffect } from 'react'
+import { type ReactElement, type ReactNode, useEffect } from 'react'
 import { Failed, Loading } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import { GUIDES } from './guides'
@@ -37,30 +37,20 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
   return (
     <div className={guide.doc}>
       <nav className={guide.toc} aria-label="Help">
-        <section>
-          <h2>Help</h2>
-          <ul>
-            {TOPICS.map((topic) => (
-              <li key={topic.to}>
-                <Link to={topic.to} activeOptions={{ exact: true }} activeProps={{ 'aria-current': 'page' }}>
-                  {topic.name}
-                </Link>
-              </li>
-            ))}
-          </ul>
-        </section>
-        <section>
-          <h2>Guides</h2>
-          <ul>
-            {GUIDES.filter(({ name }) => name !== 'index').map(({ name, title }) => (
-              <li key={name}>
-                <Link to="/help/guides/$name" params={{ name }} activeProps={{ 'aria-current': 'page' }}>
-                  {title}
-                </Link>
-              </li>
-            ))}
-          </ul>
-        </section>
+        <Links title="Help">
+          {TOPICS.map((topic) => (
+            <Link key={topic.to} to={topic.to} activeOptions={{ exact: true }} activeProps={{ 'aria-current': 'page' }}>
+              {topic.name}
+            </Link>
+          ))}
+        </Links>
+        <Links title="Guides">
+          {GUIDES.filter(({ name }) => name !== 'index').map(({ name, title }) => (
+            <Link key={name} to="/help/guides/$name" params={{ name }} activeProps={{ 'aria-current': 'page' }}>
+              {title}
+            </Link>
+          ))}
+        </Links>
         <Contents of={contents} />
       </nav>
       <div className={guide.docbody} data-text>
@@ -77,17 +67,23 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
 /** The sections of a page as links. */
 export const Contents = ({ of }: { of: readonly Chapter[] }) =>
   of.map(({ title, entries }) => (
-    <section key={title}>
-      <h2>{title}</h2>
-      <ul>
-        {entries.map(({ id, name }) => (
-          <li key={id}>
-            <a href={`#${id}`}>{name}</a>
-          </li>
-        ))}
-      </ul>
-    </section>
+    <Links key={title} title={title}>
+      {entries.map(({ id, name }) => (
+        <a key={id} href={`#${id}`}>{name}</a>
+      ))}
+    </Links>
   ))
+
+const Links = ({ title, children }: { title: string; children: ReactElement[] }) => (
+  <section>
+    <h2>{title}</h2>
+    <ul>
+      {children.map((link) => (
+        <li key={link.key}>{link}</li>
+      ))}
+    </ul>
+  </section>
+)
 
 /** A text with its heading. */
 export const Passage = ({ id, title, children }: { id: string; title: ReactNode; children: ReactNode }) => (
@@ -97,6 +93,18 @@ export const Passage = ({ id, title, children }: { id: string; title: ReactNode;
       {children}
     </div>
   </section>
+)
+
+/** Words with what they mean; a name of a file as it is in files. */
+export const Terms = ({ of }: { of: readonly { word: string; mono?: boolean; text: ReactNode }[] }) => (
+  <dl className={styles.terms}>
+    {of.map(({ word, mono, text }) => (
+      <div key={word}>
+        <dt className={mono ? 'mono b' : 'b'}>{word}</dt>
+        <dd>{text}</dd>
+      </div>
+    ))}
+  </dl>
 )
 
 interface UnreadProps {

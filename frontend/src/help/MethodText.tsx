@@ -12,18 +12,18 @@ export function MethodText({ method }: { method: MethodEntry }) {
     <>
       <Docstring text={method.text} />
       <dl className={styles.guarantee}>
-        <dt>In a campaign</dt>
+        <dt className="mut">In a campaign</dt>
         <dd className="mono">{method.name}</dd>
-        <dt>Source</dt>
+        <dt className="mut">Source</dt>
         <dd>{method.source}</dd>
-        <dt>Default budget</dt>
+        <dt className="mut">Default budget</dt>
         <dd>
           {count(method.evaluations)} evaluations{method.whole_budget ? ', always used in full' : ' at most; its own rule may end it earlier'}
         </dd>
         {FACTS.map(([field, title]) => method[field] && <Fact key={field} title={title} text={method[field]} />)}
         {method.starts && (
           <>
-            <dt>Starts</dt>
+            <dt className="mut">Starts</dt>
             <dd>from points given in the campaign</dd>
           </>
         )}
@@ -55,7 +55,7 @@ const FACTS = [
 function Fact({ title, text }: { title: string; text: string }) {
   return (
     <>
-      <dt>{title}</dt>
+      <dt className="mut">{title}</dt>
       <dd>{text}</dd>
     </>
   )

@@ -5,8 +5,7 @@ import { CHECKS } from '../api/rules'
 import { useTitle } from '../page/useTitle'
 import { Card } from '../ui/Card'
 import { type Outcome, VerdictBadge } from '../ui/VerdictBadge'
-import { HelpFrame, Passage } from './HelpFrame'
-import styles from './help.module.css'
+import { HelpFrame, Passage, Terms } from './HelpFrame'
 
 interface Meaning {
   outcome: Outcome
@@ -104,14 +103,7 @@ export function VerdictsPage() {
         </Passage>
       ))}
       <Card title="What the words mean" id="words">
-        <dl className={styles.terms}>
-          {TERMS.map(([word, text]) => (
-            <div key={word}>
-              <dt>{word}</dt>
-              <dd>{text}</dd>
-            </div>
-          ))}
-        </dl>
+        <Terms of={TERMS.map(([word, text]) => ({ word, text }))} />
       </Card>
     </HelpFrame>
   )

@@ -10,7 +10,7 @@ import type { Report, ReportFile } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { PageHead } from '../page/PageHead'
-import { Loading, Trouble } from '../page/Trouble'
+import { Loaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { SignedBy } from '../signoffs/SignedBy'
 import { RunCell } from '../trends/cells'
@@ -34,14 +34,13 @@ export function ReportsPage() {
   const navigate = useNavigate({ from: '/reports' })
   const search = useCallback((text: string) => void navigate({ search: { q: text || undefined }, replace: true }), [navigate])
   const query = useInfiniteQuery(reportsQuery(q))
-  if (query.isError && !query.data)
+  if (!query.data)
     return (
       <>
         <PageHead title="Reports" />
-        <Trouble error={query.error} retry={() => void query.refetch()} below />
+        <Loaded query={query} what="reports">{() => null}</Loaded>
       </>
     )
-  if (!query.data) return <Loading what="reports" title="Reports" failed={query.failureReason} />
   const items = query.data.pages.flatMap((page) => page.items)
   const { total = items.length, note = '' } = query.data.pages[0] ?? {}
   return (

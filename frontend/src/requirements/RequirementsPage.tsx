@@ -10,9 +10,9 @@ import { EXPORTS, requirementsQuery } from '../api/requirements'
 import type { RequirementRow } from '../client'
 import { count } from '../format/numbers'
 import { PageHead } from '../page/PageHead'
-import { Loading, Trouble } from '../page/Trouble'
+import { Loaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
-import { Button, TextButton } from '../ui/Button'
+import { Button, TextButton, worded } from '../ui/Button'
 import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
 import { SearchBox } from '../ui/SearchBox'
@@ -26,8 +26,7 @@ import { countsOf, isStatus, STATUSES, type Status } from './status'
 import { WriteForm } from './WriteForm'
 import { EntryLines } from '../ui/EntryLines'
 import { Select } from '../ui/Select'
-import { buttons, layout } from '../ui/styles'
-import styles from './requirements.module.css'
+import { layout } from '../ui/styles'
 
 type Dialog = 'import' | 'add' | RequirementRow | null
 
@@ -50,7 +49,7 @@ export function RequirementsPage() {
     return (
       <>
         <PageHead title="Requirements" />
-        {query.isError ? <Trouble error={query.error} retry={() => void query.refetch()} below /> : <Loading what="requirements" failed={query.failureReason} />}
+        <Loaded query={query} what="requirements">{() => null}</Loaded>
       </>
     )
   const total = query.data.pages[0]?.total ?? items.length
@@ -58,7 +57,7 @@ export function RequirementsPage() {
   const done = () => setDialog(null)
   return (
     <>
-      <PageHead title="Requirements" className={styles.head} acts={styles.acts}>
+      <PageHead title="Requirements">
         <ExportFiles disabled={total === 0 && q === ''} />
         {mayChange && (
           <>
@@ -131,15 +130,7 @@ function ExportFiles({ disabled }: { disabled: boolean }) {
       kind="menu"
       position="bottom-end"
       width={320}
-      button={{
-        className: buttons.btn,
-        disabled,
-        children: (
-          <>
-            <IconDownload className="i s" aria-hidden /> Export
-          </>
-        ),
-      }}
+      button={{ ...worded(IconDownload, 'Export'), disabled }}
     >
       <Menu.Dropdown>
         {EXPORTS.map(({ href, title, text }) => (

@@ -49,6 +49,12 @@ export const ButtonAnchor = ({ icon: Icon, small, main, className, children, ...
 /** The same, to a page. */
 export const ButtonLink = createLink(ButtonAnchor)
 
+/** The looks of a {@link Button}, for the button of a popup. */
+export const worded = (Icon: typeof IconLink, words: string, small?: boolean) => ({
+  className: clsx(buttons.btn, small && buttons.s),
+  children: [<Icon key="icon" className="i s" aria-hidden />, words],
+})
+
 /** A button that looks like a link. */
 export const TextButton = ({ className, ...rest }: ButtonHTMLAttributes<HTMLButtonElement>) => (
   <button type="button" className={clsx(buttons.linkbtn, className)} {...rest} />

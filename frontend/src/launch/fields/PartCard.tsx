@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import { type Campaign, place, type Raw } from '../../api/campaign'
 import { plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
-import { Docstring } from '../../help/Docstring'
+import { About } from '../../help/Docstring'
 import { HelpLink, idOfComponent } from '../../help/links'
 import { TextButton } from '../../ui/Button'
 import { Card } from '../../ui/Card'
@@ -13,7 +13,7 @@ import { NumberCell } from './NumberCell'
 import { numberOf, type Parameter, type Section } from '../campaign/parameters'
 import { FieldErrors, idOf } from './problems'
 import type { FormProps, SetValue } from './props'
-import { layout, lists } from '../../ui/styles'
+import { layout } from '../../ui/styles'
 import styles from './fields.module.css'
 
 /** Up to this number of default parameters is not collapsed. */
@@ -74,15 +74,9 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
       <Parameters section={section} campaign={campaign} set={set} />
       <Strays strays={section.strays} set={set} />
       {component && (
-        <details>
-          <summary>Equations and source</summary>
-          <div className={lists.about}>
-            <Docstring text={component.text} />
-            <HelpLink to="/help/components" at={idOfComponent(component.role, component.name)}>
-              In the help
-            </HelpLink>
-          </div>
-        </details>
+        <About summary="Equations and source" text={component.text}>
+          <HelpLink to="/help/components" at={idOfComponent(component.role, component.name)}>In the help</HelpLink>
+        </About>
       )}
     </div>
   )

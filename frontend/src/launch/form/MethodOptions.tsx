@@ -4,7 +4,7 @@ import { clsx } from 'clsx'
 import type { Json, SearchStage } from '../../api/campaign'
 import type { MethodEntry } from '../../client'
 import { plain } from '../../format/numbers'
-import { Docstring } from '../../help/Docstring'
+import { About } from '../../help/Docstring'
 import { HelpLink } from '../../help/links'
 import { Sign } from '../../ui/Sign'
 import { Button } from '../../ui/Button'
@@ -14,7 +14,7 @@ import { numberOf } from '../campaign/parameters'
 import { optionsOf, type Schema } from '../../api/schema'
 import { FieldErrors } from '../fields/problems'
 import type { FormProps } from '../fields/props'
-import { fields as fieldsCss, layout, lists } from '../../ui/styles'
+import { fields as fieldsCss, layout } from '../../ui/styles'
 import styles from './form.module.css'
 
 interface MethodOptionsProps extends Pick<FormProps, 'parameters' | 'set'> {
@@ -45,15 +45,9 @@ export function MethodOptions(props: MethodOptionsProps) {
       )}
       {rules.length === 0 && <p className="small mut">This method has no settings except its budget.</p>}
       {(method.starts || (stage.starts?.length ?? 0) > 0) && <Starts {...props} />}
-      <details>
-        <summary>What {method.title} does</summary>
-        <div className={lists.about}>
-          <Docstring text={method.text} />
-          <HelpLink to="/help/methods" at={method.name}>
-            In the help
-          </HelpLink>
-        </div>
-      </details>
+      <About summary={`What ${method.title} does`} text={method.text}>
+        <HelpLink to="/help/methods" at={method.name}>In the help</HelpLink>
+      </About>
     </div>
   )
 }

@@ -1,5 +1,5 @@
 // Instead of a scenario: the simulator, its parameters, and the deciding result.
-import { Docstring } from '../../help/Docstring'
+import { About } from '../../help/Docstring'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { unitText } from '../../format/units'
@@ -10,7 +10,7 @@ import { Choice } from '../fields/Field'
 import { ParameterGrid } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
 import type { FormProps } from '../fields/props'
-import { layout, lists } from '../../ui/styles'
+import { layout } from '../../ui/styles'
 
 export function SimulatorForm(form: FormProps) {
   const { campaign, catalogue, parameters, set } = form
@@ -37,14 +37,7 @@ export function SimulatorForm(form: FormProps) {
           <FieldErrors field="simulator.name" />
           <ParameterGrid parameters={parameters} set={set} />
           <Calls {...form} />
-          {entry && (
-            <details>
-              <summary>Description</summary>
-              <div className={lists.about}>
-                <Docstring text={entry.text} />
-              </div>
-            </details>
-          )}
+          {entry && <About summary="Description" text={entry.text} />}
         </div>
       </Card>
     </section>

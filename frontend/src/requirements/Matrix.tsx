@@ -7,10 +7,11 @@ import { NONE } from '../format/numbers'
 import { TextButton } from '../ui/Button'
 import { Digest } from '../ui/Digests'
 import { RunLink } from '../ui/RunLink'
+import { Badge } from '../ui/VerdictBadge'
 import { SignedBy } from '../signoffs/SignedBy'
 import { DateCell, marginOf, OutcomeBadge } from '../trends/cells'
 import { leftOut, type Status, STATUSES } from './status'
-import { badges, layout, tables } from '../ui/styles'
+import { layout, tables } from '../ui/styles'
 import styles from './requirements.module.css'
 
 const ICONS: Record<Status, typeof IconClock> = {
@@ -76,13 +77,7 @@ export function Matrix({ rows, onChange }: MatrixProps) {
 
 export function StatusBadge({ status }: { status: Status }) {
   const { word, tone } = STATUSES[status]
-  const Icon = ICONS[status]
-  return (
-    <span className={badges.vd} data-tone={tone}>
-      <Icon className="i" aria-hidden />
-      {word}
-    </span>
-  )
+  return <Badge tone={tone} Icon={ICONS[status]}>{word}</Badge>
 }
 
 function What({ row, onChange }: { row: RequirementRow; onChange: MatrixProps['onChange'] }) {

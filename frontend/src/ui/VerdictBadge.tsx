@@ -9,6 +9,7 @@ import {
   IconLoader,
 } from '@tabler/icons-react'
 import { clsx } from 'clsx'
+import type { HTMLAttributes } from 'react'
 import type { RunSummary } from '../client'
 import { badges, icons } from './styles'
 
@@ -47,6 +48,18 @@ export const wordOf = (run: Ended): string => `${LOOK[outcomeOf(run)].word}${lac
 
 /** The verdict as files and sentences have it, null without one. */
 export const headlineOf = (run: Ended): string | null => run.verdict && `${run.verdict}${lacking(run)}`
+
+interface BadgeProps extends HTMLAttributes<HTMLSpanElement> {
+  tone: string
+  Icon: typeof IconCircleCheck
+}
+
+export const Badge = ({ tone, Icon, children, ...rest }: BadgeProps) => (
+  <span className={badges.vd} data-tone={tone} {...rest}>
+    <Icon className="i" aria-hidden />
+    {children}
+  </span>
+)
 
 export const RunBadge = ({ run }: { run: Ended }) => <VerdictBadge outcome={outcomeOf(run)} word={wordOf(run)} />
 

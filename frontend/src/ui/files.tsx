@@ -1,7 +1,8 @@
 // Copy to the clipboard, save as a file.
 import { IconCheck, IconCopy } from '@tabler/icons-react'
-import { type ReactNode, useEffect, useState } from 'react'
+import type { ReactNode } from 'react'
 import { Button } from './Button'
+import { useBrief } from './useBrief'
 
 /** How long a browser may take to read what it saves: some ask first where to [ms]. */
 const READ = 40_000
@@ -41,12 +42,7 @@ export const byHand = (text: string) => `The browser blocks copying; copy it by 
 
 /** Copies a text, and tells for a while [ms] whether the browser did. */
 export function useCopy(period: number) {
-  const [outcome, setOutcome] = useState<'copied' | 'refused' | null>(null)
-  useEffect(() => {
-    if (!outcome) return
-    const timer = setTimeout(() => setOutcome(null), period)
-    return () => clearTimeout(timer)
-  }, [outcome, period])
+  const [outcome, setOutcome] = useBrief<'copied' | 'refused'>(period)
   const copy = async (text: string) => setOutcome((await copied(text)) ? 'copied' : 'refused')
   return { outcome, copy }
 }

@@ -7,7 +7,6 @@ import {
 } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
-import { useEffect, useState } from 'react'
 import { caseWord, hasScenario } from '../../api/campaign'
 import { isLive } from '../../api/queries'
 import type { ViewState } from '../../client'
@@ -26,6 +25,7 @@ import { ROOT } from '../../format/root'
 import { Select } from '../../ui/Select'
 import { buttons, layout } from '../../ui/styles'
 import styles from './flight.module.css'
+import { useBrief } from '../../ui/useBrief'
 
 interface Props {
   data: RunData
@@ -109,12 +109,7 @@ function Choice({ data }: { data: RunData }) {
 }
 
 function CopyInstant({ view, address, alone }: { view: View; address: ChosenSearch; alone: boolean }) {
-  const [statement, setStatement] = useState('')
-  useEffect(() => {
-    if (!statement) return
-    const timer = setTimeout(() => setStatement(''), 4000)
-    return () => clearTimeout(timer)
-  }, [statement])
+  const [statement, setStatement] = useBrief<string>(4000)
   const copy = async () => {
     const shown = await view.look()
     if (!shown) return setStatement('The 3D view is not open yet')
@@ -123,7 +118,7 @@ function CopyInstant({ view, address, alone }: { view: View; address: ChosenSear
   }
   return (
     <>
-      <IconButton label="Copy link to this instant" icon={statement.startsWith('Copied') ? IconCheck : IconLink} act={() => void copy()} />
+      <IconButton label="Copy link to this instant" icon={statement?.startsWith('Copied') ? IconCheck : IconLink} act={() => void copy()} />
       <span className={clsx(styles.statement, 'small sec')} role="status">
         {statement}
       </span>

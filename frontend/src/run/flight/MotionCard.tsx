@@ -26,7 +26,6 @@ import {
   shownColumns,
   spanOf,
   TIME,
-  valueAt,
   wordsOf,
 } from './flown'
 import { type Flown, flownOf, useShown, whatIfOf } from './SeparationCard'
@@ -134,7 +133,7 @@ function Small({ column, flights, span, hidden, onCross, standing, last }: Small
     const decimals = decimalsFor(extent ?? [1], 3)
     const near = drawn.flatMap(({ key, colour, trace, curve }) => {
       const time = trace.meta.closest?.time
-      const value = time === undefined ? null : valueAt(curve, time)
+      const value = time === undefined ? null : (linesOn([time], curve)[0] ?? null)
       return time === undefined ? [] : [{ key, colour, time, value }]
     })
     return {

@@ -8,7 +8,7 @@ import {
   IconStack2,
 } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import { type CSSProperties, useEffect, useState } from 'react'
+import { type CSSProperties, useState } from 'react'
 import type { LayersChange, ViewState } from '../../client'
 import { fixed, plain } from '../../format/numbers'
 import { caseWord, hasScenario } from '../../api/campaign'
@@ -23,6 +23,7 @@ import type { WhatIfState } from './useWhatIf'
 import { Select } from '../../ui/Select'
 import { fields, layout } from '../../ui/styles'
 import styles from './flight.module.css'
+import { useBrief } from '../../ui/useBrief'
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5]
 
@@ -174,13 +175,8 @@ const WAIT = 3000
 
 /** A checkbox with immediate feedback, finally set by the view. */
 function LayerPick({ name, on, ask }: { name: string; on: boolean; ask: (on: boolean) => void }) {
-  const [request, setRequest] = useState<boolean | null>(null)
+  const [request, setRequest] = useBrief<boolean>(WAIT)
   if (request === on) setRequest(null)
-  useEffect(() => {
-    if (request === null) return
-    const timer = setTimeout(() => setRequest(null), WAIT)
-    return () => clearTimeout(timer)
-  }, [request])
   const change = (wanted: boolean) => {
     setRequest(wanted)
     ask(wanted)

@@ -2,7 +2,8 @@
 import { expect, it } from 'vitest'
 import * as fixtures from '../../../tests/fixtures'
 import type { TraceColumn, TraceData, TraceHead } from '../../client'
-import { aboveOf, acrossOf, curveOf, extentOf, overTime, shownColumns, spanOf, valueAt, wordsOf } from './flown'
+import { aboveOf, acrossOf, curveOf, extentOf, overTime, shownColumns, spanOf, wordsOf } from './flown'
+import { linesOn } from '../../charts/series'
 
 const column = (name: string, unit: string, group: TraceColumn['group']): TraceColumn => ({ name, symbol: name, unit, group })
 const COLUMNS = [
@@ -53,8 +54,8 @@ it('shows the columns asked for, of many the usual ones', () => {
 
 it('reads values between rows, and none outside', () => {
   const curve = curveOf(FLIGHT, 'u')
-  expect([valueAt(curve, 1.5), valueAt(curve, 0), valueAt(curve, 5), valueAt(curve, 6)]).toEqual([15, 0, 50, null])
-  expect(valueAt({ x: [0, 1], y: [null, 1] }, 0.5)).toBeNull()
+  expect([1.5, 0, 5, 6].flatMap((time) => linesOn([time], curve))).toEqual([15, 0, 50, null])
+  expect(linesOn([0.5], { x: [0, 1], y: [null, 1] })).toEqual([null])
   expect(extentOf([curve], [1, 3])).toEqual([10, 30])
   expect(extentOf([curve], [9, 10])).toBeNull()
 })

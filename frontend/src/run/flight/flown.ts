@@ -66,16 +66,6 @@ export function shownColumns(all: readonly TraceColumn[], list: string | undefin
   return moving.slice(0, MOST_COLUMNS)
 }
 
-/** The linearly interpolated value of a curve at a time; null outside its range. */
-export function valueAt(curve: Curve, time: number): number | null {
-  const after = curve.x.findIndex((x) => x >= time)
-  const [y1, y0] = [curve.y[after], curve.y[after - 1]]
-  if (after < 0 || typeof y1 !== 'number') return null
-  const [x1, x0] = [curve.x[after] as number, curve.x[after - 1]]
-  if (x1 === time || x0 === undefined || typeof y0 !== 'number') return x1 === time ? y1 : null
-  return y0 + ((y1 - y0) * (time - x0)) / (x1 - x0)
-}
-
 /** The text of a simulator's column, else the information of the name beyond the symbol: `omega_demand` with the symbol ω_d is a demand. */
 export function wordsOf({ name, symbol, text }: Pick<TraceColumn, 'name' | 'symbol' | 'text'>): string {
   if (text) return text

@@ -20,8 +20,8 @@ import { type Column, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { worstOf } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
-import { badges } from '../../ui/styles'
 import styles from './regression.module.css'
+import { Badge } from '../../ui/VerdictBadge'
 
 type Standing = FindingChange['standing']
 
@@ -72,10 +72,9 @@ function Without({ reason, className }: { reason: string; className: string | un
 
 function Policy({ regression: { ok } }: { regression: Regression }) {
   return (
-    <span className={badges.vd} data-tone={ok ? 'ok' : 'bad'} data-testid="policy">
-      {ok ? <IconCircleCheck className="i" aria-hidden /> : <IconCircleX className="i" aria-hidden />}
+    <Badge tone={ok ? 'ok' : 'bad'} Icon={ok ? IconCircleCheck : IconCircleX} data-testid="policy">
       {ok ? 'Policy holds' : 'Policy fails'}
-    </span>
+    </Badge>
   )
 }
 
@@ -138,10 +137,7 @@ function Status({ change: { standing, fails } }: { change: FindingChange }) {
   const { word, tone, Icon } = LOOK[standing]
   return (
     <>
-      <span className={badges.vd} data-tone={tone}>
-        <Icon className="i" aria-hidden />
-        {word}
-      </span>{' '}
+      <Badge tone={tone} Icon={Icon}>{word}</Badge>{' '}
       {fails && <span className={clsx('small bad-t', styles.fails)}>fails</span>}
     </>
   )

@@ -13,8 +13,9 @@ import { Table } from '../../ui/Table'
 import { worstOf } from '../data/chosen'
 import type { RunData } from '../data/data'
 import { casesOf, validatedWord } from '../data/validated'
-import { badges, lists } from '../../ui/styles'
+import { lists } from '../../ui/styles'
 import styles from './verdict.module.css'
+import { Badge } from '../../ui/VerdictBadge'
 
 interface ValidationCardProps {
   data: Pick<RunData, 'run' | 'stages' | 'findings' | 'parameters'>
@@ -45,12 +46,7 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
       className={className}
       id="validation"
       flush={cases.length > 0}
-      right={
-        <span className={badges.vd} data-tone={passed ? 'ok' : 'unk'}>
-          {passed ? <IconCircleCheck className="i" aria-hidden /> : <IconCircleX className="i" aria-hidden />}
-          {passed ? 'Passed' : 'Not passed'}
-        </span>
-      }
+      right={<Badge tone={passed ? 'ok' : 'unk'} Icon={passed ? IconCircleCheck : IconCircleX}>{passed ? 'Passed' : 'Not passed'}</Badge>}
       footer={
         <>
           <Spans spans={sentence(result.statement)} />{' '}

@@ -18,23 +18,16 @@ export interface Row {
 
 /** Descriptive texts, which do not affect the evaluation. */
 const WORDS = ['name', 'summary', 'notes', 'tags', 'published', 'version']
-const GROUPS: Record<string, string> = {
-  vehicle: 'Scenario',
-  controller: 'Scenario',
-  avoider: 'Scenario',
-  scenario: 'Scenario',
-  simulator: 'Simulator',
-  start: 'Scenario',
-  goal: 'Scenario',
-  obstacles: 'Scenario',
-  environment: 'Scenario',
-  faults: 'Scenario',
-  uncertain: 'Uncertain parameters',
-  correlations: 'Uncertain parameters',
-  criterion: 'Criterion',
-  objectives: 'Criterion',
-  stages: 'Methods and stages',
+/** The first words of paths, by group. */
+const GROUPS: Readonly<Record<string, readonly string[]>> = {
+  Scenario: ['vehicle', 'controller', 'avoider', 'scenario', 'start', 'goal', 'obstacles', 'environment', 'faults'],
+  Simulator: ['simulator'],
+  'Uncertain parameters': ['uncertain', 'correlations'],
+  Criterion: ['criterion', 'objectives'],
+  'Methods and stages': ['stages'],
 }
+const groupOf = (path: string): string =>
+  Object.keys(GROUPS).find((group) => GROUPS[group]?.includes(path.split('.')[0] ?? '')) ?? 'Verdict and seed'
 
 interface Described {
   run: Pick<RunDetail, 'campaign'>
@@ -60,7 +53,7 @@ export function differences(runs: readonly Described[]): Row[] {
     const values = entries.map((entry) => entry?.value)
     return {
       path,
-      group: GROUPS[path.split('.')[0] ?? ''] ?? 'Verdict and seed',
+      group: groupOf(path),
       text: known?.text ?? '',
       unit: known?.unit ?? '',
       values,

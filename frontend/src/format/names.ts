@@ -3,14 +3,7 @@
 
 /** Separates the symbol from the part it belongs to; no symbol has a space. */
 const OF = ' of '
-const PARTS: Record<string, string> = {
-  vehicle: 'the vehicle',
-  controller: 'the controller',
-  avoider: 'the avoider',
-  start: 'the start',
-  goal: 'the goal',
-  criterion: 'the criterion',
-}
+const PARTS = ['vehicle', 'controller', 'avoider', 'start', 'goal', 'criterion']
 const LISTS: Record<string, string> = {
   obstacles: 'obstacle',
   environment: 'environment',
@@ -33,8 +26,7 @@ export function nameOf(path: string, symbol = lastOf(path)): string {
   const [part = '', number = ''] = path.split('.')
   const listed = LISTS[part]
   if (listed !== undefined && /^\d+$/.test(number)) return `${symbol}${OF}${listed} ${Number(number) + 1}`
-  const owner = PARTS[part]
-  return owner === undefined ? path : `${symbol}${OF}${owner}`
+  return PARTS.includes(part) ? `${symbol}${OF}the ${part}` : path
 }
 
 /** The symbol of a name and the rest of it, which is upright in print: `y` and ` of obstacle 1`. */

@@ -1,5 +1,6 @@
 // Every parameter of a campaign by its path, with its entry in the catalogue, nominal value and bounds. The rules are
 // those of the service's check, but tolerate incomplete input.
+import { upperFirst } from '@mantine/hooks'
 import { type Campaign, fieldOf, type List, LISTS, type Part, type Raw, type Uncertain } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, ParameterEntry, ResultEntry, SimulatorEntry } from '../../client'
 import { parse } from '../../format/numbers'
@@ -27,26 +28,16 @@ export interface Section {
   strays: { at: (string | number)[]; name: string; value: Raw }[]
 }
 
-const ROLE: Record<Role, string> = {
-  vehicle: 'Vehicle',
-  controller: 'Controller',
-  avoider: 'Avoider',
-  obstacle: 'Obstacle',
-  environment: 'Environment',
-  fault: 'Fault',
-  criterion: 'Criterion',
-}
-
 export const ROLE_OF: Record<List, Role> = { obstacles: 'obstacle', environment: 'environment', faults: 'fault' }
 
 /** The parts of a campaign, in the order of the form. */
 export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] {
   if (campaign.simulator) return []
   const { scenario } = campaign
-  const { vehicle, controller, avoider, start = {}, goal } = scenario
+  const { vehicle, avoider, start = {}, goal } = scenario
   const find = (role: Role, part: Part) =>
     catalogue.components.find((c) => c.role === role && c.name === part.component)
-  const section = (role: Role, prefix: string, at: (string | number)[], part: Part, title = ROLE[role]): Section => {
+  const section = (role: Role, prefix: string, at: (string | number)[], part: Part, title = upperFirst(role)): Section => {
     const component = find(role, part)
     const values = part.parameters ?? {}
     const entries = component?.parameters ?? []
@@ -54,12 +45,10 @@ export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] 
     return { role, title, at, part, component, parameters: listed(prefix, title, entries, values), strays }
   }
   const sections = [
-    section('vehicle', 'vehicle', ['scenario', 'vehicle'], vehicle),
-    section('controller', 'controller', ['scenario', 'controller'], controller),
-    section('avoider', 'avoider', ['scenario', 'avoider'], avoider),
+    ...(['vehicle', 'controller', 'avoider'] as const).map((role) => section(role, role, ['scenario', role], scenario[role])),
     ...LISTS.flatMap((list) =>
       (scenario[list] ?? []).map((part, i) =>
-        section(ROLE_OF[list], `${list}.${i}`, ['scenario', list, i], part, `${ROLE[ROLE_OF[list]]} ${i + 1}`),
+        section(ROLE_OF[list], `${list}.${i}`, ['scenario', list, i], part, `${upperFirst(ROLE_OF[list])} ${i + 1}`),
       ),
     ),
     section('criterion', 'criterion', ['criterion'], campaign.criterion),
@@ -68,15 +57,13 @@ export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] 
     ),
   ]
   const also = (at: number, name: 'start' | 'goal', entries: ParameterEntry[] | undefined, values: Record<string, Raw>) => {
-    sections[at]?.parameters.push(...listed(name, ROLE_NAME[name], entries ?? [], values))
+    sections[at]?.parameters.push(...listed(name, upperFirst(name), entries ?? [], values))
     if (entries) sections[at]?.strays.push(...strayed(entries, values, ['scenario', name]))
   }
   also(0, 'start', find('vehicle', vehicle)?.starts, start)
   also(2, 'goal', find('avoider', avoider)?.goals, goal)
   return sections
 }
-
-const ROLE_NAME = { start: 'Start', goal: 'Goal' }
 
 const strayed = (entries: ParameterEntry[], values: Record<string, Raw>, at: (string | number)[]): Section['strays'] =>
   Object.entries(values)

@@ -1,4 +1,5 @@
 // The scenario: components, obstacles, disturbances, horizon.
+import { upperFirst } from '@mantine/hooks'
 import { type List, LISTS, listAt } from '../../api/campaign'
 import { Card } from '../../ui/Card'
 import { criterionFor } from '../campaign/extents'
@@ -13,7 +14,6 @@ import { SIMULATION } from '../campaign/settings'
 import { layout } from '../../ui/styles'
 import styles from './form.module.css'
 
-const TITLE: Record<List, string> = { obstacles: 'Obstacles', environment: 'Environment', faults: 'Faults' }
 const NONE: Record<List, string> = {
   obstacles: 'There is no obstacle yet.',
   environment: 'Still air, level ground without resistance.',
@@ -37,7 +37,7 @@ export function ScenarioForm(form: FormProps) {
         return (
           <div key={list} className={styles.partlist} id={idOf(`scenario.${list}`)} tabIndex={-1}>
             <div className={layout.row}>
-              <h3>{TITLE[list]}</h3>
+              <h3>{upperFirst(list)}</h3>
               <AddPart list={list} {...form} />
               {own.length === 0 && <span className="small mut">{NONE[list]}</span>}
             </div>

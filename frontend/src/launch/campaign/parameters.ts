@@ -28,7 +28,7 @@ export interface Section {
   strays: { at: (string | number)[]; name: string; value: Raw }[]
 }
 
-export const ROLE_OF: Record<List, Role> = { obstacles: 'obstacle', environment: 'environment', faults: 'fault' }
+export const ROLE_OF: Record<List | 'objectives', Role> = { obstacles: 'obstacle', environment: 'environment', faults: 'fault', objectives: 'criterion' }
 
 /** The parts of a campaign, in the order of the form. */
 export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] {

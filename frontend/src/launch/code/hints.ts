@@ -3,7 +3,7 @@ import { type Campaign, type Json, read } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, MethodEntry, ParameterEntry } from '../../client'
 import { plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
-import { type Parameter, parametersOf, type Role } from '../campaign/parameters'
+import { type Parameter, parametersOf, type Role, ROLE_OF } from '../campaign/parameters'
 import { type Setting, SIMULATION, STAGES, VERDICT } from '../campaign/settings'
 import type { At } from '../text/tree'
 import { scalar } from '../text/words'
@@ -34,11 +34,8 @@ const ROLES: Record<string, Role> = {
   vehicle: 'vehicle',
   controller: 'controller',
   avoider: 'avoider',
-  obstacles: 'obstacle',
-  environment: 'environment',
-  faults: 'fault',
   criterion: 'criterion',
-  objectives: 'criterion',
+  ...ROLE_OF,
 }
 
 const roleAt = (at: At): Role | undefined => ROLES[String(at[0] === 'scenario' ? at[1] : at[0])]

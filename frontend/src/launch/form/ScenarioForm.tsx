@@ -72,8 +72,7 @@ export function Parts({ sections, list, ...form }: PartsProps) {
 /** A new part of a list: a copy of the last one if of the same component, else the component's defaults. */
 export function AddPart({ list, campaign, catalogue, set }: FormProps & { list: List | 'objectives' }) {
   const parts = (list === 'objectives' ? campaign.objectives : campaign.scenario[list]) ?? []
-  const role = list === 'objectives' ? 'criterion' : ROLE_OF[list]
-  const word = list === 'objectives' ? 'criterion' : role
+  const role = ROLE_OF[list]
   const vehicle = catalogue.components.find((c) => c.role === 'vehicle' && c.name === campaign.scenario.vehicle.component)
   const fits = (dimension: number | null) => !dimension || !vehicle?.dimension || dimension === vehicle.dimension
   const found = catalogue.components.filter((c) => c.role === role && fits(c.dimension))
@@ -89,7 +88,7 @@ export function AddPart({ list, campaign, catalogue, set }: FormProps & { list: 
   return (
     <Adder
       key={parts.length}
-      what={word}
+      what={role}
       wide={280}
       position="bottom-start"
       data={found.map((c) => ({ value: c.name, label: c.title }))}

@@ -78,10 +78,7 @@ export function useCompared(ids: readonly string[]): Comparison {
 
 /** A flight that may not be stored, which is not an error here. `traced`: whether its system flies; a simulator's trace
  * that the run's page loaded is in the cache all the same. */
-const traceOf = (id: string, name: string, traced: boolean) => {
-  const query = traceQuery(id, name)
-  return { ...query, enabled: traced, retry: false, throwOnError: false }
-}
+const traceOf = (id: string, name: string, traced: boolean) => ({ ...traceQuery(id, name), enabled: traced, retry: false })
 
 export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null
 export const boundSourceOf = ({ run }: Compared): string => sourceOf(run.bound_source)

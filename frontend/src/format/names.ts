@@ -35,7 +35,7 @@ export function apart(name: string): [string, string] {
   return at < 0 ? [name, ''] : [name.slice(0, at), name.slice(at)]
 }
 
-const lastOf = (path: string): string => path.split('.').at(-1) ?? path
+export const lastOf = (path: string): string => path.split('.').at(-1) ?? path
 
 function tally(words: readonly string[]): Map<string, number> {
   const found = new Map<string, number>()

@@ -74,16 +74,12 @@ export function Live({ data }: { data: RunData }) {
           <Improvements data={data} className="" />
         </div>
         {hasSpace(data) && <LiveSpace data={data} />}
-        <LiveFailures data={data} />
+        {/* Shown during the run, because failures may be a reason to cancel it. */}
+        {data.evaluations && data.evaluations.failures.length > 0 && <Failures data={data} className={layout.c12} />}
         <Notes run={run} className={layout.c12} />
       </div>
     </>
   )
-}
-
-/** Shown during the run, because failures may be a reason to cancel it. */
-function LiveFailures({ data }: { data: RunData }) {
-  return data.evaluations?.failures.length ? <Failures data={data} className={layout.c12} /> : null
 }
 
 function Queued({ data }: { data: RunData }) {

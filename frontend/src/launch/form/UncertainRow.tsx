@@ -11,6 +11,7 @@ import { idOf, Message, useProblems } from '../fields/problems'
 import type { SetValue } from '../fields/props'
 import { fields, layout } from '../../ui/styles'
 import styles from './form.module.css'
+import { lastOf } from '../../format/names'
 
 const KINDS = [
   { value: 'uniform', label: 'Uniform' },
@@ -73,7 +74,7 @@ export function UncertainRow({ path, name, parameter, uncertain, fixed, onToggle
           />
         </td>
         <td>
-          <Sign text={parameter?.entry.symbol || (path.split('.').at(-1) ?? path)} />
+          <Sign text={parameter?.entry.symbol || lastOf(path)} />
         </td>
         <td title={path} className={styles.meant}>
           {parameter?.entry.text ?? path}

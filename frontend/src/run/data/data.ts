@@ -25,7 +25,7 @@ import type {
   TraceData,
   TraceInfo,
 } from '../../client'
-import { namesOf } from '../../format/names'
+import { lastOf, namesOf } from '../../format/names'
 import { boundsOf, numberOf, parametersOf } from '../../launch/campaign/parameters'
 import { methodLook } from '../../ui/methods'
 import { usePolling } from '../../ui/usePolling'
@@ -156,7 +156,6 @@ function useFreshAtEnd(id: string, over: boolean): void {
 export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined): UncertainParameter[] {
   const all = catalogue ? parametersOf(campaign, catalogue) : []
   const known = new Map(all.map((p) => [p.path, p]))
-  const lastOf = (path: string) => path.split('.').at(-1) ?? path
   const symbols = new Map(all.map(({ path, entry }) => [path, entry.symbol || lastOf(path)]))
   const names = namesOf(Object.keys(campaign.uncertain), symbols)
   return Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
@@ -258,11 +257,8 @@ export const valuesOf = (trace: TraceInfo | undefined): Record<string, number | 
 /** The stage that has the lowest value so far. */
 export function leaderOf(run: Pick<RunDetail, 'stages' | 'worst_cost'>): StageProgress | null {
   const lowest = run.worst_cost ?? Number.POSITIVE_INFINITY
-  let leader: StageProgress | null = null
-  for (const stage of run.stages)
-    if (stage.best !== null && stage.best >= lowest && (leader?.best == null || stage.best < leader.best))
-      leader = stage
-  return leader
+  const best = (stage: StageProgress) => stage.best ?? Number.NEGATIVE_INFINITY
+  return run.stages.filter((stage) => best(stage) >= lowest).sort((a, b) => best(a) - best(b))[0] ?? null
 }
 
 /** Whether the independent sample drew it: searches draw no noise for each evaluation. */

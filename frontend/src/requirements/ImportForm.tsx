@@ -1,4 +1,5 @@
 // Importing a file of requirements: the file, the attributes with id and text, and what has changed.
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import { useChange } from '../api/change'
 import { importFile } from '../api/requirements'
@@ -6,7 +7,7 @@ import type { Imported } from '../client'
 import { count } from '../format/numbers'
 import { Button } from '../ui/Button'
 import { Field, Form } from '../ui/Form'
-import { fields, layout } from '../ui/styles'
+import { buttons, fields, layout } from '../ui/styles'
 import styles from './requirements.module.css'
 
 export function ImportForm({ onDone }: { onDone: () => void }) {
@@ -27,7 +28,7 @@ export function ImportForm({ onDone }: { onDone: () => void }) {
         File
         <input
           type="file"
-          className={styles.file}
+          className={clsx(buttons.choosing, styles.file)}
           accept=".csv,.reqif,.xml"
           required
           onChange={({ target }) => {

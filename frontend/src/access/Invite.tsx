@@ -23,7 +23,7 @@ export function InviteForm({ onDone }: { onDone: () => void }) {
       onMake={invite.mutate}
       onDone={onDone}
     >
-      <RoleChoice value={role} onChange={setRole} />
+      <MayChoice title="Role" value={role} options={ROLES} onChange={setRole} />
     </MakingForm>
   )
 }
@@ -46,8 +46,4 @@ export function InvitationLink({ invitation, onDone }: { invitation: Invitation;
       )}
     </Secret>
   )
-}
-
-export function RoleChoice({ value, onChange }: { value: Role; onChange: (role: Role) => void }) {
-  return <MayChoice title="Role" value={value} options={ROLES} onChange={onChange} />
 }

@@ -3,7 +3,7 @@ import { IconUserPlus } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useNavigate, useSearch } from '@tanstack/react-router'
 import { useState } from 'react'
-import { changeSettings, changeUser, renewInvitation, type Role, settingsQuery, usersQuery } from '../api/access'
+import { changeSettings, changeUser, renewInvitation, type Role, ROLES, settingsQuery, usersQuery } from '../api/access'
 import { useChange } from '../api/change'
 import { sessionQuery } from '../api/queries'
 import type { User } from '../client'
@@ -17,7 +17,8 @@ import { Form, Refused } from '../ui/Form'
 import { Pick } from '../ui/Menu'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
-import { InvitationLink, InviteForm, RoleChoice } from './Invite'
+import { InvitationLink, InviteForm } from './Invite'
+import { MayChoice } from './MakingForm'
 
 export function UsersPage() {
   const { invite = false } = useSearch({ from: '/access/users' })
@@ -119,7 +120,7 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
       {user.provided ? (
         <p>The role {user.role} follows this user's groups at the sign-in provider.</p>
       ) : (
-        <RoleChoice value={role} onChange={setRole} />
+        <MayChoice title="Role" value={role} options={ROLES} onChange={setRole} />
       )}
       <p className="small mut">A change applies at once, to open browsers and API tokens too.</p>
     </Form>

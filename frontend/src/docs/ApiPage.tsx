@@ -74,7 +74,9 @@ function Page({ document }: { document: OpenApi }) {
   )
 }
 
-export const Verb = ({ of }: { of: string }) => <span className={styles.verb} data-method={of}>{of}</span>
+const TONES: Readonly<Record<string, string>> = { get: 'run', post: 'ok', patch: 'ok', delete: 'bad' }
+
+export const Verb = ({ of }: { of: string }) => <span className={styles.verb} data-tone={TONES[of]}>{of}</span>
 
 const titled = (name: string): string => name.charAt(0).toUpperCase() + name.slice(1)
 

@@ -129,7 +129,7 @@ def test_the_scan_sees_a_name(line: str, tmp_path: Path) -> None:
 
 def test_one_file_is_in_catalogue_api_effort_colours_pages_and_guide(tmp_path: Path) -> None:
     source = tmp_path / "source"
-    for folder in ("backend", "campaigns", "worker", "tools", "docs"):
+    for folder in ("backend", "campaigns", "worker", "tools", "docs", "tests/bench/figures"):
         shutil.copytree(REPOSITORY / folder, source / folder)
     (source / "worker" / "engine" / "search" / "methods" / "corner_walk.py").write_text(WALK, encoding="utf-8")
     asked = document(stages__search=[{"method": "corner_walk", "evaluations": 40}])

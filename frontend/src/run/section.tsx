@@ -1,4 +1,5 @@
 // A section of the page of a run that has ended: its tab, its condition and its card. Start reading at `section`.
+import { clsx } from 'clsx'
 import { Fragment, type ReactNode } from 'react'
 import { Columns, type Piece } from './Columns'
 import type { RunData } from './data/data'
@@ -6,6 +7,7 @@ import type { Facts } from './facts'
 import type { WhatIfState } from './flight/useWhatIf'
 import type { View } from './flight/view'
 import { layout } from '../ui/styles'
+import styles from './run.module.css'
 
 /** What a section is rendered from. */
 export interface Page extends Facts {
@@ -84,5 +86,5 @@ export function Sections({ sections, page }: { sections: readonly Section[]; pag
     rows.push(<Fragment key={`${one.id} ${i}`}>{content.card}</Fragment>)
   })
   placed()
-  return <div className={layout.grid}>{rows}</div>
+  return <div className={clsx(layout.grid, styles.sections)}>{rows}</div>
 }

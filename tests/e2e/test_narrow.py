@@ -78,6 +78,7 @@ BEYOND = """() => {
     for (const element of document.body.querySelectorAll('*')) {
         const { left, right, width, height } = element.getBoundingClientRect()
         if (width * height <= 1 || element.closest('svg *') || (left >= -1 && right <= innerWidth + 1)) continue
+        if (!element.checkVisibility({ contentVisibilityAuto: true })) continue // laid out when it comes near
         let around = element.parentElement
         while (around && around !== document.body && !scrolls(around) && !cut(around)) around = around.parentElement
         if (around === document.body)
@@ -114,20 +115,26 @@ def fits(visit: Visit, path: str, marks: list[str]) -> None:
 
 def drawn(visit: Visit, marks: list[str]) -> None:
     """Nothing is beyond the window, once everything that comes into sight is drawn."""
-    for mark in marks:
-        if mark.startswith("#"):
-            visit.near(mark.partition(" ")[0])
-        place = visit.page.locator(mark).first
-        expect(place).to_be_attached()
-        # In the page: a chart may be built again meanwhile.
-        place.evaluate("element => element.scrollIntoView({behavior: 'instant', block: 'center'})")
-        expect(place).to_be_visible()
-    found = settled(visit)
-    for tablet in TABLETS:
-        visit.page.set_viewport_size(tablet)
-        found += [f"at {tablet['width']} px: {one}" for one in settled(visit)]
+    found: list[str] = []
+    for window in (WINDOW, *TABLETS):
+        visit.page.set_viewport_size(window)
+        for mark in marks:
+            come_near(visit, mark)
+            found += [f"at {window['width']} px, {mark}: {one}" for one in settled(visit)]
     visit.page.set_viewport_size(WINDOW)
     assert not found, "; ".join(found)
+
+
+def come_near(visit: Visit, mark: str) -> None:
+    """Scroll to what matches, until it is there, laid out and visible."""
+    if mark.startswith("#"):
+        visit.near(mark.partition(" ")[0])
+    place = visit.page.locator(mark).first
+    expect(place).to_be_attached()
+    # In the page: a chart may be built again meanwhile.
+    place.evaluate("element => element.scrollIntoView({behavior: 'instant', block: 'center'})")
+    expect(place).to_be_visible()
+    until(lambda: place.evaluate("e => e.checkVisibility({ contentVisibilityAuto: true })"), f"{mark} is laid out", 10)
 
 
 def settled(visit: Visit) -> list[str]:

@@ -108,13 +108,15 @@ def estimated(run: Run, k: int) -> Tree:
     terms = terms if made["probability"] else np.zeros_like(terms)
     sample = int(np.count_nonzero(violates[own])), kept
     again = _again(run, k)
-    searched = _searched(stated, again)
+    searched = {alarm["why"]: float(alarm["value"]) for alarm in stated["alarms"]}
+    if again is not None:
+        kinds = searched.keys() - {"unexplained", "unsaturated"}
+        searched = {why: searched[why] for why in kinds} | again.alarms
+        found["density"] = _density(again, stated["density"])
     numbers, alarms = _numbers(terms, made, _tails(run, kept, count)), _alarms(searched, terms, made, sample)
     if alarms:
         numbers |= {"low": None, "high": None}
     numbers = {name: _near(value, stated[name]) for name, value in numbers.items()}
-    if again is not None:
-        found["density"] = _density(again, stated["density"])
     shares = (terms @ responsible / max(float(terms.sum()), 1e-300)).tolist()
     found |= numbers | {"draws": drawn, "failed_draws": int(np.count_nonzero(failed))}
     found |= {
@@ -124,14 +126,6 @@ def estimated(run: Run, k: int) -> Tree:
     }
     found["alarms"] = [_told(run, k, alarm, sample, numbers["probability"]) for alarm in alarms]
     return found if run.reworded else found | {"statement": _statement(run, stated, found, count - kept)}
-
-
-def _searched(stated: Tree, again: Searched | None) -> dict[str, float]:
-    """The alarms with their values: of the search from its repetition, without one as stated."""
-    given = {alarm["why"]: float(alarm["value"]) for alarm in stated["alarms"]}
-    if again is None:
-        return given
-    return {why: value for why, value in given.items() if why not in ("unexplained", "unsaturated")} | again.alarms
 
 
 def _density(again: Searched, stated: Tree) -> Tree:

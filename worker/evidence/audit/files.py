@@ -6,7 +6,6 @@ import csv
 import hashlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -59,29 +58,16 @@ def compared(
     if isinstance(evidence.get("components"), Catalogue):
         found["files.rows"] = (len(stage), _rows(folder / TABLE, campaign, evidence, arrays, stage, reasons))
     if (Versions.of(evidence["versions"]).wording or 0) >= BASELINES:
-        found["files.failures"] = (
-            evidence.get("failures", []),
-            [vars(f) for f in _failures(arrays[2], stage, reasons)],
-        )
+        found["files.failures"] = (evidence.get("failures", []), _failures(arrays[2], stage, reasons))
     if note := evidence.get("baseline"):
         named = "No baseline: " if campaign.baseline is None else campaign.baseline.run
         found["files.baseline"] = (note, note if named in note else f"one that states {named}")
     return found
 
 
-@dataclass(frozen=True)
-class _Failure:
-    status: str
-    reason: str
-    stage: int
-    index: int
-    output: str
-    evaluations: int
-
-
-def _failures(status: Any, stage: Any, reasons: Mapping[int, Mapping[str, str]]) -> list[_Failure]:
+def _failures(status: Any, stage: Any, reasons: Mapping[int, Mapping[str, str]]) -> list[Mapping[str, Any]]:
     """The reasons of failed evaluations, the most frequent first, each with the first that it has."""
-    found: dict[tuple[str, str], _Failure] = {}
+    found: dict[tuple[str, str], Mapping[str, Any]] = {}
     many: Counter[tuple[str, str]] = Counter()
     for k in np.unique(stage).tolist():
         for index, code in enumerate(status[stage == k].tolist()):
@@ -90,8 +76,8 @@ def _failures(status: Any, stage: Any, reasons: Mapping[int, Mapping[str, str]])
             why, _, output = (reasons.get(k, {}).get(str(index)) or NO_REASON).partition(OUTPUT)
             key = (STATUS[code], why)
             many[key] += 1
-            found.setdefault(key, _Failure(*key, k, index, output, 0))
-    return [replace(found[key], evaluations=times) for key, times in many.most_common(LISTED)]
+            found.setdefault(key, {"status": key[0], "reason": why, "stage": k, "index": index, "output": output})
+    return [{**found[key], "evaluations": times} for key, times in many.most_common(LISTED)]
 
 
 def _identity(evidence: Mapping[str, Any], campaign: Campaign) -> dict[str, tuple[Any, Any]]:

@@ -18,21 +18,15 @@ def likely(run: Run, findings: list[Tree]) -> Tree:
     if (run.reworded or "run" in run.claims) and not any(one.get("likelihood") for one in stated):
         return {}
     of = joint(run.campaign, run.bounds)
-    known = [found | {"likelihood": _stated(run, likelihood(of, _point(run, k)))} for k, found in enumerate(findings)]
+    points = [np.array(recorded["point"]) for recorded in run.claims["findings"]]
+    known = [f | {"likelihood": _stated(run, likelihood(of, at))} for f, at in zip(findings, points, strict=True)]
     return {"findings": known, "most_likely_violation": _violation(run, of)}
-
-
-def _point(run: Run, k: int) -> Any:
-    return np.array(run.claims["findings"][k]["point"])
 
 
 def _violation(run: Run, of: Joint) -> Tree:
     nominal = {path: run.known[path][1] for path in run.bounds}
-    stored = (
-        Rows(k, 0, points, costs[:, None], status)
-        for k in range(len(run.plan))
-        for points, costs, status in [run.rows(k)]
-    )
+    rows = (run.rows(k) for k in range(len(run.plan)))
+    stored = (Rows(k, 0, points, costs[:, None], status) for k, (points, costs, status) in enumerate(rows))
     made = most_likely(run.threshold, of, nominal, stored, run.unit)
     found = _stated(run, made)
     if made.case is not None:

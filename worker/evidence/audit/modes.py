@@ -42,8 +42,7 @@ def named(run: Run) -> Tree:
 def _line(run: Run, mode: Tree, end: Any) -> bool | None:
     """Whether all of the line violates; None if it is not stored."""
     points, costs, status = run.rows(len(run.plan) - 1)
-    low, high = (np.array(ends) for ends in zip(*run.bounds.values(), strict=True))
-    begin = cube.share(np.array([mode["parameters"][path] for path in run.bounds]), low, high)
+    begin = cube.share(np.array([mode["parameters"][path] for path in run.bounds]), run.low, run.high)
     violates = []
     for part in BETWEEN:
         rows = np.flatnonzero((np.abs(points - (begin + part * (np.array(end) - begin))) <= NEAR).all(axis=1))

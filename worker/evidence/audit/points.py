@@ -34,13 +34,13 @@ def required(run: Run) -> Tree:
         if planned.kind == "attraction":
             pairs |= attraction.placed(run, k)
         if planned.kind == "validate":
-            pairs[f"distinct in stage {k}"] = _distinct(run, k)
+            points: Any = run.rows(k)[0]
+            pairs[f"distinct in stage {k}"] = len(points), len({point.tobytes() for point in points})
     return {name: pair for name, pair in pairs.items() if pair is not None}
 
 
 def _nominal(run: Run) -> int:
-    low, high = (np.array(ends) for ends in zip(*run.bounds.values(), strict=True))
-    at = cube.share(np.array([run.known[path][1] for path in run.bounds]), low, high)
+    at = cube.share(np.array([run.known[path][1] for path in run.bounds]), run.low, run.high)
     return int((run.rows(0)[0][:1] == at).all(axis=1).sum())
 
 
@@ -82,10 +82,7 @@ def _blocks(run: Run, k: int) -> tuple[int, int]:
 
 
 def _grid(run: Run, k: int) -> tuple[int, int]:
-    certify = run.campaign.stages.certify
-    assert certify is not None
-    assert certify.grid is not None
-    at, points = draw.gridded(certify.grid.points, len(run.bounds)), run.rows(k)[0][run.draws(k) :]
+    at, points = draw.gridded(run.grid(k), len(run.bounds)), run.rows(k)[0][run.draws(k) :]
     return len(at), int((points == at).all(axis=1).sum()) if len(points) == len(at) else 0
 
 
@@ -99,24 +96,16 @@ def _baseline(run: Run, k: int) -> tuple[int, int]:
     for row, point in enumerate(points):
         at = run.values(point)
         wanted = {path: rows.get(row, {}).get(path, run.known[path][1]) for path in at}
-        size = {path: high - low for path, (low, high) in run.bounds.items()}
-        found += row in rows and all(abs(at[path] - wanted[path]) <= SLACK * size[path] for path in at)
+        apart = np.abs(np.subtract([*at.values()], [*wanted.values()]))
+        found += row in rows and bool((apart <= SLACK * (run.high - run.low)).all())
     return len(points), found
-
-
-def _distinct(run: Run, k: int) -> tuple[int, int]:
-    points: Any = run.rows(k)[0]
-    return len(points), len({point.tobytes() for point in points})
 
 
 def grid(run: Run, k: int) -> Tree:
     """What the grid of a certify stage shows."""
-    certify = run.campaign.stages.certify
-    assert certify is not None
-    assert certify.grid is not None
     points, raw, status = (rows[run.draws(k) :] for rows in run.rows(k))
     ok, found = raw[status == OK], counts(status)
-    each = certify.grid.points
+    each = run.grid(k)
     lowest = int(np.argmin(np.where(status == OK, raw, np.inf))) if len(ok) else None
     worst = None if lowest is None else float(raw[lowest])
     stated = None if worst is None else (run.quantity, worst, run.unit)

@@ -24,8 +24,6 @@ from worker.evidence.audit.calls import Calls
 from worker.evidence.audit.counted import Tree as Tree
 from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
-LOWEST, STEPS = 100, 400
-"""Points of a distribution function: the lowest values, and evenly spaced ones."""
 COARSER = "with a tolerance of "
 """How a reason begins with which the reference integrator has a value."""
 
@@ -70,8 +68,8 @@ def histogram(costs: Any) -> Tree:
 def distribution(costs: Any, failed: int, confidence: float) -> Tree:
     """The empirical distribution function of a sample's sorted costs, of which each failed one is the lowest."""
     size, every = len(costs), failed + len(costs)
-    even = np.linspace(0, size - 1, min(size, STEPS)).astype(np.int64)
-    chosen = np.union1d(np.arange(min(size, LOWEST)), even)
+    even = np.linspace(0, size - 1, min(size, counted.STEPS)).astype(np.int64)
+    chosen = np.union1d(np.arange(min(size, counted.LOWEST)), even)
     band = min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * every))) if every else 1.0
     shares = ((failed + chosen + 1) / max(every, 1)).tolist()
     return {"values": costs[chosen].tolist(), "shares": shares, "band": band}
@@ -219,6 +217,7 @@ class Run:
         components = self.claims["components"]
         self.known = parameters(self.campaign, components)
         self.bounds = {path: u.interval(self.known[path][1]) for path, u in self.campaign.uncertain.items()}
+        self.low, self.high = (np.array(ends) for ends in zip(*self.bounds.values(), strict=True))
         self.random = seeded(self.campaign, components)
         self.quantity, self.unit = self._decides(components)
         methods = {method.name: method for method in components.methods}
@@ -237,19 +236,18 @@ class Run:
         return self.campaign.stages.search[self.searches.index(k)].options if k in self.searches else {}
 
     def grid(self, k: int) -> int:
-        """How many points the grid of a certify stage has, which come after its draws."""
+        """How many points the grid of a certify stage has for each parameter; it comes after the draws."""
         certify = self.campaign.stages.certify if self.plan[k].kind == "certify" else None
-        return certify.grid.points ** len(self.bounds) if certify and certify.grid else 0
+        return certify.grid.points if certify and certify.grid else 0
 
     def draws(self, k: int) -> int:
         """How many draws a random sample has, excluded ones included."""
-        return int(max(self.ended[k]["evaluations"] - self.grid(k), 0))
+        return int(max(self.ended[k]["evaluations"] - self.grid(k) ** len(self.bounds), 0))
 
     def values(self, point: Any) -> dict[str, float]:
         """A point (n,) of the unit cube as values by path."""
-        low, high = (np.array(ends) for ends in zip(*self.bounds.values(), strict=True))
         nominal = [self.known[path][1] for path in self.bounds]
-        return dict(zip(self.bounds, cube.natural(np.array(point), nominal, low, high).tolist(), strict=True))
+        return dict(zip(self.bounds, cube.natural(np.array(point), nominal, self.low, self.high).tolist(), strict=True))
 
     def sample(self, k: int) -> Tree:
         """The random sample of a search, or of the certify stage, whose grid comes after its draws."""

@@ -36,6 +36,7 @@ class Missing(str):
 MISSING: Any = Missing("not stored by the version that made this run")
 
 SEAL = "evidence_digest"
+COLUMNS = ("points", "costs", "status")
 FIXED = {"code", "model", "loop", "simulator", "components", "packages", "clearance", "python", "step", "command"}
 """Versions that are the same from the first stage to the last; a run may move to another machine."""
 
@@ -88,20 +89,17 @@ def of_folder(folder: Path) -> Record:
         with (folder / "evaluations.npz").open("rb") as packed, np.load(packed, allow_pickle=False) as arrays:
             positions = sorted(int(name[7:]) for name in arrays.files if name.startswith("status_"))
             stage = np.repeat(positions, [len(arrays[f"status_{k}"]) for k in positions])
-            rows = [
-                np.concatenate([arrays[f"{name}_{k}"] for k in positions]) for name in ("points", "costs", "status")
-            ]
+            rows = [np.concatenate([arrays[f"{name}_{k}"] for k in positions]) for name in COLUMNS]
             reasons = {k: _reasons(arrays, k) for k in positions}
             again = sum(flaky(arrays[f"status_{k}"], reasons[k]) for k in positions)
             left_out = sum((exclusions(arrays[f"status_{k}"], reasons[k]) for k in positions), Counter[str]())
-            columns = [
-                Rows.of(k, *(arrays[f"{name}_{k}"] for name in ("points", "costs", "status"))) for k in positions
-            ]
+            columns = [Rows.of(k, *(arrays[f"{name}_{k}"] for name in COLUMNS)) for k in positions]
         document = _read(folder / "campaign.json")
         twice = {SEAL: (sealed or MISSING, _digest(document, columns, raw) if sealed else MISSING)}
         twice |= {"files.misplaced": (misplaced, [])} if sealed else {}
     except UNREADABLE as error:
-        exported = " (of a run of a service: `clearance audit R-0001 --service URL`)" if _exported(folder) else ""
+        saved = (folder / "run.json").exists() and not (folder / "result.json").exists()  # by `clearance export`
+        exported = " (of a run of a service: `clearance audit R-0001 --service URL`)" if saved else ""
         raise UnreadableError(
             f"{folder} is not a readable folder of `clearance run --out`: {error}{exported}"
         ) from None
@@ -121,11 +119,6 @@ def of_folder(folder: Path) -> Record:
         again,
         left_out,
     )
-
-
-def _exported(folder: Path) -> bool:
-    """Whether it has the files that `clearance export` saves, which are for people."""
-    return (folder / "run.json").exists() and not (folder / "result.json").exists()
 
 
 def of_database(connection: sa.Connection, run_id: int) -> Record:
@@ -188,7 +181,7 @@ def _of_database(connection: sa.Connection, run_id: int) -> Record:
         twice["components"] = (kept["digest"], digest_of(kept["document"]))
     chunks = rows("evaluation_chunks", "position first", run_id=run_id)
     stage = np.repeat(*(np.array([chunk[k] for chunk in chunks], dtype=np.int64) for k in ("position", "count")))
-    whole = {name: b"".join(chunk[name] for chunk in chunks) for name in ("points", "costs", "status")}
+    whole = {name: b"".join(chunk[name] for chunk in chunks) for name in COLUMNS}
     points, costs = (np.frombuffer(whole[k], "<f8").reshape(max(len(stage), 1), -1) for k in ("points", "costs"))
     status = np.frombuffer(whole["status"], np.uint8)
     reasons = [(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks]

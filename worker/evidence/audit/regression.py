@@ -117,7 +117,8 @@ def regression(run: Run, checks: dict[str, bool]) -> Tree:
     cases = [_case(run, recorded) for recorded in stated["cases"]]
     violations = [case for case in cases if case["margin"] <= 0]
     known = bool(violations) and not any(case["newly_violating"] for case in violations)
-    failing = [_fails(policy.fail_on, case, _strictest(run)) for case in cases]
+    strictest = _thresholds(run)[1] - run.threshold
+    failing = [_fails(policy.fail_on, case, strictest) for case in cases]
     rows = [case | {"fails": fails} for case, fails in zip(cases, failing, strict=True)]
     baseline = run.campaign.baseline
     assert baseline is not None
@@ -176,7 +177,7 @@ def _case(run: Run, recorded: Tree) -> Tree:
     again = float(costs[k])
     lowest = min(again, basin) if stands else again
     tolerance = _tolerance(run, case.difference, recorded["now"])
-    violated = before <= _violating(run)
+    violated = before <= _thresholds(run)[0]
     new = lowest <= limit and not violated
     if violated and lowest > limit:
         standing = "better" if basin <= limit or own["violates"] else "fixed" if own["examined"] else "unresolved"
@@ -231,18 +232,10 @@ def _tolerance(run: Run, before: float, label: str | None) -> float:
     return float(max([before, *apart, spread, run.campaign.regression.tolerance, floor]))
 
 
-def _violating(run: Run) -> float:
-    """The highest cost that violates by both thresholds; earlier versions knew that of this run only."""
+def _thresholds(run: Run) -> list[float]:
+    """Of both runs, the lower one first; earlier versions knew that of this run only."""
     baseline = run.campaign.baseline
-    there = baseline.threshold if baseline is not None and _compares(run) else run.threshold
-    return min(there, run.threshold)
-
-
-def _strictest(run: Run) -> float:
-    """The margin at which a case violates by the higher of both thresholds."""
-    baseline = run.campaign.baseline
-    there = baseline.threshold if baseline is not None and _compares(run) else run.threshold
-    return max(there, run.threshold) - run.threshold
+    return sorted((baseline.threshold if baseline is not None and _compares(run) else run.threshold, run.threshold))
 
 
 def _fails(fail_on: list[Any], case: Tree, strictest: float) -> bool:

@@ -45,7 +45,9 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
     last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs)) - out.get("spot_checks", 0)}}
     if run.sealed:
-        last |= _settings(run) | {"spent": _spent(run)} | modes.named(run)
+        allowed = validation(run.campaign, run.calls.noisy).total
+        last |= _settings(run) | modes.named(run)
+        last["spent"] = {"at_most": allowed, "stored": run.ended[-1]["evaluations"]}  # the rest was evaluated again
         last["findings"] |= gathered(run)
     if run.claims["results"][-1]["encounter"].get("beyond") is not None:
         last["encounter"]["beyond"] = {"times": limits.CONTINUED, "flights": _continued(run)}
@@ -60,7 +62,8 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
         rows[-1]["findings"] = [label for label in compared["findings"] if label in known]
         if run.sealed:
             rows[-1]["stop"] = run.claims["results"][k]["stop"]
-            rows[-1]["findings"] = [f["label"] for f in run.claims["findings"] if k in _positions(f)]
+            by = {f["label"]: [one["position"] for one in f.get("found") or ()] for f in run.claims["findings"]}
+            rows[-1]["findings"] = [label for label, positions in by.items() if k in positions]
     checks = required_checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
     if sample and run.sealed:
@@ -120,11 +123,6 @@ def _continued(run: Run) -> int:
         succeeded, drawn = run.status[run.stage == k] == OK, run.claims["results"][k]["drawn_realisations"]
         total += int(succeeded[:drawn].sum()) + each * int(succeeded[drawn:].sum())
     return total
-
-
-def _spent(run: Run) -> Tree:
-    """What validation may take, and what it stored of it; the rest was evaluated again and is not stored."""
-    return {"at_most": validation(run.campaign, run.calls.noisy).total, "stored": run.ended[-1]["evaluations"]}
 
 
 def _stage(run: Run, k: int) -> Tree:
@@ -221,10 +219,6 @@ def _found(run: Run, made: Tree, finding: Tree) -> Tree:
     return found | (
         {"slices": charts.slices(run, finding["point"], finding["slices"])} if finding.get("slices") else {}
     )
-
-
-def _positions(finding: Tree) -> set[int]:
-    return {by["position"] for by in finding.get("found") or ()}
 
 
 def _worst(run: Run) -> Tree:

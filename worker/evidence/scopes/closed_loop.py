@@ -12,14 +12,8 @@ from campaigns.claims.say import count, listed, number, say
 from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Condition, Scope, Words
 from campaigns.codes import CheckCode
-from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.evidence.scopes import distances, rates
 from worker.evidence.scopes.base import Terms
-
-
-def terms(system: ClosedLoop) -> Terms:
-    """The terms of a closed loop."""
-    return described(system.campaign, system.installed.catalogue, system.reference)
 
 
 def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Terms:
@@ -32,21 +26,17 @@ def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Term
     }
     return Terms(
         _scope(campaign, catalogue),
-        _words(integrator),
+        Words(
+            one="flight",
+            agree=f"the step-halving check and {integrator} agree",
+            disagrees=f"the step-halving check or {integrator} disagrees",
+            every="all integrations",
+            again="simulated again at half the step and with the reference integrator",
+            reference="the reference integrator",
+        ),
         shows=(*near, "motion", "avoidance"),
         bars=tuple((code, reason) for code, reason in reasons.items() if reason),
         obstacles=tuple(_title(catalogue, "obstacle", each.component) for each in campaign.given_scenario.obstacles),
-    )
-
-
-def _words(integrator: str) -> Words:
-    return Words(
-        one="flight",
-        agree=f"the step-halving check and {integrator} agree",
-        disagrees=f"the step-halving check or {integrator} disagrees",
-        every="all integrations",
-        again="simulated again at half the step and with the reference integrator",
-        reference="the reference integrator",
     )
 
 

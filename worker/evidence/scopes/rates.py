@@ -16,10 +16,8 @@ def unfollowed(campaign: Campaign, catalogue: Catalogue) -> Spans:
     """The sentence why the motion of an obstacle rules out "cleared"; empty if the step follows every one."""
     length = campaign.given_scenario.step
     found = list(rates.turning(campaign, catalogue, parameters(campaign, catalogue)))
-    for each in (each for each in found if math.isnan(each.rate)):
-        return say(
-            f"the rate of {_named(each)} is unknown: declare it in its component, so that the step can be checked"
-        )
+    if unknown := [_named(each) for each in found if math.isnan(each.rate)]:
+        return say(f"the rate of {unknown[0]} is unknown: declare it in its component, so that the step can be checked")
     fastest = max(found, key=lambda each: each.rate, default=None)
     if fastest is None or fastest.rate * length <= TURN:
         return ()

@@ -15,5 +15,5 @@ def terms(system: System) -> Terms:
     if isinstance(system, Recorded):
         return system.terms
     if isinstance(system, ClosedLoop):
-        return closed_loop.terms(system)
+        return closed_loop.described(system.campaign, system.installed.catalogue, system.reference)
     return simulators.terms(system.inner if isinstance(system, Called) else system)

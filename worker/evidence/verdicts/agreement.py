@@ -50,7 +50,7 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
     late = [statement for s in globally if (statement := _stopped_short(s, worst, within, problem))]
     if late:
         return _check(False, "the worst case is ", number(worst, unit, "worst"), ", but ", joined(" and ", late))
-    elsewhere = [_titled(s) for s in globally if _finding_of(s, evidence) is None]
+    elsewhere = [_titled(s) for s in globally if _row(s, evidence).basin is None]
     if elsewhere:
         return _check(False, "the best of ", listed(elsewhere), " is not in the basin of any listed finding")
     counted = [
@@ -192,11 +192,6 @@ def _stopped_short(search: SearchResult, worst: float, within: float, problem: P
         return say(_titled(search), " evaluated no case successfully")
     by = search.best.cost - worst
     return say(_titled(search), " stopped ", number(by, problem.unit), " above it") if by > within else ()
-
-
-def _finding_of(search: SearchResult, evidence: Evidence) -> str | None:
-    """The finding whose basin contains a stage's best; stages are identified by their position among the searches."""
-    return _row(search, evidence).basin
 
 
 def _index(search: SearchResult, evidence: Evidence) -> int:

@@ -48,13 +48,9 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
         unit=problem.unit,
         provenance=Provenance(**versions.model_dump(), digest=campaign.digest, seed=campaign.seed),
         regression=regression(problem, evidence, found),
-        sureness=evidence.sureness if _repeats(found) else None,
+        # Of results that do not repeat another search says nothing.
+        sureness=evidence.sureness if all(c.ok for c in found if c.code == CheckCode.CALLS) else None,
     )
-
-
-def _repeats(found: Sequence[Check]) -> bool:
-    """Whether no check shows that results do not repeat: of those another search says nothing."""
-    return all(c.ok for c in found if c.code == CheckCode.CALLS)
 
 
 def _worst(evidence: Evidence, threshold: float) -> Worst | None:

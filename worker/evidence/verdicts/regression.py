@@ -11,13 +11,13 @@ listed as a finding or not, and unresolved if validation could not examine the b
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from campaigns import rules
-from campaigns.asked.regression import BaselineCase, Policy
+from campaigns.asked.regression import Baseline, BaselineCase, Policy
 from campaigns.claims.numbers import digits_of
-from campaigns.claims.say import Part, count, finding, joined, number, say, signed, symbol
+from campaigns.claims.say import count, finding, joined, number, say, signed, symbol
 from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding
@@ -45,20 +45,24 @@ def regression(problem: Problem, evidence: Evidence, checks: Sequence[Check]) ->
     if baseline is None or evaluated is None:
         return None
     policy, matched = problem.campaign.regression, evidence.validation.since
-    basins = _basins(evidence, matched)
+    found = {f.label: f for f in evidence.findings}
+    examined: Sequence[CaseBasin | None] = evidence.validation.basins or [None] * len(matched)
+    basins = [_Basin(found.get(label or ""), basin) for label, basin in zip(matched, examined, strict=True)]
     rows = list(zip(baseline.cases, evidence.results[evaluated].reevaluated, basins, strict=True))
     # Of several findings of the baseline in one basin, the lowest one represents it.
     lowest: dict[object, float] = {}
     for case, _, basin in rows:
         lowest[basin.key] = min(case.cost, lowest.get(basin.key, case.cost))
-    cases = [_known(problem, evidence, *row, row[0].cost <= lowest[row[2].key]) for row in rows]
+    cases = [_known(problem, evidence, baseline, *row, row[0].cost <= lowest[row[2].key]) for row in rows]
     cases += [_new(problem, f, baseline.run) for f in evidence.findings if f.label not in matched]
     strictest = max(baseline.threshold, problem.threshold) - problem.threshold
     cases = [case.model_copy(update={"fails": _fails(policy, case, strictest)}) for case in cases]
     cases.sort(key=lambda case: (not case.fails, case.margin is None, case.margin or 0.0))
     failing = [case for case in cases if case.fails]
     violating = [case for case in cases if case.margin is not None and case.margin <= 0]
-    known = "violation" not in policy.fail_on and _all_known(violating)
+    # Without a violating finding none was known, because it has not been compared.
+    all_known = bool(violating) and not any(case.newly_violating for case in violating)
+    known = "violation" not in policy.fail_on and all_known
     beside = _beside(problem, evidence, checks) if known else ()
     return Regression(
         run=baseline.run,
@@ -69,18 +73,24 @@ def regression(problem: Problem, evidence: Evidence, checks: Sequence[Check]) ->
         accepted=known and not beside,
         quantity=problem.quantity,
         unit=problem.unit,
-        statement=say(_statement(problem, cases, failing), beside),
+        statement=say(_statement(problem, baseline, cases, failing), beside),
     )
 
 
 @dataclass(frozen=True)
 class _Basin:
-    """Of a case: the finding in it, its lowest cost (infinite if not known), and what else is known of it."""
+    """Of a case: the finding in it, and what else is known of it."""
 
     finding: Finding | None
-    cost: float
     known: CaseBasin | None
     """None in results of earlier versions, which know the findings only."""
+
+    @property
+    def cost(self) -> float:
+        """The lowest, infinite if not known."""
+        if self.finding is not None:
+            return self.finding.cost
+        return math.inf if self.known is None or self.known.lowest is None else self.known.lowest
 
     @property
     def key(self) -> object:
@@ -103,24 +113,12 @@ class _Basin:
         return self.known is None or (self.known.lowest is not None and not self.known.not_compared)
 
 
-def _basins(evidence: Evidence, matched: Sequence[str | None]) -> list[_Basin]:
-    """Of every case; matched: the findings in them."""
-    found = {f.label: f for f in evidence.findings}
-    known: Sequence[CaseBasin | None] = evidence.validation.basins or [None] * len(matched)
-    return [_basin(found.get(label or ""), basin) for label, basin in zip(matched, known, strict=True)]
-
-
-def _basin(there: Finding | None, known: CaseBasin | None) -> _Basin:
-    if there is not None:
-        return _Basin(there, there.cost, known)
-    return _Basin(None, math.inf if known is None or known.lowest is None else known.lowest, known)
-
-
 def _known(
-    problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, basin: _Basin, stands: bool
-) -> FindingChange:
+    problem: Problem, evidence: Evidence, baseline: Baseline, before: BaselineCase, again: Reevaluated, basin: _Basin,
+    stands: bool,
+) -> FindingChange:  # fmt: skip
     """A finding of the baseline; stands: whether it is the baseline's lowest one in its basin."""
-    run, threshold = str(problem.campaign.baseline and problem.campaign.baseline.run), problem.threshold
+    run, threshold = baseline.run, problem.threshold
     was, there = before.cost - threshold, basin.finding
     if again.cost is None:
         statement = say(f"{before.label} of {run} is not compared: {again.reason}")
@@ -131,7 +129,7 @@ def _known(
     tolerance = _tolerance(problem, evidence, before, there)
     lower = stands and basin.cost < again.cost
     cost = basin.cost if lower else again.cost
-    violated = before.cost <= _limit(problem)
+    violated = before.cost <= min(baseline.threshold, threshold)
     standing = _standing(problem, evidence, (before.cost, again.cost, cost), violated, tolerance)
     if standing is Standing.FIXED and basin.violates(threshold):
         standing = Standing.BETTER
@@ -151,12 +149,6 @@ def _known(
         newly_violating=cost <= threshold and not violated,
         statement=_described(problem, run, before, again.cost, cost, standing, basin),
     )
-
-
-def _limit(problem: Problem) -> float:
-    """The highest cost that violated in the baseline, and would by this run's threshold."""
-    baseline = problem.campaign.baseline
-    return problem.threshold if baseline is None else min(baseline.threshold, problem.threshold)
 
 
 def _standing(
@@ -201,11 +193,6 @@ def _tolerance(problem: Problem, evidence: Evidence, before: BaselineCase, there
     return max(before.difference, now, spread, problem.campaign.regression.tolerance, floor)
 
 
-def _all_known(violating: list[FindingChange]) -> bool:
-    """Whether every violation was known; without a violating finding none was, because it has not been compared."""
-    return bool(violating) and not any(case.newly_violating for case in violating)
-
-
 def _beside(problem: Problem, evidence: Evidence, checks: Sequence[Check]) -> Spans:
     """Why known violations are not accepted, as a sentence; empty if nothing else is wrong."""
     but, findings = " The known violations are not accepted: ", evidence.findings
@@ -247,15 +234,8 @@ def _described(
 ) -> Spans:  # fmt: skip
     quantity, unit = symbol(problem.quantity), problem.unit
     was, now = number(before.cost, unit), number(again, unit, "again")
-    statement = say(
-        f"{before.label} of {run} is {IS.get(standing, standing)}: ",
-        quantity,
-        " = ",
-        now,
-        " on this model, ",
-        was,
-        " there",
-    )
+    is_ = f"{before.label} of {run} is {IS.get(standing, standing)}: "
+    statement = say(is_, quantity, " = ", now, " on this model, ", was, " there")
     where = _where(problem, again, cost, standing, basin)
     return say(statement, "; ", where, ", a change of ", signed(cost - before.cost, unit, "change"))
 
@@ -286,26 +266,20 @@ def _unexamined(known: CaseBasin | None) -> str:
     return f"{left} to look for a barrier between it and {known.not_compared} stored violations"
 
 
-def _statement(problem: Problem, cases: list[FindingChange], failing: list[FindingChange]) -> Spans:
+def _statement(problem: Problem, baseline: Baseline, cases: list[FindingChange], failing: list[FindingChange]) -> Spans:
     """How many findings have each standing, and which of them fail."""
-    baseline = problem.campaign.baseline
-    assert baseline is not None
-    run, limits = baseline.run, (baseline.threshold, problem.threshold)
+    limits = baseline.threshold, problem.threshold
     counts = [
         say(count(many), f" {standing}")
         for standing in ORDER
         if (many := sum(case.standing == standing for case in cases))
     ]
-    whole = say(f"Changes of the findings since {run}: ", joined(", ", counts), ".")
+    whole = say(f"Changes of the findings since {baseline.run}: ", joined(", ", counts), ".")
     if limits[0] != limits[1]:
         there, here = (number(limit, problem.unit, digits=digits_of(limit)) for limit in limits)
         whole = say(whole, " The threshold there is ", there, ", here it is ", here, ".")
     if not failing:
         return say(whole, " No change fails the policy of the campaign.")
-    return say(whole, *_clauses(failing))
-
-
-def _clauses(failing: list[FindingChange]) -> Iterator[Part]:
-    yield " The policy of the campaign fails: "
-    yield joined("; ", [case.statement for case in failing[:NAMED]])
-    yield f"; and {len(failing) - NAMED} more." if len(failing) > NAMED else "."
+    named = joined("; ", [case.statement for case in failing[:NAMED]])
+    more = f"; and {len(failing) - NAMED} more." if len(failing) > NAMED else "."
+    return say(whole, " The policy of the campaign fails: ", named, more)

@@ -49,7 +49,8 @@ def sentence(
         chance = say(_chance(statistics), calls.condition(evidence, checks) if statistics else "")
         shown = _shown(problem, found, evidence.violation)
         apart = say(calls.repeated(problem, evidence.violation), _apart(evidence.violation.validation, problem.unit))
-        rest = say(lost, apart, _counts(evidence), chance)
+        counts = say(" ", capital(evidence.violations.statement), ".")
+        rest = say(lost, apart, counts, chance)
         return say(quantity, " falls to or below ", limit, ". ", worst, " ", shown, " in ", how, ".", rest)
     if verdict == "cleared":
         succeeded = count(evidence.succeeded, "evaluations")
@@ -118,10 +119,6 @@ def _chance(statistics: Statistics | None) -> Spans:
     quantile = statistics.quantile
     bound = say(" ", capital(unnamed(quantile.statement)), ".") if quantile is not None else ()
     return say(" ", statistics.statement, ".", bound)
-
-
-def _counts(evidence: Evidence) -> Spans:
-    return say(" ", capital(evidence.violations.statement), ".")
 
 
 def _excluded(problem: Problem, evidence: Evidence) -> Spans:

@@ -89,7 +89,8 @@ def sureness(
     lower = rules.SAME_COST.value * (nominal - lowest)
     if not rules.ROUNDING.value * max(abs(nominal), abs(lowest)) < lower < np.inf:
         return None
-    if lowest - _lowest(stored) > lower:  # another stage has found what the number would state the chance of
+    known = min(float(costs[status == OK, 0].min(initial=np.inf)) for costs, status in stored.values())
+    if lowest - known > lower:  # another stage has found what the number would state the chance of
         return None
     coefficients = model(problem.dimension, landscapes)
     probability = chance(ranked, nominal, coefficients)
@@ -117,11 +118,6 @@ def _in_slots(results: Sequence[StageResult]) -> bool:
     of a process measured."""
     measured = (r.repeatability for r in results)
     return any(of is not None and (of.start_seconds is not None or (of.slots or 1) > 1) for of in measured)
-
-
-def _lowest(stored: Mapping[int, Stored]) -> float:
-    """The lowest cost of all stages."""
-    return min(float(costs[status == OK, 0].min(initial=np.inf)) for costs, status in stored.values())
 
 
 def model(parameters: int, landscapes: int | None = None) -> Model:

@@ -22,7 +22,7 @@ def worded(problem: Problem, result: StageResult, findings: Sequence[Finding]) -
     cases = [found for found in (result.nominal, *(f.validation for f in findings)) if found is not None]
     statement = _agreement(words, cases) if all(found.repeats is None for found in cases) else _repeated(words, cases)
     counts, spot = result.violations, result.spot_checks
-    compared = () if spot is None else _apart(words, spot, problem.unit, result.spent)
+    compared = () if spot is None else say(_compared(words, spot, problem.unit), _left_out(result.spent))
     return result.model_copy(
         update={
             "statement": statement,
@@ -69,32 +69,19 @@ def _counts(words: Words, found: Violations, spent: Spent | None) -> Spans:
         none = say(many, "validation examined none of them")
         most = None if spent is None else count(spent.at_most, "at_most")
         return none if most is None else say(none, ", because it is limited to ", most, " evaluations")
-    all_of = found.checked == found.stored
-    of = (
-        say("all of them")
-        if all_of
-        else say(count(found.checked, "checked"), " of them, spread over the range of values,")
-    )
+    of = say("all of them")
+    if found.checked < found.stored:
+        of = say(count(found.checked, "checked"), " of them, spread over the range of values,")
     confirmed = count(found.confirmed, "confirmed")
     return say(many, of, f" were {words.again}, and ", confirmed, " violate there as well")
-
-
-def _apart(words: Words, found: SpotChecks, unit: str, spent: Spent | None) -> Spans:
-    return say(_compared(words, found, unit), _left_out(spent))
 
 
 def _left_out(spent: Spent | None) -> Spans:
     """The random evaluations that the allowance of validation did not suffice for."""
     if spent is None or not spent.left_out.spot_checks:
         return ()
-    return say(
-        *(
-            "; ",
-            count(spent.left_out.spot_checks, "left_out"),
-            " more were not compared, because validation is limited to ",
-        ),
-        *(count(spent.at_most, "at_most"), " evaluations"),
-    )
+    lost = say("; ", count(spent.left_out.spot_checks, "left_out"), " more were not compared, because validation is")
+    return say(lost, " limited to ", count(spent.at_most, "at_most"), " evaluations")
 
 
 def _compared(words: Words, found: SpotChecks, unit: str) -> Spans:

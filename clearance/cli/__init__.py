@@ -194,9 +194,12 @@ def build() -> typer.Typer:
         pretty_exceptions_enable=False,
     )
     app.callback()(_group)
-    for module in sorted(pkgutil.iter_modules(__path__), key=lambda m: m.name):
-        if not module.name.startswith("_"):
-            _add(app, module.name)
+    for name in sorted(m.name for m in pkgutil.iter_modules(__path__) if not m.name.startswith("_")):
+        module, command = importlib.import_module(f"{__name__}.{name}"), name.replace("_", "-")
+        if hasattr(module, "app"):
+            app.add_typer(module.app, name=command)
+        else:
+            app.command(command, cls=_Command)(getattr(module, name))
     return app
 
 
@@ -205,15 +208,6 @@ def _command() -> Callable[..., object]:
     """The command `clearance`, built once: a program may run it several times."""
     command: Callable[..., object] = typer.main.get_command(build())
     return command
-
-
-def _add(app: typer.Typer, name: str) -> None:
-    module = importlib.import_module(f"{__name__}.{name}")
-    command = name.replace("_", "-")
-    if hasattr(module, "app"):
-        app.add_typer(module.app, name=command)
-    else:
-        app.command(command, cls=_Command)(getattr(module, name))
 
 
 def _group() -> None:

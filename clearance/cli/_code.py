@@ -150,7 +150,6 @@ def stated(campaign: Campaign) -> dict[str, object]:
 
 
 def _inline(campaign: Campaign) -> InlineProgram | None:
-    """The program that the campaign file gave."""
     from worker.running.catalogue.inline import InlineProgram
     from worker.running.catalogue.installed import simulators
 

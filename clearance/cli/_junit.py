@@ -7,6 +7,7 @@ The format has no standard; this is the form that Jenkins, GitLab and GitHub's r
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
@@ -51,8 +52,7 @@ def junit(ended: EndedRun) -> str:
         for case in regression.cases:
             _case(suite, ended, case)
     elif not ended.compared:
-        case_of = _added(suite, ended, "baseline")
-        Xml.SubElement(case_of, "skipped", message=_clean(" ".join(ended.notes)))
+        _ended(_added(suite, ended, "baseline"), "skipped", " ".join(ended.notes))
     for kind, tag in (("tests", "testcase"), ("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
         suite.set(kind, str(len(suite.findall(f".//{tag}"))))
     suites = Xml.Element("testsuites")
@@ -65,36 +65,31 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
     case, verdict = _added(suite, ended, "verdict"), ended.verdict
     if verdict is None:
         message = f"no verdict: {ended.state}" + (f": {ended.error}" if ended.error else "")
-        Xml.SubElement(case, "error", message=_clean(message), type=ended.state).text = _clean(ended.link)
+        _ended(case, "error", message, ended.link, kind=ended.state)
         return
     if verdict.verdict == "cleared" or ended.accepted:
         Xml.SubElement(case, "system-out").text = _clean("\n".join([verdict.reason, *ended.notes]))
         return
-    text = [verdict.reason, *ended.notes, *_worst(verdict), ended.link]
+    text = [verdict.reason, *ended.notes, *(_values(verdict.worst.parameters) if verdict.worst else ()), ended.link]
     if ended.replay and verdict.worst is not None:
         text.append(f"{ended.replay} {verdict.worst.finding}")
-    failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=verdict.headline)
-    failure.text = _clean("\n".join(filter(None, text)))
+    _ended(case, "failure", verdict.sentence, *text, kind=verdict.headline)
 
 
 def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
     """The test case of the criterion: every violating finding is a failure; else only a cleared verdict passes."""
     case = _added(suite, ended, f"criterion: {ended.quantity or verdict.quantity or 'value'}")
-    text = "\n".join(filter(None, ["\n\n".join(_violation(ended, found) for found in ended.violating), ended.link]))
+    text = "\n\n".join(_violation(ended, found) for found in ended.violating), ended.link
     violated = bool(ended.violating) or verdict.verdict == "violated"
     if violated and ended.accepted:
-        # no failure of the job, and not met either
-        skipped = Xml.SubElement(case, "skipped", message=_clean(exit_sentence(verdict)))
-        skipped.text = _clean(text)
+        _ended(case, "skipped", exit_sentence(verdict), *text)  # no failure of the job, and not met either
     elif violated:
         kind = "violation" if verdict.verdict == "violated" else "unconfirmed"
-        Xml.SubElement(case, "failure", message=_clean(_violating(ended, verdict)), type=kind).text = _clean(text)
+        _ended(case, "failure", _violating(ended, verdict), *text, kind=kind)
     elif verdict.verdict == "cleared":
         Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
     else:
-        Xml.SubElement(
-            case, "skipped", message=_clean(f"not cleared, although no finding violates it: {verdict.reason}")
-        )
+        _ended(case, "skipped", f"not cleared, although no finding violates it: {verdict.reason}")
 
 
 def _violating(ended: EndedRun, verdict: Verdict) -> str:
@@ -112,16 +107,14 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
     """Evidence of this run alone: other campaigns may state the requirement, and the run is not signed off yet."""
     case, verdict = _added(suite, ended, f"requirement: {requirement}"), ended.verdict
     if verdict is None:
-        error = Xml.SubElement(case, "error", message=_clean(f"no evidence: {ended.state}"), type=ended.state)
-        error.text = _clean(ended.link)
+        _ended(case, "error", f"no evidence: {ended.state}", ended.link, kind=ended.state)
     elif verdict.verdict == "cleared":
         text = f"{verdict.sentence}\nEvidence of this run alone; the matrix of requirements has all runs."
         Xml.SubElement(case, "system-out").text = _clean(text)
     elif ended.accepted:
-        Xml.SubElement(case, "skipped", message=_clean(f"{verdict.sentence} {exit_sentence(verdict)}"))
+        _ended(case, "skipped", f"{verdict.sentence} {exit_sentence(verdict)}")
     else:
-        failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=verdict.headline)
-        failure.text = _clean("\n".join(filter(None, [verdict.reason, ended.link])))
+        _ended(case, "failure", verdict.sentence, verdict.reason, ended.link, kind=verdict.headline)
 
 
 def _violation(ended: EndedRun, found: Case) -> str:
@@ -129,26 +122,20 @@ def _violation(ended: EndedRun, found: Case) -> str:
     unit = f" {ended.unit}" if ended.unit else ""
     head = f"{found.label}: {ended.value(found)}{unit}, margin {signed(found.margin)}{unit}{found.beside}"
     replay = f"{ended.replay} {found.label}" if ended.replay else ""
-    values = [f"{path} = {v!r}" for path, v in found.parameters.items()]
-    return "\n".join(filter(None, [head, found.likelihood, *values, replay]))
+    return "\n".join(filter(None, [head, found.likelihood, *_values(found.parameters), replay]))
 
 
 def _check(suite: Xml.Element, ended: EndedRun, check: DescribedCheck) -> None:
     """A check that does not hold fails, unless the policy of the campaign accepts the violations of the run."""
-    case, text = _added(suite, ended, f"check: {check.title}"), _clean(check.text)
+    case = _added(suite, ended, f"check: {check.title}")
     if check.standing == "holds":
-        Xml.SubElement(case, "system-out").text = text
+        Xml.SubElement(case, "system-out").text = _clean(check.text)
     elif check.standing == "open":
-        Xml.SubElement(case, "skipped", message=_clean(f"{check.text}; {check.but}"))
+        _ended(case, "skipped", f"{check.text}; {check.but}")
     elif ended.accepted:
-        Xml.SubElement(case, "skipped", message=f"does not hold; the policy accepts the violations: {text}")
+        _ended(case, "skipped", f"does not hold; the policy accepts the violations: {check.text}")
     else:
-        failure = Xml.SubElement(case, "failure", message=text, type=_clean(str(check.code)))
-        failure.text = _clean("\n".join(filter(None, [check.text, ended.link])))
-
-
-def _worst(verdict: Verdict) -> list[str]:
-    return [] if verdict.worst is None else [f"{path} = {value!r}" for path, value in verdict.worst.parameters.items()]
+        _ended(case, "failure", check.text, check.text, ended.link, kind=str(check.code))
 
 
 def _case(suite: Xml.Element, ended: EndedRun, change: FindingChange) -> None:
@@ -156,17 +143,26 @@ def _case(suite: Xml.Element, ended: EndedRun, change: FindingChange) -> None:
     name = f"{change.before} of the baseline" if change.before else f"new finding {change.now}"
     case = _added(suite, ended, name)
     if change.standing in UNKNOWN and not change.fails:
-        Xml.SubElement(case, "skipped", message=_clean(change.text))
+        _ended(case, "skipped", change.text)
     elif change.fails:
-        lines = [*(f"{path} = {value!r}" for path, value in change.parameters.items()), ended.link]
-        failure = Xml.SubElement(case, "failure", message=_clean(change.text), type=str(change.standing))
-        failure.text = _clean("\n".join(filter(None, [change.text, *lines, ended.command(change)])))
+        lines = change.text, *_values(change.parameters), ended.link, ended.command(change)
+        _ended(case, "failure", change.text, *lines, kind=str(change.standing))
     else:
         Xml.SubElement(case, "system-out").text = _clean(change.text)
 
 
 def _added(suite: Xml.Element, ended: EndedRun, name: str) -> Xml.Element:
     return Xml.SubElement(suite, "testcase", classname=_clean(ended.campaign), name=_clean(name))
+
+
+def _ended(case: Xml.Element, tag: str, message: str, *lines: str, kind: str = "") -> None:
+    """Why the test case did not pass: kind: its type; lines: the text, without those that are empty."""
+    stated = {"message": _clean(message)} | ({"type": _clean(kind)} if kind else {})
+    Xml.SubElement(case, tag, stated).text = _clean("\n".join(filter(None, lines)))
+
+
+def _values(parameters: Mapping[str, float]) -> list[str]:
+    return [f"{path} = {value!r}" for path, value in parameters.items()]
 
 
 def _clean(text: str) -> str:

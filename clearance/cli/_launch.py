@@ -58,27 +58,23 @@ def _begun(option: str, mark: str) -> Callable[[Path | None], Path | None]:
     def begun(file: Path | None) -> Path | None:
         if file is None:
             return None
+        from campaigns.runs import RunState
+        from clearance.cli import _junit, _sarif
+        from clearance.cli._ended import EndedRun
+
+        module = {"junit": _junit, "sarif": _sarif}[option]
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
             if file.exists() and not file.is_file():  # such as /dev/stdout
                 return file
             if file.exists() and file.stat().st_size and mark not in file.read_text("utf-8", "replace"):
                 raise WrongInputError(f"--{option} {file}: the file is none of a job; give another name, or delete it")
-            _write_begun(option, file)
+            module.write(file, EndedRun("", "clearance", RunState.RUNNING, None, UNENDED))
         except OSError as error:
             raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
         return file
 
     return begun
-
-
-def _write_begun(option: str, file: Path) -> None:
-    from campaigns.runs import RunState
-    from clearance.cli import _junit, _sarif
-    from clearance.cli._ended import EndedRun
-
-    module = {"junit": _junit, "sarif": _sarif}[option]
-    module.write(file, EndedRun("", "clearance", RunState.RUNNING, None, UNENDED))
 
 
 Junit: TypeAlias = Annotated[

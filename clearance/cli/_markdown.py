@@ -65,14 +65,11 @@ def _table(ended: EndedRun, regression: Regression) -> list[str]:
 
 def _row(ended: EndedRun, regression: Regression, case: FindingChange) -> list[str]:
     name = f"{case.before} of {regression.run}" if case.before else f"{case.now}"
-    numbers = (case.margin_before, case.margin_again, case.margin, case.change)
+    margins = (case.margin_before, case.margin_again, case.margin, case.change)
+    shown = (NONE if margin is None else signed(margin) for margin in margins)
     standing = f"**{case.standing}**" if case.fails else str(case.standing)
     command = ended.command(case).translate(_CODE)
-    return [_text(name), standing, *(_number(n) for n in numbers), f"`{command}`" if command and case.fails else ""]
-
-
-def _number(value: float | None) -> str:
-    return NONE if value is None else signed(value)
+    return [_text(name), standing, *shown, f"`{command}`" if command and case.fails else ""]
 
 
 def _line(cells: list[str]) -> str:

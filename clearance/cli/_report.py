@@ -215,7 +215,6 @@ def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table
 
 
 def _checks(verdict: Verdict) -> Table:
-    """Everything that must hold before a campaign is cleared."""
     signs = {"holds": ("✓", "green"), "open": ("?", "yellow"), "fails": ("✗", "red")}
     table = Table("", "Check", "Result")
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed

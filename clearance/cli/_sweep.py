@@ -65,7 +65,7 @@ def sweep(
     except (KeyboardInterrupt, UnreachableError):
         typer.echo(f"{found.id} continues in the background: {page}", err=True)
         raise
-    typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_lines(found)))
+    typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_line(found, p) for p in found.points))
     if out is not None:
         service.export_sweep(found.id, out / TABLE)
         typer.echo(f"{TABLE} in {out}", err=True)
@@ -80,11 +80,6 @@ def _followed(service: Client, sweep: str, quiet: bool) -> Sweep:
             typer.echo(line, err=True)
         before = line
     return found
-
-
-def _lines(found: Sweep) -> list[str]:
-    """A line for each run, in ascending order of the values."""
-    return [_line(found, point) for point in found.points]
 
 
 def _line(found: Sweep, point: SweepPoint) -> str:

@@ -202,7 +202,6 @@ def _propose(measured: Measured, parameters: int) -> None:
 
 
 def _advise(measured: Measured, values: bool, unit: str) -> None:
-    """The proposal for `repeats`."""
     if not values or measured.repeats:
         return
     deviation = f"{measured.deviation or 0.0:.3g} {unit}".rstrip()

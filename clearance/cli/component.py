@@ -94,9 +94,7 @@ def _checked(file: Path) -> OwnFile:
     searched = [file.parent, *(folder for folder in folders() if folder != file.parent)]
     os.environ[FOLDERS] = os.pathsep.join(map(str, searched))
     found = own.examine(file)
-    if found.text:
-        return found
-    return own.beside_others(found)
+    return found if found.text else own.beside_others(found)
 
 
 def _sentence(file: Path, found: OwnFile) -> str:

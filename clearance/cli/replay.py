@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from campaigns.results import StageResult
     from worker.engine.problem.problem import Problem
     from worker.running.runs.reflown import Reflown
-    from worker.running.runs.replay import Compared, Recorded, Replayed
+    from worker.running.runs.replay import Recorded, Replayed
 
 
 def replay(
@@ -140,7 +140,17 @@ class Again:
 
     def closing(self) -> str:
         """The last sentences."""
-        return _closing(self.well, self.others, self.elsewhere, self.noise)
+        from campaigns.claims.numbers import count
+
+        kind = "other than" if self.others or self.elsewhere else "the same as"
+        sentences = [f"Installation and machine are {kind} those that made the run"]
+        sentences[0] += f": {'; '.join([*self.others, *self.elsewhere])}." if self.others or self.elsewhere else "."
+        if self.noise:
+            sentences.append(f"{self.noise}, so that another cost need not mean other code or another machine.")
+        wrong, every = self.well.count(False), len(self.well)
+        fine = f"All {count(every)} agree." if every > 1 else "It agrees."
+        sentences.append(f"{count(wrong)} of {count(every)} do not agree." if wrong else fine)
+        return " ".join(sentences)
 
 
 def evaluated_again(run: str, recorded: Recorded, problem: Problem, names: Sequence[str], blocks: int = 0) -> Again:
@@ -157,8 +167,8 @@ def evaluated_again(run: str, recorded: Recorded, problem: Problem, names: Seque
         except UnknownCase as error:
             raise WrongInputError(f"{run} cannot be replayed: {error}", RefusalCode.NO_SUCH_CASE) from None
         noise = _noise(recorded, problem)
-    every: list[Compared] = [*found, *flown]
-    well = [agrees(one, not (others or elsewhere)) for one in every]
+    agreements = [*(one.agreement for one in found), *(one.agreement for one in flown)]
+    well = [agrees(agreement, not (others or elsewhere)) for agreement in agreements]
     return Again(problem, found, well, others, elsewhere, noise, flown)
 
 
@@ -313,19 +323,3 @@ def _line(one: Replayed, problem: Problem) -> str:
     ]
     apart = "" if then is None or now is None or then[0] == now[0] else f", {now[0] - then[0]:+.3g}{unit}"
     return f"{one.case.name}: stored {costs[0]}; now {costs[1]}{why}: {one.agreement}{apart}"
-
-
-def _closing(well: list[bool], others: list[str], elsewhere: list[str], noise: str) -> str:
-    from campaigns.claims.numbers import count
-
-    kind = "other than" if others or elsewhere else "the same as"
-    sentences = [f"Installation and machine are {kind} those that made the run"]
-    sentences[0] += f": {'; '.join([*others, *elsewhere])}." if others or elsewhere else "."
-    if noise:
-        sentences.append(f"{noise}, so that another cost need not mean other code or another machine.")
-    wrong = well.count(False)
-    sentences.append(
-        f"{count(wrong)} of {count(len(well))} do not agree." if wrong else f"All {count(len(well))} agree."
-        if len(well) > 1 else "It agrees."
-    )  # fmt: skip
-    return " ".join(sentences)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -84,7 +85,11 @@ def run(
         campaign, store, verdict, cites = execute_continued(onward, budget, data, database, execute)
     else:
         assert file is not None
-        campaign, note = _with_baseline(file, allow_code, options.baseline, data, database)
+        campaign = code.read(file, allow_code)
+        if options.baseline:
+            from clearance.cli._baseline import compared
+
+            campaign, note = compared(campaign, options.baseline, data, database)
         announced = _announcing(execute, data, database, quiet=as_json)
         try:
             campaign, store, verdict = _fresh(file, campaign, announced, sample_seed)
@@ -124,16 +129,12 @@ def _ended(
 ) -> EndedRun:  # fmt: skip
     from campaigns.identity.identity import identity_of, simulator_of
 
-    return EndedRun(
-        run="" if out is None else str(out),
-        campaign=campaign.name,
+    return replace(
+        _failed("", campaign, options, note, file, out),
         state=RunState.DONE,
         verdict=verdict,
         replay="" if out is None else _replay(campaign, out),
-        labels=options.labels,
-        notes=(note,) if note else (),
         seconds=sum(stage.seconds for stage in store.stages),
-        compared=campaign.baseline is not None or not options.baseline,
         quantity=verdict.quantity,
         unit=verdict.unit,
         threshold=campaign.criterion.threshold,
@@ -146,8 +147,6 @@ def _ended(
             )
             for f in store.found()
         ),
-        source=_source(file, options),
-        requirements=tuple(one.id for one in campaign.criterion.requirements),
         identity=identity_of(verdict.provenance, simulator_of(campaign)),
     )
 
@@ -182,16 +181,6 @@ def _check_options(file: Path | None, onward: str, budget: str, launched: bool) 
         raise WrongInputError("--continue RUN and --budget +N belong together: give both")
 
 
-def _with_baseline(file: Path, allow_code: bool, baseline: str, data: Path, database: str) -> tuple[Campaign, str]:
-    """The campaign of the file with its baseline, and the sentence that states it."""
-    campaign = code.read(file, allow_code)
-    if not baseline:
-        return campaign, ""
-    from clearance.cli._baseline import compared
-
-    return compared(campaign, baseline, data, database)
-
-
 def _fresh(
     file: Path, campaign: Campaign, execute: Execute, sample_seed: int | None
 ) -> tuple[Campaign, MemoryStore, Verdict]:
@@ -220,13 +209,17 @@ def _report_failed(
     if as_json:
         typer.echo(json.dumps({"campaign": campaign.name, "state": RunState.FAILED, "error": error}, indent=2))
     typer.echo(f"Failed: no verdict\n{error}", err=True)
-    notes = (note,) if note else ()
-    ended = EndedRun(
+    write_files(_failed(error, campaign, options, note, file, out), options)
+
+
+def _failed(
+    error: str, campaign: Campaign, options: launch.Launch, note: str, file: Path | None, out: Path | None
+) -> EndedRun:
+    return EndedRun(
         "" if out is None else str(out), campaign.name, RunState.FAILED, None, error, labels=options.labels,
-        notes=notes, compared=campaign.baseline is not None or not options.baseline,
+        notes=(note,) if note else (), compared=campaign.baseline is not None or not options.baseline,
         source=_source(file, options), requirements=tuple(one.id for one in campaign.criterion.requirements),
     )  # fmt: skip
-    write_files(ended, options)
 
 
 def _announcing(execute: Execute, data: Path, database: str, quiet: bool) -> Execute:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -22,8 +23,6 @@ def show(
     patience: Patience = PATIENCE,
 ) -> None:
     """Print a run of a service: verdict, checks, worst cases, sign-offs. The exit code is not the verdict."""
-    import json
-
     with opened(service, token_file, patience) as client:
         found = client.run(numbered(run))
         if as_json:
@@ -63,7 +62,6 @@ def _head(found: RunDetail) -> list[str]:
 
 
 def _checks(found: RunDetail) -> list[str]:
-
     checks = [] if found.summary is None else found.summary.checks
     return [
         f"  {check.standing:5}  {check.title}: {plain(check.text)}{f'; {plain(check.but)}' if check.but else ''}"

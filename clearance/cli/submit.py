@@ -8,7 +8,7 @@ from __future__ import annotations
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -16,9 +16,6 @@ from clearance.cli import WrongInputError
 from clearance.cli import _launch as launch
 from clearance.cli._following import AsJson, Out, follow_to_the_end
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, opened
-
-if TYPE_CHECKING:
-    from clearance.client.answers import Submitted
 
 
 def submit(
@@ -98,27 +95,18 @@ def submit(
                     "the submission was interrupted, so a run may be queued: `clearance runs` lists them", err=True
                 )
                 raise
-            if not wait:
-                _print_submitted(queued)
-                return
             run, reused = queued.id, queued.reused
-            _print_superseded(queued)
+            compared_to = "" if queued.baseline is None else queued.baseline.sentence
+            for note in filter(None, [] if wait else [reused, compared_to]):
+                typer.echo(note, err=True)
+            if queued.superseded:
+                typer.echo(f"{', '.join(queued.superseded)} of the group {queued.group} superseded", err=True)
+            if not wait:
+                typer.echo(run)  # on standard output, alone on its line, for programs
+                return
             typer.echo(f"{run} is at {client.link(run)}", err=True)
             source, cancel = Source(str(path), text), cancel_on_exit and not reused
             raise typer.Exit(follow_to_the_end(client, run, out, as_json, options, reused, cancel, source))
-
-
-def _print_superseded(queued: Submitted) -> None:
-    if queued.superseded:
-        typer.echo(f"{', '.join(queued.superseded)} of the group {queued.group} superseded", err=True)
-
-
-def _print_submitted(queued: Submitted) -> None:
-    """Print the number of the run on standard output, alone on its line, for programs."""
-    for note in filter(None, [queued.reused, "" if queued.baseline is None else queued.baseline.sentence]):
-        typer.echo(note, err=True)
-    _print_superseded(queued)
-    typer.echo(queued.id)
 
 
 def _check_options(

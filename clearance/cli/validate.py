@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -33,8 +34,6 @@ def validate(
     patience: Patience = PATIENCE,
 ) -> None:
     """Check campaign files: print their problems, or their digest and the stages of a run."""
-    import json
-
     from campaigns import Campaign, CampaignError
 
     if schema:
@@ -66,8 +65,6 @@ def validate(
 
 
 def _here(file: Path, normal: bool, allow_code: bool) -> None:
-    import json
-
     from campaigns import CampaignError, check
     from worker.running.catalogue.installed import catalogue
 

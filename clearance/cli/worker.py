@@ -10,7 +10,6 @@ import os
 import signal
 import socket
 import time
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -59,7 +58,10 @@ def worker(
     from worker.running.processes.supervisor import Supervisor, default_name
 
     if check:
-        raise typer.Exit(0 if _alive(data, database) else 1)
+        from backend.db import workers
+
+        with reading(existing_url_of(data, database)) as connection:
+            raise typer.Exit(0 if workers.alive(connection, socket.gethostname()) else 1)
     jit.refuse(jit.by_environment())
     evaluators.use(evaluator)
     with refusing(ValueError):
@@ -103,10 +105,3 @@ def _once_it_answers(url: str) -> None:
     while (away := awaited(url)) is not None:
         logging.warning("%s", sentence(away))  # one line a minute
         time.sleep(PAUSE)
-
-
-def _alive(data: Path, database: str) -> bool:
-    from backend.db import workers
-
-    with reading(existing_url_of(data, database)) as connection:
-        return workers.alive(connection, socket.gethostname())

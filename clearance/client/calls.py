@@ -10,7 +10,7 @@ import json
 import os
 import re
 import uuid
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -259,33 +259,11 @@ def sweep_table(sweep: NamedSweep) -> Call[bytes]:
     return Call("GET", "/sweeps/{sweep}/table.csv", bytes, _of_sweep(sweep), timeout=LONGEST)
 
 
-def campaign_file(run: Named) -> Call[bytes]:
-    """The campaign as it was submitted, with its comments."""
-    return Call("GET", "/runs/{run}/campaign.yaml", bytes, _of(run))
-
-
-def export_file(run: Named, file: str) -> Call[bytes]:
-    """An export file of a run by the name that the list has: evaluations.csv, worst-case.svg."""
-    return Call("GET", "/runs/{run}/exports/{file}", bytes, _of(run) | {"file": file}, timeout=LONGEST)
-
-
-def report_html(run: Named) -> Call[bytes]:
-    """The safety-case report as one HTML file."""
-    return Call("GET", "/runs/{run}/report.html", bytes, _of(run), timeout=LONGEST)
-
-
-def report_pdf(run: Named) -> Call[bytes]:
-    """The safety-case report as PDF."""
-    return Call("GET", "/runs/{run}/report.pdf", bytes, _of(run), timeout=LONGEST)
-
-
-ELSEWHERE: Mapping[str, Callable[[Named], Call[bytes]]] = {
-    "campaign.yaml": campaign_file,
-    "report.html": report_html,
-    "report.pdf": report_pdf,
-}
-"""The files of a run that are not among its exports."""
-USUAL = ("campaign.yaml", "run.json", "evaluations.csv", "findings.csv", "report.html")
+CAMPAIGN, HTML, PDF = "campaign.yaml", "report.html", "report.pdf"
+ELSEWHERE: Mapping[str, float | None] = {CAMPAIGN: None, HTML: LONGEST, PDF: LONGEST}
+"""The files of a run that are not among its exports: the campaign as it was submitted, with its comments, and the
+safety-case report; for each how long it may take [s]."""
+USUAL = (CAMPAIGN, "run.json", "evaluations.csv", "findings.csv", HTML)
 """The files that every run has."""
 
 
@@ -293,4 +271,6 @@ def file(run: Named, name: str) -> Call[bytes]:
     """A file of a run: campaign.yaml, report.html, report.pdf or one that its list of exports has."""
     if not re.fullmatch(r"\w[\w-]*(\.[\w-]+)+", name, re.ASCII):
         raise ValueError(f"there is no file {name!r} of a run; there are {', '.join(USUAL)} and others")
-    return ELSEWHERE[name](run) if name in ELSEWHERE else export_file(run, name)
+    if name in ELSEWHERE:
+        return Call("GET", f"/runs/{{run}}/{name}", bytes, _of(run), timeout=ELSEWHERE[name])
+    return Call("GET", "/runs/{run}/exports/{file}", bytes, _of(run, file=name), timeout=LONGEST)

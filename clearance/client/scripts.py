@@ -245,7 +245,7 @@ async def evaluations(session: Session, run: Named) -> Evaluations:
     from clearance.client.arrays import Evaluations
 
     detail = await ask(session, calls.run(run))
-    content = await ask(session, calls.export_file(run, "evaluations.csv"))
+    content = await ask(session, calls.file(run, "evaluations.csv"))
     return Evaluations.of(content, detail)
 
 
@@ -274,17 +274,16 @@ async def export(session: Session, run: Named, folder: str | Path, files: Iterab
 
 async def picture(session: Session, run: Named, file: str | Path) -> Path:
     """Write the worst case from above as SVG; returns the file's path. `NotFoundError` if no flight is stored."""
-    return await download(session, calls.export_file(run, "worst-case.svg"), Path(file))
+    return await download(session, calls.file(run, "worst-case.svg"), Path(file))
 
 
 async def campaign_text(session: Session, run: Named) -> str:
     """The campaign of a run as it was submitted, with its comments."""
-    return (await ask(session, calls.campaign_file(run))).decode("utf-8", "replace")
+    return (await ask(session, calls.file(run, calls.CAMPAIGN))).decode("utf-8", "replace")
 
 
 async def report(session: Session, run: Named, file: str | Path) -> Path:
     """Write the safety-case report, as PDF if the file's name ends with .pdf, else as HTML; returns its path."""
     path = Path(file)
-    call = calls.report_pdf(run) if path.suffix == ".pdf" else calls.report_html(run)
     path.parent.mkdir(parents=True, exist_ok=True)
-    return await download(session, call, path)
+    return await download(session, calls.file(run, calls.PDF if path.suffix == ".pdf" else calls.HTML), path)

@@ -95,7 +95,8 @@ class Session:
             given = min(SILENCE, self._left())
             answer = await self.driver.send(self._request(call, SILENCE))
             try:
-                if answer.status_code == 200 and _kind(answer).startswith("text/event-stream"):
+                kind = answer.headers.get("content-type", "")
+                if answer.status_code == 200 and kind.startswith("text/event-stream"):
                     async for line in self.driver.lines(answer):
                         yield line
                         self.check_time()
@@ -122,10 +123,6 @@ class Session:
         except UnicodeEncodeError as error:
             detail = f"{str(error.object)[max(0, error.start - 20) : error.end + 20]!r} has characters that are no text"
             raise InvalidRequestError(0, "not-text", detail) from None
-
-
-def _kind(answer: httpx.Response) -> str:
-    return str(answer.headers.get("content-type", ""))
 
 
 def _reply(answer: httpx.Response, content: bytes) -> Reply:

@@ -238,18 +238,15 @@ def of(origin: Origin, verdict: Concluded) -> Result:
     nominal = Nominal(_by_name(origin, first.parameters), first.cost, first.margin, first.reason)
     findings = tuple(_finding(origin, f) for f in origin.store.found())
     named = None if verdict.worst is None else verdict.worst.finding
+    sure = verdict.sureness
+    sureness = None if sure is None else Sureness(sure.chance, sure.lower, f"{sure.text}.")
     return Result(
         **vars(evaluations(origin)),
-        verdict=Verdict(verdict.verdict.value, verdict.sentence, verdict.scope, checks, _sureness(verdict)),
+        verdict=Verdict(verdict.verdict.value, verdict.sentence, verdict.scope, checks, sureness),
         findings=findings,
         nominal=nominal,
         worst=next((f for f in findings if f.label == named), None),
     )
-
-
-def _sureness(verdict: Concluded) -> Sureness | None:
-    stated = verdict.sureness
-    return None if stated is None else Sureness(stated.chance, stated.lower, f"{stated.text}.")
 
 
 def _finding(origin: Origin, f: Stored) -> Finding:

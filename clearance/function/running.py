@@ -44,8 +44,13 @@ def run(
     else:
         store = resuming.store(campaign, problem, before, seed)
     origin = Origin(campaign, problem, store, known, tuple(request.ranges))
+    # Ctrl-C is not lost where this is the main thread and has no other handler.
+    usual = threading.current_thread() is threading.main_thread() and (
+        signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    )
+    interruptible = deferred(_never) if usual else contextlib.nullcontext(_never)
     try:
-        with _interruptible() as stopped, _shown(campaign, progress) as show:
+        with interruptible as stopped, _shown(campaign, progress) as show:
             verdict = execute(campaign, store, stopped, progress=show, problem=problem)
     except ReplayMismatch as error:
         raise ValueError(f"resume: {error}") from None
@@ -68,17 +73,8 @@ def _campaign(document: dict[str, object], known: Catalogue) -> Campaign:
     return campaign
 
 
-@contextlib.contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Ctrl-C that is not lost where this is the main thread and has no other handler."""
-    usual = threading.current_thread() is threading.main_thread() and (
-        signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    )
-    if not usual:
-        yield lambda: False
-        return
-    with deferred(lambda: False) as stopped:
-        yield stopped
+def _never() -> bool:
+    return False
 
 
 @contextlib.contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from campaigns.results.base import EXCLUDED, OK, STATUS
@@ -17,7 +16,7 @@ UNKNOWN = "no reason was stored"
 
 @dataclass
 class Failure:
-    """A reason without the simulator's output, the evaluations that failed for it, and the first of them."""
+    """A reason without the simulator's output, the evaluations that failed for it, and the first; as in result.json."""
 
     status: str
     reason: str
@@ -27,29 +26,19 @@ class Failure:
     """The last lines that the simulator wrote in the first of them; empty if there are none."""
     evaluations: int = 0
 
-    @property
-    def document(self) -> dict[str, object]:
-        """Its form in result.json."""
-        return dict(vars(self))
-
 
 def failures(store: MemoryStore) -> list[Failure]:
     """The reasons of failed and timed-out evaluations of all stages, the most frequent first."""
     found: dict[tuple[str, str], Failure] = {}
     for stage in range(len(store.stages)):
-        for index, status, text in _lost(store, stage):
-            reason, _, output = text.partition(OUTPUT)
-            one = found.setdefault((status, reason), Failure(status, reason, stage, index, output))
+        columns = store.evaluations(stage)
+        for index, code in enumerate([] if columns is None else columns.status.tolist()):
+            if columns is None or code in (OK, EXCLUDED):
+                continue
+            reason, _, output = (columns.reasons.get(index) or UNKNOWN).partition(OUTPUT)
+            one = found.setdefault((STATUS[code], reason), Failure(STATUS[code], reason, stage, index, output))
             one.evaluations += 1
     return sorted(found.values(), key=lambda one: -one.evaluations)
-
-
-def _lost(store: MemoryStore, stage: int) -> Iterator[tuple[int, str, str]]:
-    """Index, status and reason of every evaluation of a stage without a cost that was not excluded."""
-    columns = store.evaluations(stage)
-    for index, code in enumerate([] if columns is None else columns.status.tolist()):
-        if columns is not None and code not in (OK, EXCLUDED):
-            yield index, STATUS[code], columns.reasons.get(index) or UNKNOWN
 
 
 def lines(store: MemoryStore) -> list[str]:

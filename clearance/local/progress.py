@@ -45,31 +45,25 @@ class Progress:
         names = [(named(s.kind, s.method), None if kinds[s.kind].of_findings else s.planned) for s in plan(campaign)]
         console = Console(stderr=True)
         display = None if console.is_terminal else _display()
-        self._shown: Shown = (
+        self._shown: Shown | None = (
             _Bars(names, console) if console.is_terminal else _Display(names, display) if display else _Lines(names)
         )
 
     def show(self, position: int, tally: Tally) -> None:
         """Update a stage. A display that fails, such as a terminal that was closed, is given up, not the run."""
         try:
-            self._shown.show(position, tally)
+            if self._shown is not None:
+                self._shown.show(position, tally)
         except Exception:
-            self._shown = _Nothing()
+            self._shown = None
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         with suppress(Exception):
-            self._shown.end()
-
-
-class _Nothing:
-    def show(self, position: int, tally: Tally) -> None:
-        pass
-
-    def end(self) -> None:
-        pass
+            if self._shown is not None:
+                self._shown.end()
 
 
 class _Bars:

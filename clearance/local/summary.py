@@ -41,7 +41,7 @@ def summary(
         **{name: parts[name] for name in ("regression", "sureness") if name in parts},
         "findings": [_finding(likely.stated(finding), campaign.criterion.threshold) for finding in store.findings],
         **({} if likely.violation is None else {"most_likely_violation": likely.violation.model_dump()}),
-        **({"failures": [one.document for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
+        **({"failures": [vars(one) for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
         "digest": campaign.digest,
         "seed": campaign.seed,
         "identity": identity_of(verdict.provenance, simulator_of(campaign)).model_dump(mode="json"),

@@ -133,5 +133,4 @@ class SystemContract:
 
 
 def _near(one: float | None, other: float | None) -> bool:
-    """Within a ten thousandth."""
     return one is not None and other is not None and abs(one - other) <= 1e-4 * abs(other)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
@@ -89,16 +89,9 @@ class Replayed:
         return "within 1e-9" if bool((np.abs(self.costs - self.case.costs) <= ELSEWHERE * scale).all()) else "differs"
 
 
-class Compared(Protocol):
-    """Something that was evaluated again."""
-
-    @property
-    def agreement(self) -> Agreement: ...
-
-
-def agrees(found: Compared, alike: bool) -> bool:
-    """Whether it agrees as it must on a machine of the same kind (alike), or of another."""
-    return found.agreement == "same bits" or (found.agreement == "within 1e-9" and not alike)
+def agrees(agreement: Agreement, alike: bool) -> bool:
+    """Whether something agrees as it must on a machine of the same kind (alike), or of another."""
+    return agreement == "same bits" or (agreement == "within 1e-9" and not alike)
 
 
 def other_machine(then: Versions, now: Versions) -> list[str]:

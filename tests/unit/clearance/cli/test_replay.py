@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from campaigns.refusals import RefusalCode
 from campaigns.results.base import EXCLUDED
 from campaigns.versions import Processor, Versions
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
-from clearance.cli.replay import _closing
+from clearance.cli.replay import Again
 from tests.given.corrupted_records import CERTIFY, RUNS, Folder, write_called, written
 from tests.given.refused_commands import refusal, refused
 from tests.migrated import migrated
@@ -55,7 +55,7 @@ def test_findings_have_the_same_bits(tmp_path: Path, capsys: pytest.CaptureFixtu
     line, closing = capsys.readouterr().out.splitlines()
     assert line.startswith("F1: stored d_min 0.")
     assert line.endswith(" m: same bits")
-    assert closing == _closing([True], [], [], "")
+    assert closing == Again(cast("Any", None), [], [True], [], [], "").closing()
 
 
 def test_a_sample_is_simulated_with_its_own_noise(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

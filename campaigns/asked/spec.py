@@ -248,6 +248,11 @@ class Campaign(Strict):
             raise ValueError("the campaign names a simulator and has no scenario")
         return self.scenario
 
+    def interval(self, path: str, nominal: float) -> tuple[float, float]:
+        """The lowest and the highest value of a parameter with this nominal value, which are equal if it is fixed."""
+        uncertain = self.uncertain.get(path)
+        return (nominal, nominal) if uncertain is None else uncertain.interval(nominal)
+
     @property
     def shared(self) -> bool:
         """Whether several workers may fly its sample, and some of it twice: a simulator could give another result then;

@@ -153,14 +153,9 @@ def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from extents.centres(campaign, catalogue, known)
     found = list(installed(campaign, catalogue))
     yield from frames.mismatched(campaign, catalogue, [(field, entry) for _, field, entry, _ in found])
-    bounds = {path: _bounds(campaign, path, nominal) for path, (_, nominal) in known.items()}
+    bounds = {path: campaign.interval(path, nominal) for path, (_, nominal) in known.items()}
     yield from orders.broken(found, bounds)
     yield from delays.excessive(found, bounds)
-
-
-def _bounds(campaign: Campaign, path: str, nominal: float) -> tuple[float, float]:
-    uncertain = campaign.uncertain.get(path)
-    return (nominal, nominal) if uncertain is None else uncertain.interval(nominal)
 
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:

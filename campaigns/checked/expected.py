@@ -118,7 +118,8 @@ def _search(campaign: Campaign, search: Search, catalogue: Catalogue) -> Range:
     if isinstance(effort, Iterations) and (stated := search.options.get(effort.option)):
         ends = _iterations(effort, stated, len(campaign.uncertain)) or ends
     elif isinstance(effort, Descents):
-        ends = _descents(effort, _starts(search, effort.option, entry), len(campaign.uncertain))
+        gradient = (2 * len(campaign.uncertain) + 1) * _starts(search, effort.option, entry)
+        ends = effort.least * gradient, effort.usual * gradient
     elif entry is None or not entry.whole_budget or _own_rule(search, entry):
         least = FEWEST * (len(campaign.uncertain) + 1)
         ends = least, round(math.sqrt(min(least, limit) * limit))
@@ -146,11 +147,6 @@ def _starts(search: Search, option: str, entry: MethodEntry | None) -> int:
     default = entry.options["properties"][option]["default"] if entry else 1
     stated = search.options.get(option, default)
     return len(search.starts) or (stated if isinstance(stated, int) else default)
-
-
-def _descents(effort: Descents, starts: int, dimension: int) -> Range:
-    gradient = (2 * dimension + 1) * starts
-    return effort.least * gradient, effort.usual * gradient
 
 
 def _validate(campaign: Campaign) -> Range:

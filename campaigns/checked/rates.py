@@ -72,7 +72,6 @@ def turning(
             continue
         values = {}
         for name in (p.name for p in entry.parameters):
-            nominal = known[path := f"obstacles.{i}.{name}"][1]
-            uncertain = campaign.uncertain.get(path)
-            values[name] = (nominal, nominal) if uncertain is None else uncertain.interval(nominal)
+            path = f"obstacles.{i}.{name}"
+            values[name] = campaign.interval(path, known[path][1])
         yield Turning(i, entry.title, math.nan if entry.rate is None else fastest(entry.rate, values))

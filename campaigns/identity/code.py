@@ -26,7 +26,11 @@ def component_key(role: str, name: str) -> str:
 def code_of(campaign: Campaign, known: CodeParts | None) -> str | None:
     """The code digest that a run of the campaign has with these parts, 64 hexadecimal digits; None if a part is
     missing or unknown."""
-    return None if known is None else _combined([*_evaluating(campaign, known), *_choosing(campaign, known)])
+    if known is None:
+        return None
+    stages = (known.stages.get(kind) for kind in sorted({stage.kind for stage in plan(campaign)}))
+    methods = (known.methods.get(name) for name in sorted({search.method for search in campaign.stages.search}))
+    return _combined([*_evaluating(campaign, known), *stages, *methods])
 
 
 def model_of(campaign: Campaign, known: CodeParts | None) -> str | None:
@@ -45,8 +49,3 @@ def _evaluating(campaign: Campaign, known: CodeParts) -> Iterator[str | None]:
     yield from (known.components.get(name) for name in sorted(used))
     if campaign.simulator is not None:
         yield known.simulators.get(campaign.simulator.name, "")
-
-
-def _choosing(campaign: Campaign, known: CodeParts) -> Iterator[str | None]:
-    yield from (known.stages.get(kind) for kind in sorted({stage.kind for stage in plan(campaign)}))
-    yield from (known.methods.get(name) for name in sorted({search.method for search in campaign.stages.search}))

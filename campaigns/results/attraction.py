@@ -76,7 +76,11 @@ class StoredCertificate(Result):
 
     def matrix(self) -> list[list[Fraction]]:
         """T; ValueError if it is not square."""
-        return _rows(self.coordinates.values())
+        values = self.coordinates.values()
+        n = round(len(values) ** 0.5)
+        if n * n != len(values):
+            raise ValueError("not a square matrix")
+        return [values[n * i : n * (i + 1)] for i in range(n)]
 
     def certificate(self) -> Certificate:
         """As the exact check reads it; ValueError if a triangle is incomplete."""
@@ -86,13 +90,6 @@ class StoredCertificate(Result):
 
 def _upper(gram: Exact) -> Dyadic:
     return Dyadic.of([c for i, row in enumerate(gram) for c in row[i:]])
-
-
-def _rows(values: list[Fraction]) -> list[list[Fraction]]:
-    n = round(len(values) ** 0.5)
-    if n * n != len(values):
-        raise ValueError("not a square matrix")
-    return [values[n * i : n * (i + 1)] for i in range(n)]
 
 
 def _full(stored: Dyadic) -> Exact:

@@ -157,12 +157,7 @@ def _more(more: Sequence[tuple[int, Search, int]], titles: Sequence[str]) -> Rem
     of = listed([method(search.method, title) for (_, search, _), title in zip(more, titles, strict=True)])
     each = "each of " if len(more) > 1 else ""
     factor = all(value == MORE * search.evaluations for _, search, value in more)
-    statement: tuple[Part, ...] = (
-        "with ",
-        *((str(MORE), " times the") if factor else ("more",)),
-        " evaluations of ",
-        of,
-    )
+    statement: tuple[Part, ...] = (f"with {f'{MORE} times the' if factor else 'more'} evaluations of ", of)
     if len(wanted) == 1:
         statement = ("with ", count(wanted.pop()), f" evaluations for {each}", of)
     return _remedy(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.asked.spec import Campaign
 from campaigns.results.estimate import Estimation
 from campaigns.results.stage import StageResult
 from campaigns.sample_seed import SampleSeed
@@ -25,17 +24,12 @@ class EstimateResult(Estimation, StageResult):
         return SampleSeed(self.seed, stated=not self.drawn_at_launch)
 
 
-def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
-    estimate = campaign.stages.estimate
-    return [] if estimate is None else [(None, estimate.evaluations)]
-
-
 stage = Declared(
     kind="estimate",
     order=3.5,
     title="Estimate",
     result=EstimateResult,
-    planned=_planned,
+    planned=lambda campaign: [(None, campaign.stages.estimate.evaluations)] if campaign.stages.estimate else [],
     description=lambda campaign: "P(violation) over its modes",
     against=True,
 )

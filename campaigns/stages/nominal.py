@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.asked.spec import Campaign
 from campaigns.results.base import Untraced
 from campaigns.results.measured import Measured
 from campaigns.results.nominal import NominalCase
@@ -33,21 +32,13 @@ class NominalResult(NominalCase, StageResult):
         return self.measured
 
 
-def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
-    return [(None, 1 if campaign.simulator is None else POINTS * TIMES)]
-
-
-def _description(campaign: Campaign) -> str:
-    return "every parameter nominal" if campaign.simulator is None else "nominal values, repeatability"
-
-
 stage = Declared(
     kind="nominal",
     order=0,
     title="Nominal",
     result=NominalResult,
-    planned=_planned,
-    description=_description,
+    planned=lambda campaign: [(None, POINTS * TIMES if campaign.simulator else 1)],
+    description=lambda campaign: "nominal values, repeatability" if campaign.simulator else "every parameter nominal",
     again=lambda campaign: 1,  # its trace
     against=True,
 )

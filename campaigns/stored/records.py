@@ -95,8 +95,6 @@ def join(chunks: Sequence[Columns]) -> Columns | None:
     """Concatenate consecutive columns; None if there are none."""
     if not chunks:
         return None
-    reasons: dict[int, str] = {}
-    for chunk in chunks:
-        reasons.update(chunk.reasons)
+    reasons = {index: why for chunk in chunks for index, why in chunk.reasons.items()}
     points, costs, status, seconds = (np.concatenate([c[k] for c in chunks]) for k in range(4))
     return Columns(points, costs, status, seconds, reasons)

@@ -9,10 +9,12 @@ from campaigns.claims.numbers import Format, rounded
 from campaigns.claims.say import count, joined, listed, number, percent, say
 from campaigns.claims.spans import Span, Spans
 
-SOLVER = say("the solver Clarabel is not installed; install the package clarabel where the worker runs")
-UNSTABLE = say("the loop does not return to its trim by its linear part, so that it has no such region")
-NO_REGION = say("no sum of squares was found; a lower or higher degree of V may help")
-ROUNDING = say("the certificate that was found does not hold in exact arithmetic")
+REASONS: dict[str, Spans] = {
+    "solver": say("the solver Clarabel is not installed; install the package clarabel where the worker runs"),
+    "unstable": say("the loop does not return to its trim by its linear part, so that it has no such region"),
+    "no_region": say("no sum of squares was found; a lower or higher degree of V may help"),
+    "rounding": say("the certificate that was found does not hold in exact arithmetic"),
+}
 
 
 class Facts(NamedTuple):
@@ -78,11 +80,3 @@ def _measured(of: Facts) -> Spans:
 def refused(why: Spans) -> Spans:
     """The statement if no region is stated."""
     return say("no region of attraction is stated: ", why)
-
-
-REASONS: dict[str, Spans] = {
-    "solver": SOLVER,
-    "unstable": UNSTABLE,
-    "no_region": NO_REGION,
-    "rounding": ROUNDING,
-}

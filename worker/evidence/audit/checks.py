@@ -85,7 +85,6 @@ def _over(run: Run, beyond: Tree | None) -> bool:
 
 
 def _probability(run: Run) -> dict[str, bool]:
-    """The checks of the noise, of excluded evaluations, and of the bound on P(violation)."""
     campaign, sample, checks = run.campaign, run.claimed, dict[str, bool]()
     noise, bound = (sample["noise"], sample["upper_bound"]) if sample else ("stated", 1.0)
     excluded = run.made["excluded"] / max(run.made["evaluations"], 1)

@@ -231,7 +231,6 @@ def _at_most(events: int, samples: int, p: float) -> float:
 
 
 def _told(run: Run, k: int, alarm: Tree, sample: tuple[int, int], probability: float) -> Tree:
-    """An alarm with its sentence."""
     value, budget = alarm["value"], run.plan[k].planned
     made = {
         "unexplained": lambda: templates.unexplained(int(value), budget),

@@ -46,7 +46,9 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs)) - out.get("spot_checks", 0)}}
     if run.sealed:
         allowed = validation(run.campaign, run.calls.noisy).total
-        last |= _settings(run) | modes.named(run)
+        validate, findings = run.campaign.stages.validate_, run.campaign.stages.findings
+        settings = {name: getattr(findings, name) for name in ("distance", "barrier", "at_most")}
+        last |= {"tolerance": validate.tolerance, "findings": settings} | modes.named(run)
         last["spent"] = {"at_most": allowed, "stored": run.ended[-1]["evaluations"]}  # the rest was evaluated again
         last["findings"] |= gathered(run)
     if run.claims["results"][-1]["encounter"].get("beyond") is not None:
@@ -141,7 +143,8 @@ def _stage(run: Run, k: int) -> Tree:
         return {"sample": None} if k in run.searches else {}
     if not run.sealed:
         return {"sample": sample}
-    told = _with(sample, of_sample(run, k, sample))
+    made = of_sample(run, k, sample)
+    told = sample | made | ({"quantile": sample["quantile"] | made["quantile"]} if "quantile" in made else {})
     found: Tree = {"sample": told} | of_stage(run, k, told, (run.claims["results"][k] or {}).get("stop"))
     if run.plan[k].kind == "certify":
         found |= run.ended[k] | {"grid": grid(run, k) if run.grid(k) else None}
@@ -169,19 +172,6 @@ def _nominal(run: Run, stated: Tree) -> Tree:
     found: Tree = {"cost": run.nominal, "margin": run.nominal - run.threshold, "status": state}
     found |= {"parameters": run.values(run.points[first][0])} if stated.get("parameters") else {}
     return found | ({"reason": ""} if state == STATUS[OK] else {})
-
-
-def _with(sample: Tree, sentences: Tree) -> Tree:
-    """The sample with its sentences, and those of its quantile."""
-    quantile = {"quantile": sample["quantile"] | sentences["quantile"]} if "quantile" in sentences else {}
-    return sample | sentences | quantile
-
-
-def _settings(run: Run) -> Tree:
-    """What the validate stage repeats of the campaign."""
-    validate, findings = run.campaign.stages.validate_, run.campaign.stages.findings
-    settings = {name: getattr(findings, name) for name in ("distance", "barrier", "at_most")}
-    return {"tolerance": validate.tolerance, "findings": settings}
 
 
 def _charts(run: Run, k: int) -> Tree:

@@ -104,21 +104,16 @@ def _sentences(record: Record, verdict: Verdict, evidence: Evidence) -> dict[str
     found = {name: Sentence(claims[name], getattr(verdict, name)) for name in ("statement", "holds_for")}
     found |= {f"checks.{c.name}": Sentence(stored.pop(c.name, None), c.statement) for c in verdict.checks}
     found |= {f"checks.{name}": Sentence(spans, ()) for name, spans in stored.items()}
-    found["validation"] = Sentence(last.get("statement"), validation.statement)
-    for name in ("violations", "spot_checks"):
-        part = getattr(validation, name)
-        found[f"validation.{name}"] = Sentence(last[name].get("statement"), part.statement)
+    parts: dict[str, tuple[Any, Any]] = {"validation": (last, validation)}
+    parts |= {f"validation.{name}": (last[name], getattr(validation, name)) for name in ("violations", "spot_checks")}
     if verdict.sureness is not None:
-        stated = claims.get("sureness") or {}
-        found["sureness"] = Sentence(stated.get("statement"), verdict.sureness.statement)
+        parts["sureness"] = claims.get("sureness") or {}, verdict.sureness
     if verdict.statistics is not None:
-        found["statistics"] = Sentence(claims["statistics"].get("statement"), verdict.statistics.statement)
+        parts["statistics"] = claims["statistics"], verdict.statistics
         if verdict.statistics.quantile is not None:
-            stated = claims["statistics"]["quantile"]
-            found["statistics.quantile"] = Sentence(stated.get("statement"), verdict.statistics.quantile.statement)
+            parts["statistics.quantile"] = claims["statistics"]["quantile"], verdict.statistics.quantile
     if verdict.regression is not None:
-        changes = claims["regression"]
-        found["regression"] = Sentence(changes.get("statement"), verdict.regression.statement)
-        for k, (was, case) in enumerate(zip(changes["cases"], verdict.regression.cases, strict=False)):
-            found[f"regression.cases.{k}"] = Sentence(was.get("statement"), case.statement)
-    return found
+        pairs = zip(claims["regression"]["cases"], verdict.regression.cases, strict=False)
+        parts["regression"] = claims["regression"], verdict.regression
+        parts |= {f"regression.cases.{k}": pair for k, pair in enumerate(pairs)}
+    return found | {path: Sentence(stored.get("statement"), made.statement) for path, (stored, made) in parts.items()}

@@ -26,27 +26,6 @@ OWN = frozenset({"scope", "words", "caveat", "shows", "bars"})
 """What a package may state of its own simulator."""
 
 
-class _Usual:
-    """The usual terms, which those of a package may extend by `super()`."""
-
-    shows: tuple[Condition, ...] = ()
-
-    @property
-    def scope(self) -> Scope:
-        return _scope(self)
-
-    @property
-    def words(self) -> Words:
-        return _words(self)
-
-    @property
-    def caveat(self) -> str:
-        return _caveat(self)
-
-    def bars(self) -> list[tuple[str, Spans]]:
-        return []
-
-
 def terms(system: System) -> Terms:
     """The terms of a simulator."""
     if not OWN.intersection(dir(system)):
@@ -145,3 +124,13 @@ def simulator_caveat(halved: bool, every: float | None = None, unread: str = "")
 
 def _unread(unread: str) -> str:
     return unread and f" The code of the function is not identified, because {unread} cannot be read exactly."
+
+
+class _Usual:
+    """The usual terms, which those of a package may extend by `super()`."""
+
+    shows: tuple[Condition, ...] = ()
+    scope, words, caveat = property(_scope), property(_words), property(_caveat)
+
+    def bars(self) -> list[tuple[str, Spans]]:
+        return []

@@ -27,7 +27,7 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
         _none_failed(evidence),
         *calls(problem, evidence),
         *encounter(problem, evidence),
-        *_distances(problem),
+        *(check(code, False, statement) for code, statement in terms(problem.system).bars),  # for any result
         *probability(problem, evidence),
     ]
     return sorted(found, key=lambda check: rules.position(check.code))
@@ -99,11 +99,6 @@ def _validated(problem: Problem, evidence: Evidence) -> Check:
     ok = validation.ok and not spot.violating and spot.compared == spot.checked
     ok = ok and not (validation.spent and validation.spent.left_out.spot_checks)
     return check(CheckCode(terms(problem.system).words.check), ok, validation.statement, "; ", spot.statement)
-
-
-def _distances(problem: Problem) -> list[Check]:
-    """Checks that rule out "cleared" for any result, such as that a vehicle inside an obstacle counts as clear."""
-    return [check(code, False, statement) for code, statement in terms(problem.system).bars]
 
 
 def _none_failed(evidence: Evidence) -> Check:

@@ -30,7 +30,6 @@ from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts import calls
 from worker.evidence.verdicts.evidence import Evidence
 
-ORDER = list(Standing)
 IS = {Standing.SAME: "the same"}
 """A standing in the words of a sentence, where it is not the word itself."""
 NAMED = 3
@@ -271,7 +270,7 @@ def _statement(problem: Problem, baseline: Baseline, cases: list[FindingChange],
     limits = baseline.threshold, problem.threshold
     counts = [
         say(count(many), f" {standing}")
-        for standing in ORDER
+        for standing in Standing
         if (many := sum(case.standing == standing for case in cases))
     ]
     whole = say(f"Changes of the findings since {baseline.run}: ", joined(", ", counts), ".")

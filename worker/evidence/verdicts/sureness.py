@@ -19,7 +19,6 @@ from campaigns.results import StageResult
 from campaigns.results.base import OK
 from campaigns.results.sureness import Sureness
 from campaigns.stages.plan import plan
-from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 
 Floats = NDArray[np.float64]
@@ -63,11 +62,6 @@ class Stored(NamedTuple):
 
     costs: Floats
     status: NDArray[np.uint8]
-
-    @staticmethod
-    def of(columns: Columns) -> Stored:
-        """Of the store's columns."""
-        return Stored(columns.costs, columns.status)
 
 
 def sureness(

@@ -10,6 +10,7 @@ import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any
 
 from worker.engine.systems.simulators.declared.function import declared_in, in_units, loaded
@@ -40,12 +41,9 @@ def _plain(value: Any) -> Any:
 
 def _sentence(error: BaseException, file: str) -> str:
     """Type, message and the innermost line of the file."""
-    line, trace = 0, error.__traceback__
-    while trace is not None:
-        line = trace.tb_lineno if trace.tb_frame.f_code.co_filename == file else line
-        trace = trace.tb_next
+    lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == file]
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
-    return f"{text}, at line {line}" if line else text
+    return f"{text}, at line {lines[-1]}" if lines else text
 
 
 if __name__ == "__main__":

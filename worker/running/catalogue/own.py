@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import entry_points
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any, NamedTuple
 
 from campaigns.catalogue import Kind, UnusableEntry
@@ -156,14 +157,15 @@ def examine(file: Path) -> OwnFile:
     return OwnFile(file, **{name: value for name, value in stored.items() if name != "until"})
 
 
-def _examined(file: Path, vehicles: dict[str, str]) -> dict[str, Any]:
+def _examined(file: Path, vehicles: dict[str, Path]) -> dict[str, Any]:
     """What the process of the examination answers."""
     searched = os.pathsep.join(dict.fromkeys([str(file.parent), *map(str, folders())]))
     environment = {FOLDERS: searched, "PYTHONDONTWRITEBYTECODE": "1"}
     longest = float(os.environ.get(TIMEOUT) or LONGEST)
     mark = f"examined {secrets.token_hex(8)} "  # what the file prints is no answer
     try:
-        arguments = [str(file), json.dumps(vehicles), mark, f"{longest / PHASES:g}"]
+        modules = {name: f"{PACKAGE}.{other.stem}" for name, other in vehicles.items()}
+        arguments = [str(file), json.dumps(modules), mark, f"{longest / PHASES:g}"]
         answer: dict[str, Any] = answer_of(PROCESS, arguments, mark, environment, longest)
         return answer if not answer.pop("overdue") else {**answer, "until": time.time() + AGAIN}
     except NoAnswer as error:
@@ -174,12 +176,11 @@ def _examined(file: Path, vehicles: dict[str, str]) -> dict[str, Any]:
         return {"text": text, "until": time.time() + AGAIN}
 
 
-def _key(file: Path, vehicles: dict[str, str]) -> str:
+def _key(file: Path, vehicles: dict[str, Path]) -> str:
     """Identifies the content of a file, of what it may import or fit, and of the examination itself."""
     sink = hashlib.sha256(f"{sys.version} {file.name} {_installation()}".encode())
     beside = sorted(p for p in file.parent.glob("_*.py"))
-    others = [Path(each) for each in map(_file_of, vehicles.values()) if each]
-    for path in dict.fromkeys([file, *_imported(file), *beside, *others]):
+    for path in dict.fromkeys([file, *_imported(file), *beside, *vehicles.values()]):
         with contextlib.suppress(OSError):
             sink.update(f"{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
     return sink.hexdigest()[:32]
@@ -220,20 +221,16 @@ def _folder() -> Path:
     return cache_folder() / "examined"
 
 
-def _vehicles(file: Path) -> dict[str, str]:
-    """The modules of own vehicles whose names the file mentions, by name: a controller is simulated with one."""
-    found: dict[str, str] = {}
-    mentioned = _texts(file)
+def _vehicles(file: Path) -> dict[str, Path]:
+    """The files of own vehicles whose names the file mentions, by name: a controller is simulated with one."""
+    found: dict[str, Path] = {}
+    nodes = ast.walk(_tree(file))
+    mentioned = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
     for other in [*file.parent.glob("*.py"), *files()]:
         declared = declared_as(other) if other != file else None
         if declared is not None and declared[0] == "Vehicle" and declared[1] in mentioned:
-            found.setdefault(declared[1], f"{PACKAGE}.{other.stem}")
+            found.setdefault(declared[1], other)
     return found
-
-
-def _file_of(module: str) -> str:
-    stem = module.rpartition(".")[2]
-    return next((str(f / f"{stem}.py") for f in folders() if (f / f"{stem}.py").is_file()), "")
 
 
 def _tree(file: Path) -> ast.Module:
@@ -246,11 +243,6 @@ def _tree(file: Path) -> ast.Module:
 @lru_cache(maxsize=64)
 def _parsed(content: bytes) -> ast.Module:
     return ast.parse(content)
-
-
-def _texts(file: Path) -> set[str]:
-    nodes = ast.walk(_tree(file))
-    return {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
 
 
 def _declaration(file: Path) -> ast.Call | None:
@@ -325,15 +317,14 @@ def modules_of(module: str, paths: dict[str, Path]) -> list[str]:
 
 def blamed(error: BaseException) -> str:
     """The sentence (file, line, message) for an exception of an own component or of a package's; empty otherwise."""
-    trace, found = error.__traceback__, ""
+    found = ""
     own = {str(folder) for folder in folders()}
     others = {_loaded_from(entry.module) for entry in entry_points(group="clearance.components")}
-    while trace is not None:
-        file = Path(trace.tb_frame.f_code.co_filename)
+    for frame, line in walk_tb(error.__traceback__):
+        file = Path(frame.f_code.co_filename)
         if str(file.parent) in own or str(file) in others:
             text = " ".join(str(error).split())[:300].rstrip(".")
-            found = f"{file}, line {trace.tb_lineno}: {type(error).__name__}: {text or 'without a message'}"
-        trace = trace.tb_next
+            found = f"{file}, line {line}: {type(error).__name__}: {text or 'without a message'}"
     return found
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 
@@ -19,7 +20,7 @@ def main(file: str, vehicles: str, mark: str, limit: str) -> None:
     from worker.running.examination.examine import examine
 
     found = examine(Path(file), json.loads(vehicles), float(limit))
-    answers.write(f"\n{mark}{json.dumps(found.document())}\n")
+    answers.write(f"\n{mark}{json.dumps(asdict(found))}\n")
     answers.flush()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from pathlib import Path
+from traceback import walk_tb
 from types import TracebackType
 from typing import Any
 
@@ -33,10 +34,9 @@ def mistake(error: BaseException, file: Path, doing: str) -> Mistake:
 def _line(trace: TracebackType | None, file: Path) -> tuple[int, bool]:
     """The innermost line in the file, 0 if there is none, and whether the exception was raised there."""
     line, innermost, own = 0, False, str(file)
-    while trace is not None:
-        innermost = trace.tb_frame.f_code.co_filename == own
-        line = trace.tb_lineno if innermost else line
-        trace = trace.tb_next
+    for frame, number in walk_tb(trace):
+        innermost = frame.f_code.co_filename == own
+        line = number if innermost else line
     return line, innermost
 
 

@@ -69,7 +69,8 @@ def declared_by(source: Source, module: str) -> Component:
     for field in ("parameters", "start", "goal"):
         if hasattr(component, field):
             _check_parameters(getattr(component, field), field, source)
-    _check_together(component, source)
+    for field, lack, why in _lacking(component):
+        raise Mistake(f"{field} needs {lack}: {why}", source.line_of(field))
     for slot in kernels(component):
         _check_kernel(slot, source)
     return component
@@ -197,13 +198,8 @@ def _check_parameter(path: str, meta: Parameter, default: Any, line: int) -> Non
         raise Mistake(f"{path}: the default {default:g} must be within {limits}", line)
 
 
-def _check_together(component: Component, source: Source) -> None:
-    """Fields that need one another."""
-    for field, lack, why in _lacking(component):
-        raise Mistake(f"{field} needs {lack}: {why}", source.line_of(field))
-
-
 def _lacking(c: Component) -> Iterator[tuple[str, str, str]]:
+    """Fields that need one another."""
     if isinstance(c, Controller):
         kinds = set(c.command)
         for field, functions in (("prepare", c.prepare), ("references", c.references), ("translate", c.translate)):

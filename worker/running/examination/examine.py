@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from worker.running.examination import reading
 from worker.running.examination.limited import Overdue, limited
@@ -35,9 +34,6 @@ class Examined:
     """What does not hold of runs with a component that can be used."""
     overdue: bool = False
     """Whether it took too long, which may pass."""
-
-    def document(self) -> dict[str, Any]:
-        return asdict(self)
 
 
 def examine(file: Path, vehicles: Mapping[str, str], limit: float = 0.0) -> Examined:

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,20 +54,10 @@ def kernels(component: Component, driven: Vehicle | None = None) -> Iterator[Slo
     if derived is not None:
         constants: Any = derived.constants
         yield _slot("derived", derived.derive, "p trim", Numbers(constants._fields, "the derived constants"))
-    if isinstance(component, Vehicle):
-        yield from _vehicle(component)
-    elif isinstance(component, Controller):
+    if isinstance(component, Controller):
         yield from _controller(component, driven)
-    elif isinstance(component, Avoider):
-        yield from _avoider(component)
-    elif isinstance(component, Obstacle):
-        yield from _obstacle(component)
-    elif isinstance(component, Environment):
-        yield from _environment(component)
-    elif isinstance(component, Fault):
-        yield from _fault(component)
     else:
-        yield from _criterion(component)
+        yield from _OF[type(component)](component)
     if isinstance(component, Environment | Fault) and component.switches is not None:
         yield Slot("switches", component.switches, ("p", "horizon"), None, plain=True)
 
@@ -153,6 +143,12 @@ def _criterion(c: Criterion) -> Iterator[Slot]:
     yield _slot("value", c.value, "found p", Number())
     if c.excluded is not None:
         yield _slot("excluded", c.excluded, "first p", shapes.Truth())
+
+
+_OF: dict[type, Callable[[Any], Iterator[Slot]]] = {
+    Vehicle: _vehicle, Avoider: _avoider, Obstacle: _obstacle, Environment: _environment, Fault: _fault,
+    Criterion: _criterion,
+}  # fmt: skip
 
 
 def _signals(signals: tuple[Signal, ...], what: str) -> Numbers:

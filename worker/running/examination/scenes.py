@@ -138,7 +138,6 @@ def _driven(controller: Controller, own: Own) -> Vehicle | None:
 
 
 def _standing_in(vehicle: Vehicle) -> Controller:
-    """A controller whose inputs are constant: 0 each."""
     zeros = (0.0,) * len(vehicle.inputs)
 
     @kernel

@@ -9,7 +9,6 @@ from typing import Any
 
 from campaigns import Campaign, Catalogue
 from campaigns.asked.problem import Problem as Wrong
-from campaigns.asked.spec import Simulator
 from campaigns.checked.check import parameters, simulation_problems
 from worker.engine.problem.problem import Problem
 from worker.engine.reference.reference import Reference
@@ -42,7 +41,12 @@ def problem(campaign: Campaign) -> Problem:
 
 def system(campaign: Campaign) -> System:
     """The system that a campaign names."""
-    return closed_loop(campaign) if campaign.simulator is None else _simulator(campaign, campaign.simulator)
+    if campaign.simulator is None:
+        return closed_loop(campaign)
+    known = catalogue()
+    if problems := simulation_problems(campaign, known):
+        raise CampaignUnusable(problems)
+    return simulated(campaign, simulators()[campaign.simulator.name], known)
 
 
 def closed_loop(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> ClosedLoop:
@@ -53,15 +57,6 @@ def closed_loop(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -
 def flights(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> Flights:
     """The trajectories of a campaign's scenario, without what confirms them."""
     return Flights(campaign, installed(), compiled, lanes)
-
-
-def _simulator(campaign: Campaign, simulator: Simulator) -> Slotted:
-    """Open a simulator of this installation and check it against its declaration."""
-    known = catalogue()
-    problems = simulation_problems(campaign, known)
-    if problems:
-        raise CampaignUnusable(problems)
-    return simulated(campaign, simulators()[simulator.name], known)
 
 
 def simulated(campaign: Campaign, simulator: Declared | Described | PythonFunction, known: Catalogue) -> Slotted:

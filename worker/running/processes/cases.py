@@ -40,7 +40,7 @@ from campaigns.asked.problem import Problem
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from campaigns.stored.replies import CaseReply
-from worker.engine.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace, slotted
+from worker.engine.systems.base import CampaignUnusable, NoResult, NoTrace, System, Trace, slotted
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.pooled import Pooled
 from worker.engine.systems.simulators.simulated import Simulated
@@ -134,8 +134,9 @@ def _lines(systems: Systems) -> Iterator[bytes]:
 
 def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
     """The simulator of a campaign, opened with one slot; raises CampaignUnusable and CampaignError."""
-    if campaign.digest in systems and not _changed(systems[campaign.digest].system):
-        return systems[campaign.digest]
+    known = systems.get(campaign.digest)
+    if known is not None and not (isinstance(known.system, Simulated) and known.system.changed(now=True)):
+        return known
     close(systems)
     if why := missing(campaign, version):
         raise CampaignUnusable([Problem("simulator.name", campaign.simulator.name if campaign.simulator else "", why)])
@@ -146,11 +147,6 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
     code = provenance.identified(campaign, simulator=system.digest)
     systems[campaign.digest] = Opened(system, campaign.criterion.threshold, code)
     return systems[campaign.digest]
-
-
-def _changed(system: System) -> bool:
-    """Whether its files are no longer those that were opened."""
-    return isinstance(system, Simulated) and bool(system.changed(now=True))
 
 
 def missing(campaign: Campaign, version: str) -> str:
@@ -174,7 +170,7 @@ def _evaluated(case: Opened, values: Mapping[str, float], rows: int) -> CaseRepl
     if not case.evaluated and seconds < QUICK:
         seconds, found = _timed(case.system, values)
     case.evaluated = True
-    head, data = found.head, found.data
+    head, data = found.head, None if found.trace is None else found.trace.data
     keep = [] if data is None else [int(row) for row in thin.even(len(data), max(rows, 2))]
     columns = [] if found.trace is None else found.trace.columns
     return {
@@ -200,10 +196,6 @@ class _Found:
     head: TraceHead
     trace: Trace | None = None
     untraced: str = ""
-
-    @property
-    def data(self) -> Floats | None:
-        return None if self.trace is None else self.trace.data
 
 
 def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
@@ -236,7 +228,6 @@ def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
 
 
 def _value(system: System, path: str, value: Any) -> float:
-    """The value of a parameter, which must exist and be within its limits."""
     limits = next((p for p in system.parameters if p.path == path), None)
     if limits is None:
         raise ValueError(f"the simulator has no parameter {path!r}")

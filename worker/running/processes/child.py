@@ -94,14 +94,11 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
             send(answers, {"fresh": not sources.stale()})
         elif sources.stale():
             send(answers, {"outcome": "stale", "text": ""})
-        elif "assist" in request:
-            claim = Claim(**request["assist"])
-            logs.present["run"] = run_name(claim.run_id)
-            send(answers, assist(engine, components, claim))
         else:
-            claim = Claim(**request)
+            shared = request.get("assist")
+            claim = Claim(**(shared or request))
             logs.present["run"] = run_name(claim.run_id)
-            send(answers, perform(execute, engine, components, claim))
+            send(answers, assist(engine, components, claim) if shared else perform(execute, engine, components, claim))
 
 
 def assist(engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
@@ -159,7 +156,7 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
 
     try:
         store = RunStore(engine, claim, pulse.own.beat)
-        campaign = begun.readable(claim.document, f"run {claim.run_id}", store)
+        campaign = begun.readable(claim.document, f"run {claim.run_id}", store.begun())
         store.describe(campaign, components)
         with durations.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
             verdict = execute(campaign, store)

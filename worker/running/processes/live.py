@@ -80,7 +80,10 @@ def answer(line: str | bytes, problems: Problems) -> Mapping[str, object]:
 
 def _response(request: Mapping[str, Any], problems: Problems) -> FieldReply | FlightReply:
     known = _opened(request["campaign"], problems)
-    flights = _realised(known.flights, request)
+    seed = request.get("seed")
+    if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < MAX_REALISATION):
+        raise ValueError(f"seed must be a whole number from 0 to {MAX_REALISATION - 1}, given {seed!r}")
+    flights = known.flights.under(seed)
     values = {path: _value(flights, path, value) for path, value in request.get("parameters", {}).items()}
     kind = request.get("kind", "flight")
     if kind == "field":
@@ -100,14 +103,6 @@ def _opened(document: Any, problems: Problems) -> Opened:
     if len(problems) > PROBLEMS:
         problems.popitem(last=False)
     return known
-
-
-def _realised(flights: Flights, request: Mapping[str, object]) -> Flights:
-    """The flights under the requested noise realisation, by default under those of the campaign."""
-    seed = request.get("seed")
-    if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < MAX_REALISATION):
-        raise ValueError(f"seed must be a whole number from 0 to {MAX_REALISATION - 1}, given {seed!r}")
-    return flights.under(seed)
 
 
 def _flight(flights: Flights, values: dict[str, float], rows: int, identity: object) -> FlightReply:
@@ -146,7 +141,6 @@ def _field(flights: Flights, values: dict[str, float], time: Any, places: Any, i
 
 
 def _value(flights: Flights, path: str, value: Any) -> float:
-    """The value of a parameter, which must exist and be within its component's limits."""
     if path not in flights.paths:
         raise ValueError(f"the scenario has no parameter {path!r}")
     limits = next(p for s in flights.loop.sections for p in s.parameters if f"{s.prefix}.{p.name}" == path)

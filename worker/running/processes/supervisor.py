@@ -142,7 +142,7 @@ class Supervisor:
 
     def _turn(self) -> None:
         """Process one run from its claim to its end, or wait for the next poll."""
-        self._beat_idle()
+        self._beat_due(None)
         child = self._ready_child()
         if child is None or self._wakeup.signal is not None or self.drained:
             return
@@ -178,9 +178,7 @@ class Supervisor:
             child.send({"assist": claim.as_json()})
             while answer is None and self._wakeup.signal is None and not self.drained and not still.look():
                 answer = child.receive(WATCH)
-                if time.monotonic() >= self._next_beat:
-                    self._next_beat = time.monotonic() + self.queue.lease / 5
-                    self._despite_outage(partial(self._beat, claim.run_id))
+                self._despite_outage(partial(self._beat_due, claim.run_id))
                 published = self._files.look()
                 if published is not None:  # what waits may need one of these
                     self.simulators = published["simulators"]
@@ -318,7 +316,7 @@ class Supervisor:
                     self.simulators, self.installation = answer["simulators"], answer["installation"]
                     self._next_beat = 0.0
                     return child if answer["fresh"] else None
-                self._beat_idle()
+                self._beat_due(None)
             how = f"did not start within {START:g} s"
         except ChildEndedError as ended:
             how = str(ended)
@@ -355,10 +353,10 @@ class Supervisor:
             self.child.kill()
             self.child = None
 
-    def _beat_idle(self) -> None:
+    def _beat_due(self, run_id: int | None) -> None:
         if time.monotonic() >= self._next_beat:
             self._next_beat = time.monotonic() + self.queue.lease / 5
-            self._beat(None)
+            self._beat(run_id)
 
     def _beat(self, run_id: int | None) -> None:
         known = (run_id, self.simulators, self.installation, self._files.age, self._short)

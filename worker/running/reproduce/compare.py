@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from worker.engine.problem.problem import Problem
 from worker.running.reproduce import aircraft, robots
 from worker.running.reproduce.ours import Flights, Found, NotAvailable
-from worker.running.reproduce.published import D_MIN, Case, Result, Search
+from worker.running.reproduce.published import D_MIN, Case, Model, Result, Search
 
 Value = float | str | None
 
@@ -144,13 +144,11 @@ def _row(flights: Flights, result: Result) -> Row:
     except NotAvailable as error:
         found, missing = Found(None), f"not available: {error}"
     problem = flights.opened[result.campaign].problem if result.campaign in flights.opened else None
-    model, case = result.model, result.case
-    tolerance = None if model is None else model.tolerance
-    place = None if model is None else model.place
+    model, case = result.model or Model(must=False), result.case
+    tolerance, place = model.tolerance, model.place
     if result.quantity != D_MIN and place is not None:  # the row is about one coordinate of the worst case
         width = None if problem is None else _range(problem, case.path(result.quantity))
         tolerance, place = None if width is None else place * width, None
-    model_at = None if model is None or model.at is None else _named(case, model.at)
     row = Row(
         table=result.table,
         row=result.row,
@@ -161,15 +159,15 @@ def _row(flights: Flights, result: Result) -> Row:
         method=result.how.title if isinstance(result.how, Search) else "",
         published=result.published,
         ours=found.value,
-        model=None if model is None else model.value,
+        model=model.value,
         tolerance=tolerance,
         place=place,
         agrees=None,
-        must=model is not None and model.must,
+        must=model.must,
         available=not missing,
         published_at=None if result.at is None else _named(case, result.at),
         ours_at=None if found.at is None else {path: found.at[path] for _, path in case.paths},
-        model_at=model_at,
+        model_at=None if model.at is None else _named(case, model.at),
         published_spent=Spent(result.evaluations, result.time or None),
         ours_spent=Spent(found.evaluations, found.seconds),
         note="; ".join(filter(None, (missing, result.note, found.note))),
@@ -178,9 +176,9 @@ def _row(flights: Flights, result: Result) -> Row:
 
 
 def _judged(row: Row, problem: Problem) -> Row:
-    comparisons = []
     if row.ours is None:
         return replace(row, agrees=False) if row.available and row.model is not None else row
+    comparisons = []
     if isinstance(row.ours, str):
         comparisons = [row.ours == expected for expected in (row.published, row.model) if expected is not None]
     if row.tolerance is not None and isinstance(row.ours, float) and isinstance(row.model, float):

@@ -96,7 +96,8 @@ class Flights:
             loop = closed_loop(load_file(path))
             loop.warm()
             self.compile_seconds += time.perf_counter() - began
-            self.opened[name] = _Opened.of(loop, self.threads)
+            problem = Problem(loop.campaign, loop)
+            self.opened[name] = _Opened(loop, problem, InProcess(problem, self.threads))
         return self.opened[name]
 
     def traced(self, name: str, what: str, values: dict[str, float]) -> Trace:
@@ -118,16 +119,9 @@ class Flights:
 
 @dataclass
 class _Opened:
-    """One campaign: its compiled closed loop, problem and evaluator."""
-
     loop: ClosedLoop
     problem: Problem
     evaluate: InProcess
-
-    @staticmethod
-    def of(loop: ClosedLoop, threads: int | None) -> _Opened:
-        problem = Problem(loop.campaign, loop)
-        return _Opened(loop, problem, InProcess(problem, threads))
 
     @property
     def campaign(self) -> Campaign:

@@ -124,8 +124,9 @@ def at(case: Case, values: tuple[float, ...]) -> Fly:
 
 def parameters(worst: Result, table: str, values: tuple[float, ...]) -> Iterator[Result]:
     """The rows of a table of worst-case parameters: one per parameter, from the search of `worst`."""
-    model = worst.model
-    for symbol, value, expected in zip(worst.case.symbols, values, _coordinates(worst), strict=True):
+    model, symbols = worst.model, worst.case.symbols
+    known = (model and model.at) or (None,) * len(symbols)
+    for symbol, value, expected in zip(symbols, values, known, strict=True):
         yield replace(
             worst,
             table=table,
@@ -138,11 +139,6 @@ def parameters(worst: Result, table: str, values: tuple[float, ...]) -> Iterator
             model=None if model is None else Model(expected, must=False, place=PLACE),
             note="",
         )
-
-
-def _coordinates(worst: Result) -> tuple[float | None, ...]:
-    at = worst.model.at if worst.model is not None else None
-    return at if at is not None else (None,) * len(worst.case.symbols)
 
 
 def genetic(start: tuple[float, ...] | None = None) -> Search:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
 
 from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
@@ -13,17 +12,9 @@ from campaigns.versions import OtherCode, differing
 from worker.running.runs import identity
 
 
-class OfRun(Protocol):
-    """What knows by which code a run was begun."""
-
-    def begun(self) -> Begun | None:
-        """None if nothing has been evaluated."""
-
-
-def readable(document: Mapping[str, object], source: str, run: OfRun) -> Campaign:
+def readable(document: Mapping[str, object], source: str, begun: Begun | None) -> Campaign:
     """The campaign of a run that this installation may execute; raises `OtherCode` if other code began it, and
-    `CampaignError` if it cannot be read."""
-    begun = run.begun()
+    `CampaignError` if it cannot be read. begun: by which code; None if nothing has been evaluated."""
     try:
         campaign = load_document(document, source)
     except CampaignError as error:

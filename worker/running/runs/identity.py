@@ -10,8 +10,6 @@ import hashlib
 import platform
 from collections.abc import Iterable, Iterator
 from functools import cache
-from importlib.metadata import EntryPoint
-from pathlib import Path
 from typing import NamedTuple
 
 from campaigns import Campaign
@@ -117,22 +115,18 @@ def used(campaign: Campaign) -> Used:
         roots += [] if method is None else _with_package(installed.source_of(method).__name__)
     if campaign.simulator is not None and campaign.simulator.name in _guests():
         roots += _with_package(_guests()[campaign.simulator.name])
-    return closure(roots)
+    return closure(frozenset(roots))
 
 
 def choosing(kind: str, method: str | None) -> frozenset[str]:
     """The modules that choose the points of a stage."""
     methods = [] if method is None else [installed.source_of(installed.methods()[method]).__name__]
-    return closure([*_of_stage(kind), *methods]).modules
-
-
-def closure(roots: Iterable[str]) -> Used:
-    """The loaded modules of these names and those that they import, directly or not; the operator's own left out."""
-    return _closure(frozenset(roots))
+    return closure(frozenset([*_of_stage(kind), *methods])).modules
 
 
 @cache
-def _closure(roots: frozenset[str]) -> Used:
+def closure(roots: frozenset[str]) -> Used:
+    """The loaded modules of these names and those that they import, directly or not; the operator's own left out."""
     found, others, waiting = set[str](), set[str](), [name for name in roots if name in loaded()]
     while waiting:
         name = waiting.pop()
@@ -180,7 +174,7 @@ def _absolute(name: str, module: str) -> str:
 
 def _digest(roots: Iterable[str]) -> str:
     """Of the closure; empty if no module is known."""
-    known, modules = loaded(), sorted(closure(roots).modules)
+    known, modules = loaded(), sorted(closure(frozenset(roots)).modules)
     whole = "".join(f"{name}:{known[name].digest};" for name in modules)
     return hashlib.sha256(whole.encode()).hexdigest() if whole else ""
 
@@ -214,9 +208,7 @@ def _with_package(home: str) -> list[str]:
     return [home, *(name for name in loaded() if any(within(name, place) for place in places))]
 
 
-@cache
-def _added() -> list[tuple[str, Path, EntryPoint]]:
-    return sources.added_places()
+_added = cache(sources.added_places)
 
 
 @cache

@@ -8,7 +8,7 @@ compared where all of a sample are flown.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,7 +82,8 @@ def _again(recorded: Recorded, problem: Problem, position: int, then: Blocks, ro
     system = slotted(problem.system).single() if noisy else problem.system
     points, seeds, reasons = drawing.points(draws), drawing.seeds(draws), dict[int, str]()
     costs, status = [], []
-    for piece in _pieces(draws.number):
+    for begin in range(0, draws.number, PIECE):
+        piece = slice(begin, min(begin + PIECE, draws.number))
         batch, whys = system.evaluate(problem.vectors(points[piece]), None if seeds is None else seeds[piece])
         costs.append(batch.costs)
         status.append(batch.status)
@@ -90,10 +91,6 @@ def _again(recorded: Recorded, problem: Problem, position: int, then: Blocks, ro
     scale = Scale(then.low, then.width)
     every = np.concatenate(costs), np.concatenate(status)
     return counted(draws.first, points, *every, reasons, scale, problem.threshold)
-
-
-def _pieces(number: int) -> Iterator[slice]:
-    return (slice(first, min(first + PIECE, number)) for first in range(0, number, PIECE))
 
 
 def _agreement(then: Blocks, row: int, now: Block) -> Agreement:

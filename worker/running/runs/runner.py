@@ -127,5 +127,5 @@ def _evidence(context: Context) -> Evidence:
         flaky=sum(map(flaky, columns)),
         exclusions=sum(map(exclusions, columns), Counter[str]()),
     )
-    estimate = sureness(context.problem, results, {at: Stored.of(c) for at, c in stored.items()})
+    estimate = sureness(context.problem, results, {at: Stored(c.costs, c.status) for at, c in stored.items()})
     return Evidence.of(results, findings, evaluated, context.problem.threshold, estimate)

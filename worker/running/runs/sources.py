@@ -55,7 +55,9 @@ def note() -> Noted:
     files: dict[str, bytes] = {}
     paths: list[str] = []
     added = added_places()
-    places = [*_ours(), *((name, place) for name, place, _ in added), *((OWN, folder) for folder in folders())]
+    root = Path(__file__).parents[3]
+    ours = [(name, root / name) for name in OURS]
+    places = [*ours, *((name, place) for name, place, _ in added), *((OWN, folder) for folder in folders())]
     for name, place in places:
         found = _modules(name, place, paths) if name != OWN else _own(place, paths)
         for module, path in found:
@@ -107,19 +109,13 @@ def within(module: str, package: str) -> bool:
     return module == package or module.startswith(f"{package}.")
 
 
-def _ours() -> Iterator[tuple[str, Path]]:
-    root = Path(__file__).parents[3]
-    for name in OURS:
-        yield name, root.joinpath(*name.split("."))
-
-
 def added_places() -> list[tuple[str, Path, EntryPoint]]:
     """The packages or single modules of others that entry points name, each with where it is."""
     found: dict[str, tuple[str, Path, EntryPoint]] = {}
     entries = entry_points()  # one look at all packages, 15 ms
     for entry in (entry for group in GROUPS for entry in entries.select(group=group)):
         parts = entry.module.split(".")
-        if parts[0] in {name.split(".")[0] for name in OURS}:
+        if parts[0] in OURS:
             continue
         for count in range(1, len(parts) + 1):  # a namespace package is shared with others: go below it
             name = ".".join(parts[:count])

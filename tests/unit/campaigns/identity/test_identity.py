@@ -78,14 +78,10 @@ def test_methods_and_stages_choose_points_only() -> None:
 
 
 def test_a_run_with_own_components_is_continued_by_the_code_that_began_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Stored:
-        def begun(self) -> Begun:
-            return Begun(versions, {})
-
     asked = campaign()
     monkeypatch.setattr(sources, "own", lambda modules: {"my_robot.py": "1"})
     versions = Versions(code=identity.code(asked).digest, components={"my_robot.py": "1"})
-    assert begun.readable(asked.document(), "a run", Stored()).digest == asked.digest
+    assert begun.readable(asked.document(), "a run", Begun(versions, {})).digest == asked.digest
     monkeypatch.setattr(sources, "own", lambda modules: {"my_robot.py": "2"})
     with pytest.raises(OtherCode, match=r"components/my_robot\.py has changed"):
-        begun.readable(asked.document(), "a run", Stored())
+        begun.readable(asked.document(), "a run", Begun(versions, {}))

@@ -150,7 +150,7 @@ def edited(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str, bytes, by
     """The code digest of a run of all stages with one text of one module replaced."""
     asked = campaign(stages=EVERY)
     computed = (
-        *(identity.loaded, identity._reached, identity._closure, identity.code_parts),
+        *(identity.loaded, identity._reached, identity.closure, identity.code_parts),
         *(identity._systems, identity._guests),
     )
 

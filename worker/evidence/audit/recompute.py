@@ -28,14 +28,8 @@ COARSER = "with a tolerance of "
 """How a reason begins with which the reference integrator has a value."""
 
 
-def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
-    """Wilks: the r-th lowest of the sample, in which a failed evaluation is the lowest, bounds its quantile."""
-    found = _of_quantile(len(ranked), fraction, confidence)
-    lowest = ranked[found["order"] - 1] if found["order"] else -math.inf
-    return found | {"bound": lowest if lowest > -math.inf else None}
-
-
 def _of_quantile(size: int, fraction: float, confidence: float) -> Tree:
+    """Wilks: the r-th lowest of the sample, in which a failed evaluation is the lowest, bounds its quantile."""
     most = min(size - 1, math.ceil(size * fraction))
     first = least(size, fraction) if fraction > 0 else 0
     below = cumulative(most, size, fraction, first) if size and fraction > 0 else np.empty(0)
@@ -284,19 +278,18 @@ class Run:
         if certify and before is not None:
             return found | {"bound_samples": before, "quantile": None, "distribution": None}
         if certify:
-            level = self.campaign.confidence
+            level, failed = self.campaign.confidence, found["failed"]
+            quantile = _of_quantile(size, certify.quantile - outside, level)
+            rank = quantile["order"]
             if blocks is not None:
                 costs = costs[: counted.KEPT]
                 found["distribution"] = counted.distribution(blocks, costs, level)
-                found["quantile"] = _of_quantile(size, certify.quantile - outside, level)
-                rank = found["quantile"]["order"]
-                found["quantile"]["bound"] = None if rank is None else counted.value(blocks, costs, rank)
+                quantile["bound"] = None if rank is None else counted.value(blocks, costs, rank)
             else:
-                ranked = [-math.inf] * found["failed"] + costs.tolist()
                 if self.sealed:
-                    found["distribution"] = distribution(costs, found["failed"], level)
-                found["quantile"] = lowest_of_quantile(ranked, certify.quantile - outside, level)
-            found["quantile"] |= {"share": certify.quantile} if self.sealed else {}
+                    found["distribution"] = distribution(costs, failed, level)
+                quantile["bound"] = None if rank is None or rank <= failed else float(costs[rank - failed - 1])
+            found["quantile"] = quantile | ({"share": certify.quantile} if self.sealed else {})
             if size < certify.samples and draws < limits.draws(
                 certify.samples, draws
             ):  # an excluded draw is repeated, so often

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from campaigns.asked.problem import Problem
-from campaigns.asked.spec import Campaign, Scenario
+from campaigns.asked.spec import Campaign
 from campaigns.stages.plan import bound, most
 
 MOST_STEPS = 10**13
@@ -53,8 +53,12 @@ def traced(campaign: Campaign) -> int:
 def excessive(campaign: Campaign) -> Iterator[Problem]:
     """Problems with a campaign that exceeds the limits, and what to lower."""
     evaluations = sum(stage.stored for stage in bound(campaign))
-    if campaign.scenario is not None:
-        yield from _simulating(campaign, campaign.scenario, most(campaign))
+    if campaign.scenario is not None and (in_all := most(campaign) * steps(campaign)) > MOST_STEPS:
+        seeds, each = len(campaign.scenario.realisations.seeds), traced_steps(campaign)
+        value = f"{most(campaign):,} evaluations x {seeds} realisations x {each:,} steps = {in_all:.2g}"
+        text = f"at most {MOST_STEPS:.0e} steps of simulation in all: lower the evaluations of the stages, "
+        text += "the realisations, or horizon / step"
+        yield Problem("stages", value, text)
     stored = evaluations * (len(campaign.uncertain) + len(campaign.objectives) + 3)
     if stored > MOST_STORED:
         value = f"{evaluations:,} evaluations of {len(campaign.uncertain)} parameters"
@@ -66,15 +70,6 @@ def excessive(campaign: Campaign) -> Iterator[Problem]:
         text = f"the trace of one simulation would take about {traced(campaign) * 8 / 1e9:.1f} GB, at most "
         text += f"{MOST_TRACED * 8 / 1e9:g} GB: lengthen the step, shorten the horizon, or remove obstacles"
         yield Problem("scenario.step", value, text)
-
-
-def _simulating(campaign: Campaign, scenario: Scenario, evaluations: int) -> Iterator[Problem]:
-    in_all, seeds = evaluations * steps(campaign), len(scenario.realisations.seeds)
-    if in_all > MOST_STEPS:
-        value = f"{evaluations:,} evaluations x {seeds} realisations x {traced_steps(campaign):,} steps = {in_all:.2g}"
-        text = f"at most {MOST_STEPS:.0e} steps of simulation in all: lower the evaluations of the stages, "
-        text += "the realisations, or horizon / step"
-        yield Problem("stages", value, text)
 
 
 def unpreviewable(campaign: Campaign) -> Iterator[Problem]:

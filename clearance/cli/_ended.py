@@ -100,12 +100,9 @@ class EndedRun:
     def violating(self) -> tuple[Case, ...]:
         """The findings at or below the threshold, those that are not confirmed included."""
         worst = None if self.verdict is None else self.verdict.worst
-        if not self.findings and worst is not None:
-            found: tuple[Case, ...] = (
-                Case(worst.finding, worst.cost, worst.margin, worst.parameters, worst.evaluated),
-            )
-        else:
-            found = self.findings
+        found = self.findings
+        if not found and worst is not None:
+            found = (Case(worst.finding, worst.cost, worst.margin, worst.parameters, worst.evaluated),)
         return tuple(case for case in found if case.margin <= 0)
 
     def value(self, case: Case) -> str:

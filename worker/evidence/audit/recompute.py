@@ -39,6 +39,13 @@ def _of_quantile(size: int, fraction: float, confidence: float) -> Tree:
     return {"order": first + r, "bound": None, "confidence": -math.expm1(below[r - 1])}
 
 
+def _needed(fraction: float, confidence: float) -> int | None:
+    """The smallest sample whose lowest value bounds the quantile at `fraction`; None if none does that may be drawn."""
+    if fraction < limits.SMALLEST:
+        return None
+    return max(1, math.ceil(math.log1p(-confidence) / math.log1p(-fraction) * (1.0 - 4e-15)))  # but for rounding
+
+
 def counts(status: Any) -> Tree:
     """The numbers of evaluations by status."""
     ok, excluded = (int(np.count_nonzero(status == code)) for code in (OK, EXCLUDED))
@@ -289,7 +296,8 @@ class Run:
                 if self.sealed:
                     found["distribution"] = distribution(costs, failed, level)
                 quantile["bound"] = None if rank is None or rank <= failed else float(costs[rank - failed - 1])
-            found["quantile"] = quantile | ({"share": certify.quantile} if self.sealed else {})
+            stated = {"share": certify.quantile, "needed": _needed(certify.quantile - outside, level)}
+            found["quantile"] = quantile | (stated if self.sealed else {})
             if size < certify.samples and draws < limits.draws(
                 certify.samples, draws
             ):  # an excluded draw is repeated, so often

@@ -25,7 +25,7 @@ from worker.evidence.audit.points import grid
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING
 from worker.evidence.audit.regression import evaluated, examined, position, regression
-from worker.evidence.audit.sentences import needed, of_sample, of_stage
+from worker.evidence.audit.sentences import of_sample, of_stage
 from worker.evidence.audit.stored import finder, lowest_of
 from worker.evidence.audit.sureness import sureness
 
@@ -70,9 +70,6 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
     if sample and run.sealed:
         sample["source"] = "certify" if any(stage.kind == "certify" for stage in run.plan) else "search"
-        if run.claimed and sample.get("quantile") and run.campaign.stages.certify is not None:
-            least = needed(run.campaign.stages.certify.quantile - run.claimed["outside"], run.campaign.confidence)
-            sample["quantile"] = sample["quantile"] | {"needed": least}
     if run.campaign.baseline is not None:
         results[position(run)] |= evaluated(run)
     if run.calls.measures:

@@ -16,7 +16,6 @@ from campaigns.claims.say import count, say
 from campaigns.claims.spans import Quantity, Span, Spans, values, words
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as templates
-from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import Missing
 
@@ -51,10 +50,6 @@ def shown(stated: Any, expected: Spans | Missing) -> tuple[Any, Any]:
 def of_sample(run: Run, k: int, sample: Tree) -> Tree:
     """The sentences of a sample that gives a bound; those of any other name what its method drew, as taken."""
     certify = run.campaign.stages.certify
-    if run.reworded and sample.get("quantile") and certify is not None:
-        outside = sample["outside"]
-        least = needed(certify.quantile - outside, run.campaign.confidence)
-        return {"quantile": {"share": certify.quantile, "needed": least}}
     if sample["upper_bound"] is None or run.reworded:
         return {}
     failed, excluded, outside = sample["failed"], sample["excluded"], sample["outside"]
@@ -75,9 +70,8 @@ def of_sample(run: Run, k: int, sample: Tree) -> Tree:
     if sample.get("quantile"):
         quantile = sample["quantile"]
         assert certify is not None
-        order, least = quantile["order"] or 0, needed(certify.quantile - outside, run.campaign.confidence)
-        told = (certify.quantile, run.quantity, run.unit, order, least, quantile["bound"])
-        found["quantile"] = {"statement": counts.quantile(*told), "share": certify.quantile, "needed": least}
+        told = (certify.quantile, run.quantity, run.unit, quantile["order"] or 0, quantile["needed"], quantile["bound"])
+        found["quantile"] = {"statement": counts.quantile(*told)}
     return found
 
 
@@ -98,13 +92,6 @@ def of_stage(run: Run, k: int, sample: Tree | None, stop: Any) -> Tree:
     ):
         found["stop"] = {"statement": budget(run.plan[k].planned)}
     return found
-
-
-def needed(fraction: float, confidence: float) -> int | None:
-    """The smallest sample whose lowest value bounds the quantile at `fraction`; None if none does that may be drawn."""
-    if fraction < limits.SMALLEST:
-        return None
-    return max(1, math.ceil(math.log1p(-confidence) / math.log1p(-fraction) * (1.0 - 4e-15)))  # but for rounding
 
 
 def unlike(document: Any, path: str = "") -> Iterator[tuple[str, str, str]]:

@@ -23,7 +23,7 @@ from worker.evidence.audit.record import MISSING, Missing, Record
 from worker.evidence.audit.sentences import alike
 from worker.evidence.scopes import recorded
 from worker.evidence.verdicts.conclude import conclude
-from worker.evidence.verdicts.evidence import Evaluated, Evidence
+from worker.evidence.verdicts.evidence import Evidence
 from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 
@@ -88,11 +88,13 @@ def _made(record: Record, problem: Problem, versions: Versions) -> dict[str, Sen
     rows = {k: record.stage == k for k in range(len(results))}
     stored = {k: Stored(record.costs[here], record.status[here]) for k, here in rows.items()}
     again = 0 if isinstance(record.flaky, Missing) else record.flaky
-    evaluated = Evaluated(record.costs[:, 0], record.status, again, record.exclusions)
     worded_results = [worded(problem, result, findings) for result in results]
     threshold = record.campaign.criterion.threshold
     sure = sureness(problem, results, stored, (record.claims.get("sureness") or {}).get("landscapes"))
-    evidence = Evidence.of(worded_results, findings, evaluated, threshold, sure)
+    evidence = Evidence.of(
+        *(worded_results, findings, threshold, sure),
+        costs=record.costs[:, 0], status=record.status, flaky=again, exclusions=record.exclusions,
+    )  # fmt: skip
     verdict = conclude(problem, evidence, versions)
     return _sentences(record, verdict, evidence)
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,15 +24,6 @@ from campaigns.results.verdict import Check
 
 P = TypeVar("P")
 R = TypeVar("R", bound=StageResult)
-
-
-class Evaluated(NamedTuple):
-    """Stored evaluations: first costs and status (m,), how many are flaky, how many were excluded for each reason."""
-
-    costs: NDArray[np.float64]
-    status: NDArray[np.uint8]
-    flaky: int
-    exclusions: Mapping[str, int]
 
 
 @dataclass(frozen=True)
@@ -65,27 +56,32 @@ class Evidence:
     def of(
         results: Sequence[StageResult],
         findings: Sequence[Finding],
-        stored: Evaluated,
         threshold: float,
         sureness: Sureness | None,
+        *,
+        costs: NDArray[np.float64],
+        status: NDArray[np.uint8],
+        flaky: int,
+        exclusions: Mapping[str, int],
     ) -> Evidence:
-        """What the stored evaluations and the results show; of a counted sample the lowest flight is always stored."""
+        """What the stored evaluations and the results show: first costs and status (m,), how many are flaky, how many
+        were excluded for each reason; of a counted sample the lowest flight is always stored."""
         beside = [result.beside for result in results]
-        ok = stored.costs[stored.status == OK]
-        excluded = int(np.count_nonzero(stored.status == EXCLUDED))
+        ok = costs[status == OK]
+        excluded = int(np.count_nonzero(status == EXCLUDED))
         counted = sum(one.evaluations for one in beside)
         return Evidence(
             results=results,
             finding=findings[0] if findings else None,
             others=findings[1:],
-            evaluations=len(stored.status) + counted,
-            failed=len(stored.status) - len(ok) - excluded + sum(one.failed for one in beside),
+            evaluations=len(status) + counted,
+            failed=len(status) - len(ok) - excluded + sum(one.failed for one in beside),
             excluded=excluded + sum(one.excluded for one in beside),
             lowest=float(ok.min()) if len(ok) else None,
             violating=int(np.count_nonzero(ok <= threshold)) + sum(one.violating for one in beside),
             counted=counted,
-            flaky=stored.flaky + sum(one.flaky for one in beside),
-            exclusions=sum((Counter(one.exclusions) for one in beside), Counter(stored.exclusions)),
+            flaky=flaky + sum(one.flaky for one in beside),
+            exclusions=sum((Counter(one.exclusions) for one in beside), Counter(exclusions)),
             sureness=sureness,
         )
 

@@ -26,7 +26,7 @@ from worker.engine.stages.parts.noise import exclusions, flaky
 from worker.engine.stages.parts.store import Store
 from worker.engine.systems.base import CampaignUnusable
 from worker.evidence.verdicts.conclude import conclude
-from worker.evidence.verdicts.evidence import Evaluated, Evidence
+from worker.evidence.verdicts.evidence import Evidence
 from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
@@ -117,15 +117,14 @@ def _carry_out(context: Context, position: int, record: StageRecord) -> None:
 
 
 def _evidence(context: Context) -> Evidence:
-    findings = context.store.found()
     stored = dict(all_columns(context, list(range(len(context.plan)))))
     columns = list(stored.values())
     results = [context.results[at] for at in range(len(context.plan))]
-    evaluated = Evaluated(
+    estimate = sureness(context.problem, results, {at: Stored(c.costs, c.status) for at, c in stored.items()})
+    return Evidence.of(
+        *(results, context.store.found(), context.problem.threshold, estimate),
         costs=np.concatenate([c.costs[:, 0] for c in columns]),
         status=np.concatenate([c.status for c in columns]),
         flaky=sum(map(flaky, columns)),
         exclusions=sum(map(exclusions, columns), Counter[str]()),
     )
-    estimate = sureness(context.problem, results, {at: Stored(c.costs, c.status) for at, c in stored.items()})
-    return Evidence.of(results, findings, evaluated, context.problem.threshold, estimate)

@@ -19,6 +19,8 @@ from worker.engine.kernels.component import (
     Criterion,
     Declared,
     Obstacle,
+    Rate,
+    Reach,
     Vehicle,
     declared,
 )
@@ -30,6 +32,8 @@ def component_entry(component: Component, module: ModuleType) -> ComponentEntry:
     parameters = declared(component.parameters)
     if isinstance(component, Criterion) and component.worse == "low":
         parameters = parameters[1:]  # the threshold is a field of the campaign
+    controller = component if isinstance(component, Controller) else None
+    obstacle = component if isinstance(component, Obstacle) else None
     own = _shared(component, ComponentEntry) | {
         "dimension": _dimension(component),
         "frame": component.frame if isinstance(component, Vehicle) else "enu",
@@ -37,12 +41,12 @@ def component_entry(component: Component, module: ModuleType) -> ComponentEntry:
         "parameters": [_parameter_entry(p) for p in parameters],
         "starts": [_parameter_entry(p) for p in declared(component.start)] if isinstance(component, Vehicle) else [],
         "goals": [_parameter_entry(p) for p in declared(component.goal)] if isinstance(component, Avoider) else [],
-        "fits": list(component.fits) if isinstance(component, Controller) else [],
-        "demands": list(component.command) if isinstance(component, Controller) else [],
-        "about_trim": _about_trim(component),
+        "fits": list(controller.fits) if controller else [],
+        "demands": list(controller.command) if controller else [],
+        "about_trim": [s for s, _, _ in controller.about_trim.states] if controller and controller.about_trim else [],
         "inputs": [s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
-        "reach": _reach(component),
-        "rate": _rate(component),
+        "reach": _shared(obstacle.reach, ReachEntry) if obstacle and obstacle.reach else None,
+        "rate": _shared(obstacle.rate, RateEntry) if obstacle and obstacle.moving and obstacle.rate else None,
         "orders": [OrderEntry.model_validate(asdict(order)) for order in getattr(component, "orders", ())],
         "look": _look(component),
         "text": inspect.getdoc(module) or "",
@@ -50,15 +54,9 @@ def component_entry(component: Component, module: ModuleType) -> ComponentEntry:
     return ComponentEntry.model_validate(own)
 
 
-def _shared(thing: Component | Method | Declared, entry: type[BaseModel]) -> dict[str, Any]:
+def _shared(thing: Component | Method | Declared | Reach | Rate, entry: type[BaseModel]) -> dict[str, Any]:
     """What an entry has under the names of the declaration."""
     return {name: getattr(thing, name) for name in entry.model_fields if hasattr(thing, name)}
-
-
-def _about_trim(component: Component) -> list[str]:
-    """The states of a polynomial model."""
-    about = component.about_trim if isinstance(component, Controller) else None
-    return [] if about is None else [name for name, _, _ in about.states]
 
 
 def _dimension(component: Component) -> int | None:
@@ -66,18 +64,6 @@ def _dimension(component: Component) -> int | None:
     if isinstance(component, Criterion):
         return next(iter(component.sample)) if len(component.sample) == 1 else None
     return component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None
-
-
-def _reach(component: Component) -> ReachEntry | None:
-    if not isinstance(component, Obstacle) or component.reach is None:
-        return None
-    return ReachEntry(of=list(component.reach.of), times=component.reach.times)
-
-
-def _rate(component: Component) -> RateEntry | None:
-    if not isinstance(component, Obstacle) or not component.moving or component.rate is None:
-        return None
-    return RateEntry(**{name: getattr(component.rate, name) for name in RateEntry.model_fields})
 
 
 def _look(component: Component) -> ObstacleLook | VehicleLook | None:

@@ -139,7 +139,9 @@ class Visit:
             of.screenshot(path=file, animations="disabled")
             return
         if full:
-            self.page.evaluate("dispatchEvent(new Event('beforeprint'))")  # draws the charts beyond the window, too
+            # What is beyond the window is laid out and its charts are drawn, too.
+            self.page.add_style_tag(content="* { content-visibility: visible !important }")
+            self.page.evaluate("dispatchEvent(new Event('beforeprint'))")
             self.page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # else the header stands in the middle
         self.page.screenshot(path=file, full_page=full, animations="disabled")
 

@@ -1,4 +1,4 @@
-"""The heartbeats of the workers, and the catalogue published by the newest worker."""
+"""The heartbeats of the workers, their runs that stand still, and the catalogue published by the newest worker."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from pydantic import ValidationError
 
 from backend.db import codes
 from backend.db.engine import insert, now
-from backend.db.tables import CatalogueDocument, Worker
+from backend.db.tables import CatalogueDocument, Run, Worker
 from campaigns.catalogue import Catalogue, SimulatorEntry
+from campaigns.runs import HELD
 from campaigns.versions import Code
 
 FORGOTTEN = 24 * 3600.0
@@ -170,3 +171,16 @@ def alive(connection: sa.Connection, host: str) -> bool:
     """Whether a worker on that machine is live."""
     found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - LIVE)
     return connection.scalar(found.limit(1)) is not None
+
+
+STILL = 600.0
+"""A run that stored no evaluation for this long stands still [s]."""
+
+
+def standing_still(reader: sa.Connection) -> dict[int, float]:
+    """Their numbers, with the time of the last evaluation, or since when a worker has them [s since 1970].
+
+    Nothing is known of a run whose worker is of a version that does not store it.
+    """
+    still = sa.select(Run.id, Run.advanced).where(Run.state.in_(HELD), Run.advanced < now(reader) - STILL)
+    return {row.id: row.advanced for row in reader.execute(still.order_by(Run.id))}

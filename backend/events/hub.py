@@ -13,9 +13,8 @@ import sqlalchemy as sa
 
 from backend.db.outages import DatabaseOutage
 from backend.db.space import Room
-from backend.events.isolated import Isolated
 from backend.events.roster import Roster
-from backend.events.watch import Event, Watch, identified
+from backend.events.watch import Event, Isolated, Watch, identified
 
 PERIOD = 0.25
 """Polling interval of the database [s]."""

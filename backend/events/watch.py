@@ -7,17 +7,17 @@ nothing is read. Not thread-safe.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+import logging
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import sqlalchemy as sa
 
 from backend.catalog.service import bounds, described
 from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import Run
-from backend.events.isolated import Isolated
 from backend.http.errors import RefusedError
 from backend.http.schema import Schema
 from backend.results.evaluations import Bounds, in_units
@@ -216,3 +216,27 @@ class NewImprovements(Schema):
     """Working time of the stage at the last of them [s]."""
     parameters: dict[str, float]
     """The parameters of the last of these improvements, {path: value} in their units; empty if there is none."""
+
+
+Part = TypeVar("Part")
+
+_log = logging.getLogger(__name__)
+
+
+class Isolated:
+    """Makes parts, each in the log once if it cannot be made; an error of the database concerns them all."""
+
+    def __init__(self) -> None:
+        self._logged: set[str] = set()
+
+    def made(self, what: str, make: Callable[[], list[Part]]) -> list[Part]:
+        """This part; empty if it cannot be made."""
+        try:
+            return make()
+        except sa.exc.SQLAlchemyError:
+            raise
+        except Exception:
+            if what not in self._logged:
+                self._logged.add(what)
+                _log.exception("%s cannot be reported in the event streams", what)
+            return []

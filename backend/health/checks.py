@@ -1,4 +1,4 @@
-"""What an installation needs, each with what is wrong and what to do: for `clearance doctor` and for monitoring.
+"""What an installation needs, each with what is wrong and what to do, for `clearance doctor`; why no run can be done.
 
 No check changes anything, and none fails by an exception: what cannot be found out is reported as that.
 """
@@ -19,12 +19,12 @@ from typing import Literal
 
 import sqlalchemy as sa
 
-from backend.db import revision, workers
-from backend.db.damage import damage
-from backend.db.engine import connect, is_sqlite, now, read
-from backend.db.space import places
+from backend.db import damage, revision, space, workers
+from backend.db.engine import connect, is_sqlite, now, read, refuse_read_only
+from backend.db.outages import DatabaseOutage
 from backend.http.pages import unbuilt
 from backend.reports.pdf import browser
+from campaigns import Problem
 
 State = Literal["ok", "warning", "failed"]
 
@@ -91,7 +91,7 @@ def _database(url: str) -> Iterator[Check]:
         if not Path(file).is_file():
             yield Check("database", "failed", f"there is no file {file}", "start the service, or restore a backup")
             return
-        if wrong := damage(Path(file)):
+        if wrong := damage.damage(Path(file)):
             remedy = "stop the service and workers, keep a copy of the file, and restore the newest backup"
             yield Check("database", "failed", f"{file} is damaged: {wrong}", remedy)
             return
@@ -149,7 +149,7 @@ def _clock(connection: sa.Connection) -> Check:
 
 
 def _space(url: str, data: Path, cache: Path) -> Iterator[Check]:
-    beside = [("the database", folder) for folder in places(url, None) if folder != data.absolute()]
+    beside = [("the database", folder) for folder in space.places(url, None) if folder != data.absolute()]
     usual = [("data", data), ("temporary files", Path(tempfile.gettempdir())), ("compiled code", cache)]
     for what, folder in [*beside, *usual]:
         while not folder.exists():
@@ -196,3 +196,32 @@ def _programs(pages: Path) -> Iterator[Check]:
     else:
         remedy = "install it (on Debian: apt install chromium), or print the HTML report from any browser"
         yield Check("Chromium", "warning", "not found, so that no report is printed as PDF", remedy)
+
+
+NO_WORKER = "no worker is alive, so that runs wait: start `clearance serve` or `clearance worker`"
+NO_FOLDER = "the data folder is not there any more: put it back, or start the service again"
+
+
+def reasons(engine: sa.Engine, data: Path, room: space.Room) -> list[Problem]:
+    """Why no run can be done now; none if it can.
+
+    The field is what is missing: `workers`, `space`, `folder`, `schema`, or a kind of `DatabaseOutage`.
+    """
+    found = []
+    if not data.is_dir():
+        found.append(Problem("folder", "", NO_FOLDER))
+    if why := room.short():
+        found.append(Problem("space", "", why))
+    try:
+        with read(engine) as connection:
+            stored, newest = revision.stored(connection), revision.newest()
+            if stored != newest:
+                sentence = f"the database has schema {stored}, and this version of Clearance needs {newest}"
+                found.append(Problem("schema", "", f"{sentence}: start the service again"))
+            elif not workers.live(connection):
+                found.append(Problem("workers", "", NO_WORKER))
+        damage.refuse(engine)
+        refuse_read_only(engine)
+    except DatabaseOutage as error:
+        found.append(Problem(error.kind, "", error.sentence))
+    return found

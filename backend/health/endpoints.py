@@ -6,7 +6,7 @@ from typing import Literal
 
 from fastapi import APIRouter, Request
 
-from backend.health.readiness import reasons
+from backend.health.checks import reasons
 from backend.http.errors import RefusedError, problems
 from backend.http.schema import Schema
 

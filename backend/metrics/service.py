@@ -10,9 +10,8 @@ import sqlalchemy as sa
 from backend.db import space
 from backend.db.engine import now, read
 from backend.db.outages import DatabaseOutage
-from backend.db.still import STILL, standing_still
 from backend.db.tables import Run, Worker
-from backend.db.workers import SEEN
+from backend.db.workers import SEEN, STILL, standing_still
 from backend.metrics.requests import Requests
 from backend.metrics.text import Metric, Sample, gauge
 from campaigns.runs import ACTIVE, RunState

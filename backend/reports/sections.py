@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from markupsafe import Markup
+
 from backend.reports import figures, validated, words
 from backend.reports.record import Record
 from backend.signoffs.schemas import Signoff, Standing
@@ -18,6 +20,7 @@ from campaigns.claims.numbers import NONE
 from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
 from campaigns.results import SearchResult, ValidateResult, verdicts
+from campaigns.results.regression import Standing as Outcome
 from campaigns.results.unsearched import unsearched
 from campaigns.results.validate import Compared
 from campaigns.runs import ENDED, StageState
@@ -294,3 +297,61 @@ def components(record: Record) -> dict[str, str]:
     """Titles of vehicle, controller and avoider, or of the simulator, by role."""
     rows = [row for row in model(record) if row["role"] in ("Vehicle", "Controller", "Avoidance", "Simulator")]
     return {str(row["role"]).lower(): str(row["title"]) for row in rows}
+
+
+LEAST = 5
+"""Number of least covered pairs that are listed."""
+
+
+def least_covered(record: Record) -> list[tuple[Markup, Markup, int]]:
+    """The least covered pairs of parameters, and how many of their bins have an evaluation; none if all have one."""
+    least = [pair for pair in record.coverage.pairs[:LEAST] if pair.touched < record.coverage.bins]
+    return [(record.symbol_html(pair.first), record.symbol_html(pair.second), pair.touched) for pair in least]
+
+
+def empty_centre(record: Record) -> list[tuple[Markup, str, str]]:
+    """The centre of the empty ball: symbol, value and unit of each parameter."""
+    at = {} if record.coverage.ball is None else record.coverage.ball.centre
+    entries = [(path, value, record.entry(path)) for path, value in at.items()]
+    return [
+        (record.symbol_html(path), numbers.plain(value), numbers.unit_in_print(entry.unit) if entry else "")
+        for path, value, entry in entries
+    ]
+
+
+def since(record: Record) -> dict[str, object] | None:
+    """The comparison with the baseline, or the sentence on why there is none; None without a baseline."""
+    regression = None if record.verdict is None else record.verdict.regression
+    if regression is None:
+        baseline = record.run.baseline
+        if baseline is None:
+            return None
+        text = (
+            baseline.sentence
+            if baseline.run is None
+            else f"{baseline.sentence} The run has no verdict, so nothing was compared."
+        )
+        return {"run": baseline.run or "", "cases": [], "statement": say(text), "lost": []}
+    decimals = numbers.decimals_for(
+        [m for c in regression.cases for m in (c.margin_before, c.margin_again, c.margin)], 5
+    )
+    changes = [c.change for c in regression.cases if c.change]
+    # A change that is not 0 is not printed as 0, down to a millionth.
+    smallest = min(6, max([3, *(numbers.decimals_for([change], 2) for change in changes)]))
+    rows = [
+        {
+            "standing": str(case.standing),
+            "fails": case.fails,
+            "violates": case.margin is not None and case.margin <= 0,
+            "before": case.before or NONE,
+            "now": case.now or NONE,
+            "margin_before": numbers.margin(case.margin_before, decimals),
+            "margin_again": numbers.margin(case.margin_again, decimals),
+            "margin": numbers.margin(case.margin, decimals),
+            "change": numbers.difference(case.change, smallest),
+            "tolerance": numbers.plain(case.tolerance, 2),
+        }
+        for case in regression.cases
+    ]
+    lost = [case.statement for case in regression.cases if case.standing in (Outcome.NOT_COMPARED, Outcome.UNRESOLVED)]
+    return {"run": regression.run, "cases": rows, "statement": regression.statement, "lost": lost}

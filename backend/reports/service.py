@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from markupsafe import Markup
 
 from backend.http.naming import named
-from backend.reports import attraction, charts, coverage, limits, sections, since, validated, words
+from backend.reports import attraction, charts, limits, sections, validated, words
 from backend.reports.kept import Kept, Page, key
 from backend.reports.numbers import printed
 from backend.reports.record import Record, load
@@ -115,11 +115,11 @@ def _context(record: Record) -> dict[str, object]:
         "methods": sections.methods(record),
         "stages": sections.stages(record),
         "bound": most(record.campaign),
-        "centre": coverage.centre(record),
-        "least_covered": coverage.pairs(record),
+        "centre": sections.empty_centre(record),
+        "least_covered": sections.least_covered(record),
         "findings": sections.findings(record),
         "likely": sections.likely(record),
-        "since": since.changes(record),
+        "since": sections.since(record),
         "validation": record.result(ValidateResult),
         "cases": validated.cases(record),
         "again": validated.again(record),

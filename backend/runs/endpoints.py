@@ -25,7 +25,6 @@ from backend.runs.code import changes
 from backend.runs.components import components
 from backend.runs.facets import facets
 from backend.runs.filters import Listed
-from backend.runs.history import history
 from backend.runs.requests import Reason, RunEdit, RunsNamed, RunsRemoved, RunSubmit
 from backend.runs.schemas import (
     CodeChanges,
@@ -239,7 +238,7 @@ def compare_code(
 def list_history(run: RunName, reader: Reader) -> list[HistoryEntry]:
     """The actions on a run and their users, newest first: submitted, edited, cancelled, signed off,
     removed, restored, purged."""
-    return history(reader, service.number(run))
+    return service.history(reader, service.number(run))
 
 
 def _once(once: OnceOnly, work: Work[RunSummary]) -> RunSummary:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import sqlalchemy as sa
 
 from backend.catalog.criteria import criteria
 from backend.catalog.service import described, published
-from backend.db import baselines
-from backend.db.tables import CampaignRow, Run, Stage
+from backend.db import audit, baselines
+from backend.db.tables import Audit, CampaignRow, Run, Stage
 from backend.http.errors import RefusedError, not_found
-from backend.runs import counts, identity, listing, pace, so_far
+from backend.runs import counts, identity, listing, so_far
 from backend.runs.earlier import terms_of
 from backend.runs.schemas import (
+    HistoryEntry,
     RunBaseline,
     RunDetail,
     RunSummary,
@@ -62,7 +65,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     if not base.quantity and stated:  # the installed catalogue no longer has the criterion, the stored one has
         base = base.model_copy(update={"quantity": stated[0].quantity, "unit": stated[0].unit})
     stages = progress(reader, run_id)
-    rate, remaining = pace.estimate(stages) if base.state == RunState.RUNNING else (None, None)
+    rate, remaining = _pace(stages) if base.state == RunState.RUNNING else (None, None)
     return RunDetail(
         **dict(base),
         not_continuable=_not_continuable(reader, run_id, base, campaign),
@@ -168,3 +171,41 @@ def campaign(reader: sa.Connection, run_id: int) -> Campaign:
         require(reader, run_id)
     with readable(f"the campaign of {run_name(run_id)}", reader, run_id):
         return Campaign.model_validate(document)
+
+
+MOST_ENTRIES = 500
+"""Of the history of a run."""
+
+
+def history(reader: sa.Connection, run_id: int) -> list[HistoryEntry]:
+    """At most `MOST_ENTRIES`, newest first, also of a purged run; 404 if there is no such run."""
+    if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
+        raise not_found("run", run_name(run_id))
+    of = sa.select(Audit.at, Audit.user, audit.ACCOUNT, Audit.via, Audit.action, Audit.detail)
+    rows = reader.execute(of.where(Audit.subject == run_name(run_id)).order_by(Audit.id.desc()).limit(MOST_ENTRIES))
+    return [HistoryEntry.model_validate(dict(row._mapping)) for row in rows]
+
+
+FEWEST = 8
+"""With fewer evaluations than this no speed is reported."""
+
+
+def _pace(stages: Sequence[StageProgress]) -> tuple[float | None, float | None]:
+    """Evaluations per second of the running stage, and the time left [s] if every stage uses its whole budget.
+
+    A stage that has just started is assumed to be as fast as the run so far. Stages that end by their own rule finish
+    earlier.
+    """
+    running = next((s for s in stages if s.state == StageState.RUNNING), None)
+    if running is None:
+        return None, None
+    speed = _speed([running]) or _speed([s for s in stages if s.position])
+    if speed is None:
+        return None, None
+    left = sum(max(0, s.planned - s.evaluations) for s in stages if s.state != StageState.DONE)
+    return speed, left / speed
+
+
+def _speed(stages: Sequence[StageProgress]) -> float | None:
+    evaluations, seconds = sum(s.evaluations for s in stages), sum(s.seconds for s in stages)
+    return evaluations / seconds if evaluations >= FEWEST and seconds > 0 else None

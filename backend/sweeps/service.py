@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import math
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import sqlalchemy as sa
 
@@ -22,8 +24,11 @@ from backend.runs import edits
 from backend.runs.outcomes import outcomes
 from backend.runs.quota import Quota, refuse_beyond
 from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSummary
-from backend.sweeps.variants import described, variants
-from campaigns import Campaign, Catalogue
+from campaigns import Campaign, CampaignError, Catalogue, Problem, check
+from campaigns.asked.load import load_document
+from campaigns.catalogue import ParameterEntry
+from campaigns.checked import texts
+from campaigns.checked.check import parameters
 from campaigns.runs import run_name, sweep_name, sweep_number
 from campaigns.stages.plan import most
 
@@ -174,3 +179,55 @@ def _summary(row: sa.RowMapping, runs: int, states: dict[str, int]) -> SweepSumm
 
 def _counted(found: list[tuple[str, str | None]]) -> dict[str, int]:
     return dict(Counter(word for pair in found for word in pair if word is not None))
+
+
+SOURCE = "request"
+
+
+def variants(campaign: Campaign, path: str, values: Sequence[float], catalogue: Catalogue) -> list[Campaign]:
+    """One campaign for each value, in order; raises `CampaignError` with every problem of every one of them."""
+    problems = check(campaign, catalogue) or list(_refused(campaign, path, catalogue))
+    if problems:
+        raise CampaignError(SOURCE, problems)
+    made = []
+    for i, value in enumerate(values):
+        try:
+            variant = load_document(_with(campaign, path, value), SOURCE)
+            found = check(variant, catalogue)
+        except CampaignError as error:
+            found = error.problems
+        else:
+            made.append(variant)
+        problems += [Problem(f"values.{i}", f"{value:.15g}", f"{p.field}: {p.message}") for p in found]
+    if problems:
+        raise CampaignError(SOURCE, problems)
+    return made
+
+
+def described(campaign: Campaign, path: str, catalogue: Catalogue) -> tuple[ParameterEntry, float]:
+    """The entry of the parameter, and its value in the campaign."""
+    return parameters(campaign, catalogue)[path]
+
+
+def _refused(campaign: Campaign, path: str, catalogue: Catalogue) -> Iterator[Problem]:
+    if campaign.baseline is not None:
+        yield Problem("campaign.baseline", campaign.baseline.run, "a sweep has no baseline; leave it out")
+    known = parameters(campaign, catalogue)
+    fixed = [name for name in known if name not in campaign.uncertain]
+    if path in campaign.uncertain:
+        text = "this parameter is uncertain, so every run searches over it; sweep one that is fixed"
+        yield Problem("path", path, f"{text} ({', '.join(fixed[:6])}, ...)")
+    elif path not in known:
+        yield Problem("path", path, f"the campaign has no such parameter; {texts.known(path, fixed)}")
+
+
+def _with(campaign: Campaign, path: str, value: float) -> dict[str, Any]:
+    document = campaign.document()
+    first, _, rest = path.partition(".")
+    place: Any = document if first in ("criterion", "objectives", "simulator") else document["scenario"]
+    place = place[first]
+    if isinstance(place, list):
+        number, _, rest = rest.partition(".")
+        place = place[int(number)]
+    (place if first in ("start", "goal") else place["parameters"])[rest] = value
+    return document

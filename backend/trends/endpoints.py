@@ -12,7 +12,7 @@ from backend.http.errors import problems
 from backend.http.schema import RunName
 from backend.runs.filters import labelled
 from backend.runs.service import number
-from backend.trends import related, trend
+from backend.trends import service
 from backend.trends.schemas import RelatedRuns, Trend
 
 router = APIRouter(tags=["runs"])
@@ -21,7 +21,7 @@ router = APIRouter(tags=["runs"])
 @router.get("/runs/{run}/related", responses=problems("not-found", "purged"))
 def list_related(run: RunName, reader: Reader) -> RelatedRuns:
     """Other runs with the same campaign, and those that differ in one thing: the seed or the code."""
-    return related.related(reader, number(run))
+    return service.related(reader, number(run))
 
 
 @router.get("/trends", responses=problems("not-found"))
@@ -36,4 +36,4 @@ def get_trend(
     limit: Annotated[int, Query(ge=1, le=500, description="Maximum number of runs, the newest.")] = 200,
 ) -> Trend:
     """The runs of a campaign in time: verdicts, worst margins, probability bounds, and changes of the code."""
-    return trend.of_campaign(reader, campaign, name, limit, labelled(label or ()))
+    return service.trend(reader, campaign, name, limit, labelled(label or ()))

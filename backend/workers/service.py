@@ -8,9 +8,8 @@ import sqlalchemy as sa
 
 from backend.db.engine import now
 from backend.db.space import Room
-from backend.db.still import standing_still
 from backend.db.tables import Run, Stage, Worker
-from backend.db.workers import SEEN, Doing, last_seen
+from backend.db.workers import SEEN, Doing, last_seen, standing_still
 from backend.runs import waiting
 from backend.workers.schemas import Space, Still, WorkerOut, Workers
 from campaigns.runs import RunState, StageState, run_name

@@ -17,9 +17,9 @@ import sqlalchemy as sa
 from backend.db import engine, space
 from backend.db.engine import now
 from backend.db.queue import Queue
-from backend.db.still import STILL
 from backend.db.store import RunStore
 from backend.db.tables import Run
+from backend.db.workers import STILL
 from backend.settings import Settings
 from campaigns.stored.records import StagePlan
 from tests import results

@@ -9,7 +9,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import CampaignRow, Run
-from backend.trends import related
+from backend.trends import service as trends
 from campaigns import Campaign
 from campaigns.runs import run_number
 from tests.given.databases import BOTH
@@ -81,7 +81,7 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
 def test_removed_runs_are_not_listed_and_the_rest_is_counted(
     service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(related, "MOST", 2)
+    monkeypatch.setattr(trends, "MOST", 2)
     own, *others = (submit(client) for _ in range(5))
     finish(service)
     finish(service)

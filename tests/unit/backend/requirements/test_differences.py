@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from backend.requirements.differences import LONGEST, changed_text, stated_text
+from backend.requirements.service import LONGEST, changed_text, stated_text
 
 
 def test_a_text_is_stated_by_length_digest_and_beginning() -> None:

@@ -1,4 +1,4 @@
-"""The runs of a campaign in time, with changes of the code and of the campaign marked. Read `of_campaign`."""
+"""The runs of a campaign in time, with changes marked (`trend`), and other runs with the same input (`related`)."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from backend.http.errors import RefusedError, not_found
 from backend.runs import identity
 from backend.runs.facets import labels_of
 from backend.runs.outcomes import Outcome, outcomes
-from backend.trends.schemas import Trend, TrendRun
+from backend.runs.question import asked_again
+from backend.runs.service import require
+from backend.trends.schemas import Difference, RelatedRun, RelatedRuns, Trend, TrendRun
 from campaigns import Problem
-from campaigns.identity.identity import Identity
+from campaigns.identity.identity import UNSTORED, Identity, changes
 from campaigns.runs import run_name, run_number
 
 
-def of_campaign(
+def trend(
     reader: sa.Connection, digest: str | None, name: str | None, limit: int, label: Sequence[tuple[str, str]] = ()
 ) -> Trend:
     """The trend of one campaign, by its digest or by its name; 422 unless exactly one is given.
@@ -94,3 +96,51 @@ def _marked(reader: sa.Connection, found: list[Outcome]) -> list[TrendRun]:
         )
         code, campaign = now or code, outcome.campaign_digest
     return runs
+
+
+MOST = 50
+"""Runs that are listed; all are counted."""
+
+
+def related(reader: sa.Connection, run_id: int) -> RelatedRuns:
+    """Runs of the same campaign with any code, and with another seed of the same or an unknown code.
+
+    Removed runs are omitted. 404 if there is no such run, 410 if it was purged.
+    """
+    require(reader, run_id)
+    (own,) = outcomes(reader, [Run.id == run_id])
+    ids = _ids(reader, run_id, own.campaign_digest)
+    found = outcomes(reader, [Run.id.in_(ids[:MOST])])
+    known = identity.of_runs(reader, [run_id, *ids[:MOST]])
+    return RelatedRuns(
+        runs=[_related(reader, own, known.get(run_id), other, known.get(run_number(other.id) or 0)) for other in found],
+        total=len(ids),
+        question=asked_again(reader, run_id),
+    )
+
+
+def _ids(reader: sa.Connection, run_id: int, digest: str) -> list[int]:
+    """The runs of the campaign, and of those that differ in the seed alone unless their code is known to differ as
+    well; the newest first."""
+    seedless = reader.scalar(sa.select(CampaignRow.seedless).where(CampaignRow.digest == digest))
+    same = Run.campaign_digest == digest
+    wanted = same if seedless is None else sa.or_(same, CampaignRow.seedless == seedless)
+    of = sa.select(Run.id, Run.campaign_digest).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    of = of.where(Run.id != run_id, Run.removed.is_(None), Run.purged.is_(None), wanted)
+    rows = reader.execute(of.order_by(Run.id.desc())).all()
+    known = identity.of_runs(reader, [run_id, *(row.id for row in rows if row.campaign_digest != digest)])
+    then = known.get(run_id, UNSTORED)
+    return [row.id for row in rows if row.campaign_digest == digest or not changes(then, known.get(row.id, UNSTORED))]
+
+
+def _related(
+    reader: sa.Connection, own: Outcome, then: Identity | None, other: Outcome, now: Identity | None
+) -> RelatedRun:
+    apart = [] if then is None or now is None else identity.apart(reader, then, now)
+    differs: list[Difference] = ["seed"] if other.campaign_digest != own.campaign_digest else []
+    return RelatedRun(
+        **dict(other),
+        differs=[*differs, "code"] if apart else differs,
+        code_changes=identity.names(apart),
+        code_known=own.code is not None and other.code is not None,
+    )

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from backend.flights.schemas import MOST_ROWS, Finite, FlightAnswer, Uuid
-from backend.http.schema import Given, Schema
+from backend.flights.schemas import MOST_ROWS, FlightAnswer, Uuid
+from backend.http.schema import Finite, Given, Schema
 from backend.scenes.base.address import FLIGHT
 
 

@@ -7,14 +7,13 @@ from typing import Annotated
 from pydantic import Field
 
 from backend.catalog.schemas import CriterionOut
-from backend.http.schema import Given, Schema
+from backend.http.schema import Finite, Given, Schema
 from backend.scenes.base.address import FLIGHT, KEY
 from campaigns.asked.scenario import MAX_REALISATION
 from campaigns.results.base import Status
 from campaigns.results.trace import TraceColumn, TraceHead
 
 MOST_ROWS = 2000
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 Uuid = Annotated[str, Field(pattern=f"^{KEY}$")]
 
 

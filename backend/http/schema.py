@@ -22,7 +22,7 @@ Number32 = Annotated[int, Field(ge=1, le=2**31 - 2)]
 UNIX_TIME = "unix-time"
 Instant = Annotated[float, Field(json_schema_extra={"format": UNIX_TIME})]
 """A time as seconds since 1970; the format in the OpenAPI document distinguishes it from other numbers."""
-Seconds = Annotated[float, Field(allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class Schema(Documented):

@@ -17,7 +17,7 @@ from sqlalchemy.ext.compiler import compiles
 from backend.db import labels
 from backend.db.tables import CampaignRow, Run
 from backend.http.errors import RefusedError
-from backend.http.schema import Seconds
+from backend.http.schema import Finite
 from backend.runs.order import Sort
 from campaigns import Problem
 from campaigns.labels import pair
@@ -48,8 +48,8 @@ class Filters:
         list[Word] | None,
         Query(max_length=MOST, description="Methods that found the worst case."),
     ] = None
-    since: Annotated[Seconds | None, Query(description="Submitted since this time [s since 1970].")] = None
-    until: Annotated[Seconds | None, Query(description="Submitted before this time [s since 1970].")] = None
+    since: Annotated[Finite | None, Query(description="Submitted since this time [s since 1970].")] = None
+    until: Annotated[Finite | None, Query(description="Submitted before this time [s since 1970].")] = None
     pinned: Annotated[bool | None, Query(description="Only pinned runs, or only the others.")] = None
     label: Annotated[
         list[Word] | None,

@@ -85,6 +85,13 @@ def along(direction: Floats) -> Floats:
     return quaternion(np.array([0.0, -np.arctan2(z, np.hypot(x, y)), np.arctan2(y, x)]))
 
 
+def unit(vector: Floats, otherwise: tuple[float, float, float] = (1.0, 0.0, 0.0)) -> Floats:
+    """The unit vector (3,) of a direction; another one for the zero vector."""
+    length = float(np.linalg.norm(vector))
+    found: Floats = vector / length if length > 0.0 else np.array(otherwise)
+    return found
+
+
 def rotated(turn: Floats, vector: Floats) -> Floats:
     w, axis = turn[0], turn[1:]
     found: Floats = vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)

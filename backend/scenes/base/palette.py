@@ -54,33 +54,21 @@ class Palette:
         return look.dark if self.dark else look.colour
 
 
-LIGHT = Palette(
-    dark=False,
-    background="#eef1f4",
-    grid="#dce1e7",
-    section="#c3ccd6",
-    ink="#15202b",
-    soft="#5d6a7b",
-    nominal="#77838f",
-    worst="#d55e00",
-    what_if="#0072b2",
-    obstacle="#56b4e9",
-    goal="#009e73",
-    relative="#aa3377",
-    sampled="#b4bdc8",
-)
-DARK = Palette(
-    dark=True,
-    background="#10151a",
-    grid="#1f2831",
-    section="#2f3b47",
-    ink="#e7ecf2",
-    soft="#8f9cab",
-    nominal="#94a1ae",
-    worst="#e8702a",
-    what_if="#3f9bdb",
-    obstacle="#56b4e9",
-    goal="#17b88a",
-    relative="#e07fb5",
-    sampled="#4a5866",
-)
+_COLOURS = {
+    "background": ("#eef1f4", "#10151a"),
+    "grid": ("#dce1e7", "#1f2831"),
+    "section": ("#c3ccd6", "#2f3b47"),
+    "ink": ("#15202b", "#e7ecf2"),
+    "soft": ("#5d6a7b", "#8f9cab"),
+    "nominal": ("#77838f", "#94a1ae"),
+    "worst": ("#d55e00", "#e8702a"),
+    "what_if": ("#0072b2", "#3f9bdb"),
+    "obstacle": ("#56b4e9", "#56b4e9"),
+    "goal": ("#009e73", "#17b88a"),
+    "relative": ("#aa3377", "#e07fb5"),
+    "sampled": ("#b4bdc8", "#4a5866"),
+}
+"""Light and dark."""
+
+LIGHT = Palette(dark=False, **{name: light for name, (light, _) in _COLOURS.items()})
+DARK = Palette(dark=True, **{name: dark for name, (_, dark) in _COLOURS.items()})

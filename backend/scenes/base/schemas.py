@@ -6,13 +6,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from backend.http.schema import Given, Instant, Schema
+from backend.http.schema import Finite, Given, Instant, Schema
 from backend.scenes.base.address import FLIGHT, Camera
 from campaigns.asked.scenario import MAX_REALISATION
 
 Theme = Literal["light", "dark"]
 Trails = Literal["whole", "so_far"]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 Point = tuple[Finite, Finite, Finite]
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
 

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from backend.scenes.base.axes import Axes, Floats, rotated
+from backend.scenes.base.axes import Axes, Floats, rotated, unit
 from backend.scenes.base.flight import Flight
 from campaigns.looks import ObstacleLook
 
@@ -70,9 +70,9 @@ class Body:
         """The point of its surface nearest to `place` (3,), with its centre at `centre` (3,)."""
         away = place - centre
         if self.kind == "round":
-            return centre + self.size[0] * _direction(away)
+            return centre + self.size[0] * unit(away)
         if self.kind == "cylinder":
-            out = _direction(away * (1.0, 1.0, 0.0))
+            out = unit(away * (1.0, 1.0, 0.0))
             radial, level = _outline(np.array([out @ away, away[2]]), np.array([self.size[0], self.size[1] / 2]))
             found: Floats = centre + radial * out + np.array([0.0, 0.0, level])
             return found
@@ -89,13 +89,6 @@ class Body:
             and (self.flight is None) == (other.flight is None)
             and _apart(self, other) <= alike
         )
-
-
-def _direction(vector: Floats) -> Floats:
-    """The unit vector; along x for the zero vector."""
-    length = float(np.linalg.norm(vector))
-    found: Floats = vector / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
-    return found
 
 
 def _outline(at: Floats, half: Floats) -> Floats:

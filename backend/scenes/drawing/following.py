@@ -70,14 +70,11 @@ class Following(Part):
         self._time = time
         begin_at(self._server, self._remembered(self._pose(self.camera or "overview")), self._world.frame.span)
 
-    def set(self, camera: Camera | None) -> None:
+    def set(self, camera: Camera | None, place: Pose | None = None) -> None:
+        """Go to a named camera, or to a place without a name."""
         with self._lock:
-            self.camera, self._place, self._heard, self._due, self._next = camera, None, False, camera is not None, 0.0
-        self._wake()
-
-    def place(self, eye: Pose) -> None:
-        with self._lock:
-            self.camera, self._place, self._heard, self._due, self._next = None, eye, False, True, 0.0
+            self.camera, self._place, self._heard, self._next = camera, place, False, 0.0
+            self._due = camera is not None or place is not None
         self._wake()
 
     @property

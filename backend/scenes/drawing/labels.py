@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from backend.scenes.base.axes import Floats
+from backend.scenes.base.axes import Floats, unit
 from backend.scenes.base.part import Part
 from backend.scenes.drawing.cameras import ASPECT, FIELD_OF_VIEW
 
@@ -58,9 +58,9 @@ class View:
     @cached_property  # asked for every possible place of every label
     def axes(self) -> tuple[Floats, Floats, Floats]:
         """Unit vectors to the right, up, and ahead of the camera, which is never rolled."""
-        ahead = _unit(self.target - self.eye)
+        ahead = unit(self.target - self.eye, (0.0, 1.0, 0.0))
         right = np.cross(ahead, (0.0, 0.0, 1.0))
-        right = _unit(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
+        right = unit(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
         return right, np.cross(right, ahead), ahead
 
     @property
@@ -245,12 +245,6 @@ def _possible(label: Label, view: View, before: Spot | None) -> Iterator[Spot]:
         for side in (-1, 1):
             place = view.moved(label.place, 0.0, side * row * line)
             yield from (Spot(place, anchor, label.place) for anchor in (label.anchor, *others))
-
-
-def _unit(vector: Floats) -> Floats:
-    length = float(np.linalg.norm(vector))
-    found: Floats = vector / length if length > 0.0 else np.array([0.0, 1.0, 0.0])
-    return found
 
 
 def put(tag: Tag, spot: Spot | None) -> None:

@@ -7,7 +7,6 @@ path as seen from the obstacle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -33,20 +32,12 @@ WIDTH = 3.5
 """Line width [pixels]."""
 
 
-@dataclass(frozen=True)
-class Speeds:
-    """Speeds of one flight at one time [m/s]: over ground, and relative to the nearest obstacle."""
-
-    ground: float
-    relative: float | None
-    """None without an obstacle."""
-
-
-def speeds(drawn: Drawn, time: float) -> Speeds:
+def speeds(drawn: Drawn, time: float) -> tuple[float, float | None]:
+    """Speeds of the flight at a time [m/s]: over ground, and relative to the nearest obstacle, None without one."""
     assert drawn.flight is not None
     relative = relative_velocity(drawn, time)
     ground = float(np.linalg.norm(drawn.flight.velocity(time)))
-    return Speeds(ground, None if relative is None else float(np.linalg.norm(relative)))
+    return ground, None if relative is None else float(np.linalg.norm(relative))
 
 
 def relative_velocity(drawn: Drawn, time: float) -> Floats | None:

@@ -7,8 +7,11 @@ simulator are evaluated again, and their results compared with the stored ones.
 from __future__ import annotations
 
 import itertools
+import math
 import time
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 import sqlalchemy as sa
@@ -16,7 +19,7 @@ import viser
 
 from backend.catalog.service import described
 from backend.db.engine import read
-from backend.db.tables import Stage
+from backend.db.tables import Run, Stage
 from backend.results import evaluations
 from backend.runs.service import number
 from backend.scenes.base.axes import Floats
@@ -29,12 +32,69 @@ from backend.scenes.drawing.solids import Solids
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import tables
-from backend.scenes.panel.again import of_run
+from campaigns.identity.identity import Identity
 from campaigns.stages.found import declared
+from campaigns.stored.replies import CaseReply, FlightReply
 
 MOST = 36
 """Maximum number of flights."""
+ROWS = 200
+"""Maximum number of points of a line."""
+TOGETHER = 6
+"""Number of flights drawn per batch; cases of a simulator are drawn one by one."""
+PATIENCE = 60.0
+"""Time after which no further case of a simulator is evaluated [s]: a call may take long."""
 ROOT = "/flights/sampled"
+ONE = "1 result differs from the stored one."
+
+
+@dataclass
+class Tally:
+    """Counts what was drawn of the first `size` evaluations of the sample of a stage, for a sentence."""
+
+    stage: str
+    size: int
+    setting: Setting
+    evaluated: int = 0
+    failed: int = 0
+    drawn: int = 0
+    same: int = 0
+    why: str = ""
+    """The first reason why one of them could not be drawn."""
+    other: str = ""
+    """What is other code than that of the run, a sentence."""
+
+    def count(self, answer: FlightReply, stored: float | None, drawn: bool) -> None:
+        """One answer, the stored cost, and whether there is a line of it."""
+        self.other = self.other or self.setting.other_code(Identity.model_validate(answer["identity"]))
+        self.evaluated += 1
+        self.failed += answer["status"] != "ok"
+        self.drawn += drawn
+        self.same += answer["cost"] == stored
+        if not drawn:
+            untraced = "" if self.setting.clears else cast(CaseReply, answer)["untraced"]
+            self.why = self.why or answer["reason"] or untraced or "its trace has no positions"
+
+    def words(self) -> str:
+        """The text that describes what is drawn."""
+        return " ".join(filter(None, [*(self._flights() if self.setting.clears else self._cases()), self.other]))
+
+    def _flights(self) -> Iterator[str]:
+        yield f"Thin: the first {self.size} flights of the sample of {self.stage}, as drawn."
+        yield f"{self.failed} failed and end at the failure." if self.failed else ""
+
+    def _cases(self) -> Iterator[str]:
+        """A call of a simulator need not repeat: how many results differ is stated."""
+        all_of = f"the first {self.evaluated} of the sample of {self.stage}"
+        within = "" if self.evaluated == self.size else f", as many as were evaluated within {PATIENCE:g} s"
+        yield f"Thin: {all_of}{within}, each evaluated again by one call."
+        if self.drawn < self.evaluated:
+            yield f"{self.evaluated - self.drawn} of them cannot be drawn: {self.why.rstrip('.')}."
+        differ = self.evaluated - self.same
+        if not differ:
+            yield "All results equal the stored ones."
+        else:
+            yield f"{differ} results differ from the stored ones." if differ > 1 else ONE
 
 
 class Sampled(Part):
@@ -79,19 +139,20 @@ class Sampled(Part):
     def _fly(self) -> None:
         with read(self._engine) as reader:
             stage, drawn = _sample(reader, number(self._setting.run), self._setting)
-            again = of_run(reader, self._live, self._setting)
+            needs = reader.scalar(sa.select(Run.needs).where(Run.id == number(self._setting.run))) or ""
         if not drawn:
             self._note.content = tables.note("No random sample is stored: it comes from certify or from Monte Carlo.")
             return
         self._forget()
-        tally, until = again.tally(stage, len(drawn), self._setting), time.monotonic() + again.patience
-        for begin in range(0, len(drawn), again.together):
+        together, patience = (TOGETHER, math.inf) if self._setting.clears else (1, PATIENCE)
+        tally, until = Tally(stage, len(drawn), self._setting), time.monotonic() + patience
+        for begin in range(0, len(drawn), together):
             simulated = []
-            for one in drawn[begin : begin + again.together]:
+            for one in drawn[begin : begin + together]:
                 if self._stopped or not self.on:
                     return
                 try:
-                    answer = again.answer(one.parameters, one.seed)
+                    answer = self._evaluated(one, needs)
                 except LiveError as error:
                     self._note.content = tables.note(str(error), strong=True)
                     return
@@ -104,6 +165,15 @@ class Sampled(Part):
         self._whole = True
         with self._driver.drawing():
             self._note.content = tables.note(tally.words())
+
+    def _evaluated(self, one: evaluations.Evaluated, needs: str) -> FlightReply:
+        """The response of the process; needs: the version of the simulator. Raises `LiveError`."""
+        document, digest = self._setting.document, self._setting.digest
+        if self._setting.clears:
+            return self._live.simulate(document, digest, one.parameters, ROWS, one.seed)
+        request = {"campaign": document, "simulator": needs, "parameters": one.parameters}
+        found: CaseReply = self._live.ask(digest, request | {"rows": ROWS})
+        return found
 
     def _forget(self) -> None:
         with self._driver.drawing():

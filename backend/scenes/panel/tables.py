@@ -43,7 +43,7 @@ def speeds(drawn: Sequence[Drawn], time: float, decimals: int) -> str:
     found = [(one, vectors.speeds(one, time)) for one in drawn if one.flight is not None]
     if not found:
         return ""
-    rows = "".join(_row(one, (at.ground, at.relative), decimals) for one, at in found)
+    rows = "".join(_row(one, at, decimals) for one, at in found)
     return f"<table {_TABLE}><tr>{_unit('m/s')}{_heads(('over ground', 'v rel'))}</tr>{rows}</table>"
 
 

@@ -160,8 +160,6 @@ class Viewer:
         seed: the requested noise seed; None for those of the campaign.
         """
         with self.drawing():
-            if self._stopped:
-                raise GoneError
             self._intact()
             self._what_if.draw(flight, seed, order)
 
@@ -189,8 +187,6 @@ class Viewer:
         Raises `GoneError`, `FailedError`, and `RefusedError` for a finding or a what-if.
         """
         with self.drawing():
-            if self._stopped:
-                raise GoneError
             self._intact()
             if change.flight is not None:
                 self.choose(change.flight)
@@ -207,14 +203,12 @@ class Viewer:
             if change.camera is not None:
                 self._following.set(change.camera)
             if change.eye is not None:
-                self._following.place((np.array(change.eye.position), np.array(change.eye.target)))
+                self._following.set(None, (np.array(change.eye.position), np.array(change.eye.target)))
         return self.state()
 
     def state(self) -> ViewState:
         """The current state; raises `GoneError`, `FailedError`."""
         with self._lock:
-            if self._stopped:
-                raise GoneError
             self._intact()
             return ViewState(opened=self._opened, revision=self.revision, **self._shown())
 
@@ -263,6 +257,8 @@ class Viewer:
         )
 
     def _intact(self) -> None:
+        if self._stopped:
+            raise GoneError
         if self.failed:
             raise FailedError
 

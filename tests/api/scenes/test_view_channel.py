@@ -175,7 +175,7 @@ def test_a_browser_may_leave_while_its_camera_is_moved(
         clients = server.get_clients()
     until(lambda: all(c._websock_connection.get_message_buffer().done for c in clients.values()))
     monkeypatch.setattr(server, "get_clients", lambda: clients)  # as requested just before
-    camera.place((np.zeros(3), np.ones(3)))
+    camera.set(None, (np.zeros(3), np.ones(3)))
     camera.work(time.monotonic())
     assert len(clients) == 1
 

@@ -7,7 +7,7 @@ from typing import Any, cast
 import pytest
 
 from backend.scenes.base.setting import Setting
-from backend.scenes.panel.again import _Cases
+from backend.scenes.panel.sampled import Tally
 from campaigns.identity.identity import Identity
 
 
@@ -15,12 +15,13 @@ class _Of:
     """What is needed of a setting."""
 
     identity = Identity(engine="a", files={"simulators/wind": "d"})
+    clears = False
     other_code = Setting.other_code
 
 
 def answer(cost: float | None = 1.0, digest: str = "d", reason: str = "", untraced: str = "") -> dict[str, Any]:
     code = {"engine": "a", "files": {"simulators/wind": digest}}
-    return {"cost": cost, "identity": code, "reason": reason, "untraced": untraced}
+    return {"status": "ok", "cost": cost, "identity": code, "reason": reason, "untraced": untraced}
 
 
 @pytest.mark.parametrize(
@@ -37,7 +38,7 @@ def answer(cost: float | None = 1.0, digest: str = "d", reason: str = "", untrac
     ],
 )
 def test_the_sentence(size: int, answers: list[tuple[dict[str, Any], float | None, bool]], expected: str) -> None:
-    told = _Cases("certify", size, cast(Setting, _Of()))
+    told = Tally("certify", size, cast(Setting, _Of()))
     for given in answers:
         told.count(*given)
     assert expected in told.words()

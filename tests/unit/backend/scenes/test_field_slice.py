@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from backend.scenes.base.axes import Axes
-from backend.scenes.drawing.colours import VIRIDIS, colours
 from backend.scenes.drawing.world import Frame
-from backend.scenes.panel.field_slice import PLACES, Grid, Slice, arrows, legend, picture, read
+from backend.scenes.panel.field_slice import PLACES, VIRIDIS, Grid, Slice, arrows, colours, legend, picture, read
 
 
 class Planar:

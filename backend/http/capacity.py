@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import functools
+import sys
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any, TypeVar
@@ -17,7 +18,6 @@ from fastapi.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
 from backend.http.errors import RefusedError
-from backend.http.readers import Readers
 
 Result = TypeVar("Result")
 Gone = Callable[[], Awaitable[bool]]
@@ -145,7 +145,9 @@ class BoundedStream(StreamingResponse):
 
 class Capacities:
     def __init__(self) -> None:
-        self.readers = Readers()
+        # Read-only connections of requests; the engine has five more, for endpoints that open one themselves. A request
+        # holds its own while it waits for a thread that all share: more of them would wait for each other without end.
+        self.reads = Capacity("", 10, sys.maxsize, None, 1)
         self.pdf = Capacity("reports are being printed", 2, 4, 60.0, 30)
         self.recordings = Capacity("recordings are being made", 2, 6, 20.0, 5)
         self.files = Capacity("files are being written", 4, 12, 20.0, 5)

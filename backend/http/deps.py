@@ -6,9 +6,11 @@ from collections.abc import AsyncIterator
 from typing import Annotated
 
 import sqlalchemy as sa
+from anyio import CancelScope
 from fastapi import Depends, Request
 
 from backend.db import space
+from backend.db.engine import read
 from backend.http.capacity import Capacities
 from backend.http.errors import RefusedError
 
@@ -25,8 +27,15 @@ Engine = Annotated[sa.Engine, Depends(engine)]
 
 async def reader(request: Request, engine: Engine) -> AsyncIterator[sa.Connection]:
     """One snapshot of the database for the whole request."""
-    async with capacities(request).readers.connection(engine, account(request)) as connection:
-        yield connection
+    reads = capacities(request).reads
+    async with reads.turn(account(request)):
+        reading = read(engine)
+        connection = await reads.thread(reading.__enter__)
+        try:
+            yield connection
+        finally:
+            with CancelScope(shield=True):
+                await reads.thread(lambda: reading.__exit__(None, None, None))
 
 
 def account(request: Request) -> str:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import http
 import logging
 import operator
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import sqlalchemy as sa
@@ -244,35 +245,6 @@ def broken(path: str) -> JSONResponse:
     return respond(RefusedError(500, "internal", detail), path)
 
 
-def install(app: FastAPI) -> None:
-    app.add_exception_handler(RefusedError, _refused)
-    app.add_exception_handler(CampaignError, _unusable)
-    app.add_exception_handler(AccessError, _conflicting)
-    app.add_exception_handler(HTTPException, _http)
-    app.add_exception_handler(RequestValidationError, _invalid)
-    app.add_exception_handler(sa.exc.TimeoutError, _waited)
-
-
-async def _refused(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, RefusedError)
-    return respond(error, request.url.path)
-
-
-async def _unusable(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, CampaignError)
-    return respond(invalid(error), request.url.path)
-
-
-async def _conflicting(request: Request, error: Exception) -> JSONResponse:
-    return respond(RefusedError(409, "access-conflict", f"{error}"), request.url.path)
-
-
-async def _waited(request: Request, error: Exception) -> JSONResponse:
-    """The pool had no free database connection within its timeout."""
-    detail = "the database is busy: try again in a few seconds"
-    return respond(RefusedError(503, "busy", detail, headers={"Retry-After": "5"}), request.url.path)
-
-
 _SENTENCES = {
     400: "the request cannot be read: send JSON in UTF-8, with whole numbers of at most 4,300 digits",
     404: "there is no page or resource at this address",
@@ -282,22 +254,42 @@ _KIND = {400: "bad-request", 404: "not-found", 405: "method-not-allowed", 413: "
 """Details of the statuses that the framework and the middleware raise."""
 
 
-async def _http(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, HTTPException)
+def _http(error: HTTPException, method: str) -> RefusedError:
     sentence = _SENTENCES.get(error.status_code, error.detail)
     kind = _KIND.get(error.status_code) or http.HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
-    refused = RefusedError(error.status_code, kind, f"{sentence} ({request.method})", headers=error.headers)
-    return respond(refused, request.url.path)
+    return RefusedError(error.status_code, kind, f"{sentence} ({method})", headers=error.headers)
 
 
-async def _invalid(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, RequestValidationError)
+def _invalid(error: RequestValidationError, _: str) -> RefusedError:
     found = error.errors()
     errors = [problem_of(e, e["loc"][1:] if e["loc"][0] in _PARTS else e["loc"]) for e in found[:MOST]]
     if len(found) > MOST:
         errors.append(Problem("", "", f"and {len(found) - MOST} more problems"))
     detail = "the request does not match the API description: " + "; ".join(map(str, errors))
-    return respond(RefusedError(422, "invalid-request", detail, errors), request.url.path)
+    return RefusedError(422, "invalid-request", detail, errors)
+
+
+_REFUSALS: dict[type[Exception], Callable[[Any, str], RefusedError]] = {
+    RefusedError: lambda error, _: error,
+    CampaignError: lambda error, _: invalid(error),
+    AccessError: lambda error, _: RefusedError(409, "access-conflict", f"{error}"),
+    HTTPException: _http,
+    RequestValidationError: _invalid,
+    # The pool had no free database connection within its timeout.
+    sa.exc.TimeoutError: lambda *_: RefusedError(
+        503, "busy", "the database is busy: try again in a few seconds", headers={"Retry-After": "5"}
+    ),
+}
+"""From an error and the method of the request."""
+
+
+def install(app: FastAPI) -> None:
+    for kind, refusal in _REFUSALS.items():
+        app.add_exception_handler(kind, partial(_answered, refusal))
+
+
+async def _answered(refusal: Callable[[Any, str], RefusedError], request: Request, error: Exception) -> JSONResponse:
+    return respond(refusal(error, request.method), request.url.path)
 
 
 _PARTS = {"body", "query", "path", "header"}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import sqlalchemy as sa
 
@@ -17,19 +16,6 @@ from backend.metrics.text import Metric, Sample, gauge
 from campaigns.runs import ACTIVE, RunState
 
 
-@dataclass(frozen=True)
-class Stored:
-    """What the database holds."""
-
-    states: dict[str, int]
-    evaluations: int
-    still: int
-    """The runs that a worker has and that stand still."""
-    alive: int
-    lost: int
-    losses: int
-
-
 class Metrics:
     """Reads the metrics."""
 
@@ -39,15 +25,14 @@ class Metrics:
     def text(self, engine: sa.Engine, waiting: dict[str, int]) -> str:
         """waiting: the length of each queue of this process. A database that cannot be used is a metric, too."""
         try:
-            stored = _stored(engine)
+            stored = _of_the_database(engine)
         except DatabaseOutage:
             stored = None
         return "".join(metric.text() for metric in self._metrics(stored, waiting))
 
-    def _metrics(self, stored: Stored | None, waiting: dict[str, int]) -> Iterator[Metric]:
+    def _metrics(self, stored: list[Metric] | None, waiting: dict[str, int]) -> Iterator[Metric]:
         yield gauge("clearance_database_up", "1 if the database can be used.", float(stored is not None))
-        if stored is not None:
-            yield from self._of_the_database(stored)
+        yield from stored or ()
         depth = [Sample("clearance_jobs", count, {"queue": name}) for name, count in waiting.items()]
         yield Metric("clearance_jobs", "gauge", "Running and waiting jobs of the service.", depth)
         yield gauge("clearance_free_bytes", "Least free space where data is written.", self.room.free())
@@ -55,44 +40,38 @@ class Metrics:
             "clearance_request_seconds", "histogram", "Requests by route and status class.", self.requests.samples()
         )
 
-    def _of_the_database(self, stored: Stored) -> Iterator[Metric]:
-        states = [Sample("clearance_runs", stored.states.get(state, 0), {"state": state}) for state in RunState]
-        yield Metric("clearance_runs", "gauge", "Runs by state.", states)
-        yield gauge(
-            "clearance_runs_standing_still",
-            f"Runs that a worker has, without a new stored evaluation for {STILL:g} s.",
-            stored.still,
-        )
-        yield gauge(
-            "clearance_evaluations",
-            "Stored evaluations of all runs, purged ones excepted.",
-            stored.evaluations,
-        )
-        workers = [
-            Sample("clearance_workers", stored.alive, {"state": "alive"}),
-            Sample("clearance_workers", stored.lost, {"state": "lost"}),
-        ]
-        yield Metric("clearance_workers", "gauge", "Workers by their heartbeat; lost: silent within a day.", workers)
-        yield gauge(
-            "clearance_run_losses",
-            "Workers that active runs have lost since their last result.",
-            stored.losses,
-        )
 
-
-def _stored(engine: sa.Engine) -> Stored:
+def _of_the_database(engine: sa.Engine) -> list[Metric]:
     with read(engine) as reader:
         at, count = now(reader), sa.func.count
-        states = reader.execute(sa.select(Run.state, count(), sa.func.sum(Run.evaluations)).group_by(Run.state)).all()
+        runs = reader.execute(sa.select(Run.state, count(), sa.func.sum(Run.evaluations)).group_by(Run.state)).all()
         losses = reader.scalar(sa.select(sa.func.sum(Run.losses)).where(Run.state.in_(ACTIVE)))
         still = len(standing_still(reader))
         beats = reader.scalars(sa.select(Worker.beat)).all()
-    alive = sum(beat > at - SEEN for beat in beats)
-    return Stored(
-        {state: number for state, number, _ in states},
-        sum(evaluations or 0 for _, _, evaluations in states),
-        still,
-        alive,
-        len(beats) - alive,
-        losses or 0,
-    )
+    states, alive = {state: number for state, number, _ in runs}, sum(beat > at - SEEN for beat in beats)
+    workers = {"alive": alive, "lost": len(beats) - alive}
+    return [
+        Metric(
+            "clearance_runs",
+            "gauge",
+            "Runs by state.",
+            [Sample("clearance_runs", states.get(state, 0), {"state": state}) for state in RunState],
+        ),
+        gauge(
+            "clearance_runs_standing_still",
+            f"Runs that a worker has, without a new stored evaluation for {STILL:g} s.",
+            still,
+        ),
+        gauge(
+            "clearance_evaluations",
+            "Stored evaluations of all runs, purged ones excepted.",
+            sum(evaluations or 0 for _, _, evaluations in runs),
+        ),
+        Metric(
+            "clearance_workers",
+            "gauge",
+            "Workers by their heartbeat; lost: silent within a day.",
+            [Sample("clearance_workers", number, {"state": state}) for state, number in workers.items()],
+        ),
+        gauge("clearance_run_losses", "Workers that active runs have lost since their last result.", losses or 0),
+    ]

@@ -19,7 +19,6 @@ from backend.exports.formats import evaluations_csv, findings_csv, run_json, tra
 from backend.http import bodies
 from backend.http.capacity import Capacities, Capacity
 from backend.http.errors import RefusedError
-from backend.http.readers import AT_ONCE_EACH
 from backend.previews.service import Previews
 from backend.reports import pdf
 from backend.reports import service as reports
@@ -193,7 +192,7 @@ def test_health_and_the_guard_answer_when_a_user_asks_for_more_than_one_may(
 
     monkeypatch.setattr(listing, "summaries", held)
     asked = [Asked(service, client, "/api/v1/runs") for _ in range(MANY)]
-    until(lambda: len(begun) == AT_ONCE_EACH)
+    until(lambda: len(begun) == 5)
     answers_at_once(service, client)
     go.set()
     assert {one.answer()[0] for one in asked} == {200}
@@ -251,7 +250,8 @@ def test_a_stream_for_a_run_that_is_not_there_is_a_problem(service: Service, cli
     until(lambda: service.app.state.capacities.files.inside == 0)
 
 
-KINDS = [name for name, one in vars(Capacities()).items() if isinstance(one, Capacity)]
+# Without `reads`, which refuses nobody: all wait.
+KINDS = [name for name, one in vars(Capacities()).items() if isinstance(one, Capacity) and name != "reads"]
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "previews"])

@@ -11,9 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from backend.db.engine import connect
 from backend.db.space import Room
+from backend.db.tables import Base
 from backend.metrics.requests import Requests
-from backend.metrics.service import Metrics, Stored
+from backend.metrics.service import Metrics
 from backend.settings import Settings
 
 DEPLOY = Path(__file__).parents[3] / "deploy"
@@ -54,12 +56,14 @@ def test_timers_start_a_unit_that_is_there_at_times_that_are_read(timer: Path) -
         subprocess.run([verify, "calendar", parser["Timer"]["OnCalendar"]], capture_output=True, timeout=60, check=True)
 
 
-def test_the_dashboard_shows_metrics_that_exist() -> None:
-    stored = Stored({}, 0, 0, 0, 0, 0)
+def test_the_dashboard_shows_metrics_that_exist(tmp_path: Path) -> None:
+    engine = connect(f"sqlite:///{tmp_path}/clearance.sqlite3")
+    Base.metadata.create_all(engine)
     requests = Requests()
     requests.note(("GET", "/", "2xx"), 0.1)
     metrics = Metrics(Room((DEPLOY,), 0), requests)
-    text = "".join(metric.text() for metric in metrics._metrics(stored, {"pdf": 0}))
+    text = metrics.text(engine, {"pdf": 0})
+    engine.dispose()
     known = set(re.findall(r"^(\w+)[{ ]", text, re.MULTILINE))
     asked = [target["expr"] for panel in json.loads((DEPLOY / "grafana.json").read_text())["panels"]
              for target in panel["targets"]]  # fmt: skip

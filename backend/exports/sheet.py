@@ -5,14 +5,15 @@ Each block of chunks is read in its own transaction, so that a slow download doe
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import starmap
+from itertools import repeat, starmap
 from typing import Any, NamedTuple
 
 import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
+from pydantic_core import to_json
 
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
@@ -20,7 +21,7 @@ from backend.catalog.service import bounds, described
 from backend.db.engine import read
 from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
-from backend.http.written import finite_all, headed
+from backend.http.written import cells, finite_all, headed
 from backend.results.evaluations import Bounds
 from campaigns import Campaign, cube
 from campaigns.checked.check import parameters
@@ -67,6 +68,35 @@ class Block(NamedTuple):
         draws = [] if self.draws is None else [self.draws]
         columns = (self.indices, status, reasons, self.seconds.tolist(), *map(finite_all, self.costs), *values, *draws)
         return list(map(list, zip(*columns, strict=True)))
+
+    def written(
+        self,
+        missing: bytes,
+        text: Callable[[str | None], bytes],
+        number: Callable[[Floats], list[bytes]] = cells,
+    ) -> Iterator[Iterable[bytes]]:
+        """The same as cells; a column at a time, because a row of Python objects takes four times as long.
+
+        number: writes working times and parameters.
+        """
+        yield to_json([*self.indices])[1:-1].split(b",")
+        statuses = [text(status) for status in STATUS]
+        yield [statuses[code] for code in self.status.tolist()]
+        reasons = self.reasons
+        yield [text(reasons.get(i)) for i in self.indices] if reasons else repeat(missing, len(self.indices))
+        yield number(self.seconds)
+        yield from (known(costs, missing) for costs in self.costs)
+        yield from map(number, self.values)
+        if self.draws is not None:
+            yield [missing if draw is None else b"%d" % draw for draw in self.draws]
+
+
+def known(values: Floats, missing: bytes) -> list[bytes]:
+    """The cells of numbers; `missing` for those that are not finite."""
+    written = cells(values)
+    for i in np.flatnonzero(~np.isfinite(values)).tolist():
+        written[i] = missing
+    return written
 
 
 @dataclass(frozen=True)

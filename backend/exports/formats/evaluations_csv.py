@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from itertools import repeat
+from collections.abc import Iterator
 
-import numpy as np
 import sqlalchemy as sa
-from pydantic_core import to_json
 
 from backend.db.engine import read
 from backend.exports.format import Format, words
-from backend.exports.sheet import Block, Sheet, sheet
-from backend.http.written import cells, lines
+from backend.exports.sheet import Sheet, sheet
+from backend.http.written import lines
 from backend.runs import service as runs
-from campaigns.results.base import STATUS
 
 END = b"\r\n"
-_STATUS = [status.encode() for status in STATUS]
 
 
 def evaluations_csv(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
@@ -31,24 +26,8 @@ def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
     for stage in found.stages:
         stage_cells = lines([[stage.position, stage.kind, stage.method, ""]]).removesuffix(END)
         for block in found.blocks(engine, stage):
-            rows = map(b",".join, zip(*_columns(block), strict=True))
+            rows = map(b",".join, zip(*block.written(b"", _text), strict=True))
             yield stage_cells + (END + stage_cells).join(rows) + END
-
-
-def _columns(block: Block) -> Iterator[Iterable[bytes]]:
-    """The cells of each column; a column at a time, because a row of Python objects takes four times as long."""
-    yield to_json([*block.indices])[1:-1].split(b",")
-    yield [_STATUS[code] for code in block.status.tolist()]
-    yield [_text(block.reasons.get(i)) for i in block.indices] if block.reasons else repeat(b"", len(block.indices))
-    yield cells(block.seconds)
-    for costs in block.costs:
-        written = cells(costs)
-        for i in np.flatnonzero(~np.isfinite(costs)).tolist():
-            written[i] = b""
-        yield written
-    yield from map(cells, block.values)
-    if block.draws is not None:
-        yield [b"" if draw is None else str(draw).encode() for draw in block.draws]
 
 
 def _text(text: str | None) -> bytes:

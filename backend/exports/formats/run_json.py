@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import repeat
+from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import Any
 
-import numpy as np
 import sqlalchemy as sa
-from pydantic_core import to_json
 
 from backend.db import snapshots
 from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.exports.format import Format, words
-from backend.exports.sheet import Block, Evaluated, Sheet, sheet
-from backend.http.written import cells, compact
+from backend.exports.sheet import Evaluated, Sheet, known, sheet
+from backend.http.written import compact
 from backend.results import likely
 from backend.results import service as results
 from backend.results.coverage import read as coverage
 from backend.runs import service as runs
 from backend.runs.components import components
 from backend.signoffs import service as signoffs
-from campaigns.results.base import STATUS
 
 FORMAT = "clearance-run/1"
-_STATUS = [compact(status).encode() for status in STATUS]
 
 
 def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
@@ -74,25 +70,13 @@ def _run_json(
 def _json_rows(engine: sa.Engine, found: Sheet, stage: Evaluated) -> Iterator[bytes]:
     first = True
     for block in found.blocks(engine, stage):
-        rows = map(b",".join, zip(*_columns(block), strict=True))
+        rows = map(b",".join, zip(*block.written(b"null", _text, partial(known, missing=b"null")), strict=True))
         yield (b"\n[" if first else b",\n[") + b"],\n[".join(rows) + b"]"
         first = False
 
 
-def _columns(block: Block) -> Iterator[Iterable[bytes]]:
-    """The values of each column as JSON; a column at a time, because a row of Python objects takes several times as
-    long."""
-    yield to_json([*block.indices])[1:-1].split(b",")
-    yield [_STATUS[code] for code in block.status.tolist()]
-    reasons = block.reasons
-    yield [compact(reasons.get(i)).encode() for i in block.indices] if reasons else repeat(b"null", len(block.indices))
-    for column in (block.seconds, *block.costs, *block.values):
-        written = cells(column)
-        for i in np.flatnonzero(~np.isfinite(column)).tolist():
-            written[i] = b"null"
-        yield written
-    if block.draws is not None:
-        yield [compact(draw).encode() for draw in block.draws]
+def _text(text: str | None) -> bytes:
+    return compact(text).encode()
 
 
 export = Format(

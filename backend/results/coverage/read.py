@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +14,8 @@ from backend.catalog.criteria import criteria
 from backend.catalog.service import bounds, described
 from backend.db.rows import as_array, chunks
 from backend.db.tables import EvaluationChunk, Stage
-from backend.results.coverage import ball, pairs, slopes
-from backend.results.coverage.schemas import Coverage, EmptyBall, PairCoverage, PossibleVolume
+from backend.results.coverage import ball, slopes
+from backend.results.coverage.schemas import Coverage, EmptyBall, PairCoverage
 from backend.results.coverage.tree import Floats
 from backend.runs.service import campaign
 from campaigns import Campaign, Catalogue, cube, thin
@@ -28,6 +30,9 @@ MOST = 20_000
 """Evaluations of a run that are used, and fewer from 13 parameters on: so the work is bounded, at about 0.4 s."""
 NUMBERS = 12 * MOST
 """Parameters of all evaluations that are used."""
+
+BINS = 10
+"""Of each range; a pair has the square of it."""
 _COLUMNS = [getattr(EvaluationChunk, name) for name in ("first", "count", "points", "costs", "status")]
 
 
@@ -52,9 +57,9 @@ def covered(used: Used, request: Campaign, catalogue: Catalogue | None) -> Cover
         used=len(used.points),
         without_value=int(np.count_nonzero(~valued)),
         ball=_ball(used.points, request, catalogue) if len(used.points) else None,
-        bins=pairs.BINS**2,
-        pairs=_pairs(used.points, list(request.uncertain)),
-        possible=_possible(used.points[valued], used.costs[valued], request.criterion.threshold),
+        bins=BINS**2,
+        pairs=pairs(used.points, list(request.uncertain)),
+        possible=slopes.possible(used.points[valued], used.costs[valued], request.criterion.threshold),
         statements=[],
     )
     return found.model_copy(update={"statements": _statements(found, request, catalogue)})
@@ -94,17 +99,21 @@ def _rounded_down(radius: float) -> float:
     return min(radius, round(math.floor(radius / step) * step, 15))
 
 
-def _pairs(points: Floats, paths: list[str]) -> list[PairCoverage]:
-    return [PairCoverage(first=paths[a], second=paths[b], touched=touched) for a, b, touched in pairs.touched(points)]
+def pairs(points: Floats, paths: Sequence[str]) -> list[PairCoverage]:
+    """Which bins of every pair of parameters have an evaluation, the least covered first; points: (m, n).
 
-
-def _possible(points: Floats, costs: Floats, threshold: float) -> PossibleVolume | None:
-    found = slopes.possible(points, costs, threshold) if len(points) else None
-    if found is None:
-        return None
-    return PossibleVolume(
-        slope=found.slope, fraction=found.fraction, standard_error=found.standard_error, points=found.drawn
-    )
+    Kuhn, Kacker, Lei (NIST SP 800-142, 2010), section 2, with equal bins of a range as the values of a parameter.
+    """
+    bins = np.minimum((points * BINS).astype(np.int64), BINS - 1)
+    found = [
+        PairCoverage(
+            first=paths[a],
+            second=paths[b],
+            touched=int(np.count_nonzero(np.bincount(bins[:, a] * BINS + bins[:, b], minlength=BINS**2))),
+        )
+        for a, b in itertools.combinations(range(points.shape[1]), 2)
+    ]
+    return sorted(found, key=lambda pair: pair.touched)
 
 
 def _statements(found: Coverage, request: Campaign, catalogue: Catalogue | None) -> list[Spans]:

@@ -7,10 +7,10 @@ least cost_i - L distance_i everywhere. The true L is unknown; the steepest slop
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
+from backend.results.coverage.schemas import PossibleVolume
 from backend.results.coverage.tree import Floats, affordable, near, nearest, tree_of
 from campaigns import thin
 
@@ -20,29 +20,15 @@ NEIGHBOURS = 8
 """Number of near evaluations with which each is compared."""
 
 
-class Possible(NamedTuple):
-    slope: float
-    """The steepest one seen, in the criterion's unit per whole range of a parameter."""
-    left: int
-    """Of the drawn points, those at which this slope leaves a violation possible."""
-    drawn: int
-
-    @property
-    def fraction(self) -> float:
-        return self.left / self.drawn
-
-    @property
-    def standard_error(self) -> float:
-        return math.sqrt(self.fraction * (1.0 - self.fraction) / self.drawn)
-
-
-def possible(points: Floats, costs: Floats, threshold: float) -> Possible | None:
+def possible(points: Floats, costs: Floats, threshold: float) -> PossibleVolume | None:
     """None if no two evaluations are far enough apart for a slope; points: (m, n), all with a cost."""
-    slope = steepest(points, costs)
+    slope = steepest(points, costs) if len(points) else None
     if slope is None:
         return None
     drawn = np.random.default_rng(1).random((affordable(points.shape[1]), points.shape[1]))
-    return Possible(slope, _left(points, costs - threshold, slope, drawn), len(drawn))
+    share = _left(points, costs - threshold, slope, drawn) / len(drawn)
+    error = math.sqrt(share * (1.0 - share) / len(drawn))
+    return PossibleVolume(slope=slope, fraction=share, standard_error=error, points=len(drawn))
 
 
 def steepest(points: Floats, costs: Floats) -> float | None:

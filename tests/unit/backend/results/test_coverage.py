@@ -8,8 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from backend.results.coverage import ball, pairs, slopes
-from backend.results.coverage.read import Used, covered
+from backend.results.coverage import ball, slopes
+from backend.results.coverage.read import Used, covered, pairs
 from campaigns import Campaign
 from campaigns.claims import coverage as sentences
 from campaigns.claims.say import symbol
@@ -56,11 +56,12 @@ def test_the_same_evaluations_give_the_same_bits() -> None:
 def test_bins_of_pairs_are_counted_and_the_least_covered_are_first() -> None:
     a, b = np.meshgrid(np.linspace(0.0, 1.0, 11), np.linspace(0.05, 0.95, 10))
     points = np.column_stack([a.ravel(), b.ravel(), np.full(a.size, 1.0)])
-    assert pairs.touched(points) == [(0, 2, 10), (1, 2, 10), (0, 1, 100)]
+    found = [(pair.first, pair.second, pair.touched) for pair in pairs(points, "abc")]
+    assert found == [("a", "c", 10), ("b", "c", 10), ("a", "b", 100)]
 
 
 def test_one_parameter_has_no_pair() -> None:
-    assert pairs.touched(np.array([[0.5]])) == []
+    assert pairs(np.array([[0.5]]), "a") == []
 
 
 @pytest.mark.parametrize("threshold", [-0.5, 0.0, 0.25, 0.9, 2.0])
@@ -70,8 +71,8 @@ def test_a_straight_cost_leaves_the_side_that_violates(threshold: float) -> None
     assert found is not None
     assert found.slope == pytest.approx(1.0, rel=1e-9)
     truth = min(max(threshold, 0.0), 1.0)
-    assert abs(found.fraction - truth) <= 4.0 * math.sqrt(truth * (1.0 - truth) / found.drawn)
-    assert found.standard_error == pytest.approx(math.sqrt(found.fraction * (1.0 - found.fraction) / found.drawn))
+    assert abs(found.fraction - truth) <= 4.0 * math.sqrt(truth * (1.0 - truth) / found.points)
+    assert found.standard_error == pytest.approx(math.sqrt(found.fraction * (1.0 - found.fraction) / found.points))
 
 
 def test_an_evaluation_rules_out_a_ball_of_its_margin_over_the_slope() -> None:

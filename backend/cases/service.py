@@ -7,7 +7,7 @@ in processes of its own. The service's machine must have the simulator of the ru
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import replace
 
 import sqlalchemy as sa
 
@@ -32,40 +32,25 @@ GRACE = 2.0
 """Time for the processes to end, with all that they started [s]."""
 
 
-@dataclass(frozen=True)
-class Evaluable:
-    case: Case
-    simulator: str
-    """The version of the simulator that the run needs; empty if it was not recorded."""
-
-
 def process() -> Live:
     return Live(COMMAND, LIMIT, FIRST_LIMIT, GRACE)
 
 
-def requested_case(reader: sa.Connection, run: str, request: CaseRequest) -> Evaluable:
+def requested_case(reader: sa.Connection, run: str, request: CaseRequest) -> Case:
     """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
-    found = _simulated(reader, number(run))
+    found, version = simulator(reader, run)
     wanted = flights.case(reader, number(run), found, request.like, request.parameters)
-    return Evaluable(wanted, _needs(reader, wanted.run_id))
-
-
-def _simulated(reader: sa.Connection, run_id: int) -> Campaign:
-    found = campaign(reader, run_id)
-    if found.simulator is None:
-        text = f"{run_name(run_id)} simulates a scenario: ask for a flight, POST /runs/{run_name(run_id)}/flights"
-        raise RefusedError(422, "not-flyable", text)
-    return found
-
-
-def _needs(reader: sa.Connection, run_id: int) -> str:
-    """The version of the simulator that the run needs; empty if it was not recorded."""
-    return reader.scalar(sa.select(Run.needs).where(Run.id == run_id)) or ""
+    return replace(wanted, simulator=version)
 
 
 def simulator(reader: sa.Connection, run: str) -> tuple[Campaign, str]:
     """The campaign of a run that evaluates a simulator, and the version that it needs. Raises `RefusedError`."""
-    return _simulated(reader, number(run)), _needs(reader, number(run))
+    found = campaign(reader, number(run))
+    if found.simulator is None:
+        name = run_name(number(run))
+        text = f"{name} simulates a scenario: ask for a flight, POST /runs/{name}/flights"
+        raise RefusedError(422, "not-flyable", text)
+    return found, reader.scalar(sa.select(Run.needs).where(Run.id == number(run))) or ""
 
 
 def installed(live: Live, campaign: Campaign, version: str) -> CaseInstalled:
@@ -79,12 +64,11 @@ def installed(live: Live, campaign: Campaign, version: str) -> CaseInstalled:
     return CaseInstalled(installed=not found["missing"], reason=found["missing"])
 
 
-def evaluated(live: Live, wanted: Evaluable, rows: int) -> CaseReply:
+def evaluated(live: Live, wanted: Case, rows: int) -> CaseReply:
     """The answer of the process; raises `RefusedError`."""
-    case = wanted.case
-    request = {"campaign": case.document, "simulator": wanted.simulator, "parameters": case.values}
+    request = {"campaign": wanted.document, "simulator": wanted.simulator, "parameters": wanted.values}
     try:
-        found: CaseReply = live.ask(case.digest, request | {"rows": max(rows, ROWS)})
+        found: CaseReply = live.ask(wanted.digest, request | {"rows": max(rows, ROWS)})
         return found
     except FlightRefusedError as error:
         raise RefusedError(422, "not-flyable", f"this case cannot be evaluated: {error}") from None
@@ -96,6 +80,6 @@ def evaluated(live: Live, wanted: Evaluable, rows: int) -> CaseReply:
         raise RefusedError(503, "case-failed", text) from None
 
 
-def response(reader: sa.Connection, wanted: Evaluable, answer: CaseReply, drawn: str | None, rows: int) -> CaseAnswer:
-    plain = flights.response(reader, wanted.case, answer, drawn, rows if answer["columns"] else 0)
+def response(reader: sa.Connection, wanted: Case, answer: CaseReply, drawn: str | None, rows: int) -> CaseAnswer:
+    plain = flights.response(reader, wanted, answer, drawn, rows if answer["columns"] else 0)
     return CaseAnswer(**plain.model_dump(), seconds=answer["seconds"], untraced=answer["untraced"])

@@ -40,6 +40,8 @@ class Case:
     values: dict[str, float]
     """Parameters that are not nominal, by path."""
     seed: int | None
+    simulator: str = ""
+    """The version of the simulator that it needs; empty for a flight, and if it was not recorded."""
 
 
 def case(

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable
-from functools import partial
 from typing import Protocol, TypeVar
 
+import sqlalchemy as sa
 from fastapi import Request
 
 from backend.db.access import Visitor
+from backend.db.engine import read
+from backend.flights.case import Case
 from backend.flights.turns import Turn, Turns
 from backend.http.capacity import Capacity
 from backend.runs.service import number
@@ -19,6 +21,7 @@ from backend.scenes.viewer.viewer import GoneError, Viewer
 from campaigns.stored.replies import FlightReply
 
 Answer = TypeVar("Answer")
+Reply = TypeVar("Reply", bound=FlightReply)
 
 
 WHAT_IF = (
@@ -28,31 +31,43 @@ WHAT_IF = (
 """The problem types of every what-if request."""
 
 
-class Client(Protocol):
-    """The fields of a request that name its open view and its client."""
+class WhatIf(Protocol):
+    """The fields of a request that name its open view and its client, and how many rows it wants."""
 
     view: str | None
     client: str | None
+    rows: int
 
 
 async def in_turn(
     request: Request,
     visitor: Visitor,
     run: str,
-    client: Client,
+    what_if: WhatIf,
     capacity: Capacity,
-    work: Callable[[Viewer | None, Turn], Answer],
+    wanted: Callable[[sa.Connection], Case],
+    simulated: Callable[[Case], Reply],
+    response: Callable[[sa.Connection, Case, Reply, str | None, int], Answer],
 ) -> Answer:
     """The answer of a what-if request when its turn comes, drawn in the open view of this visitor that it names."""
-    turns: Turns = request.app.state.turns
     viewer: Viewer | None = None
-    if client.view is not None:
-        viewer = await request.app.state.viewers.find(Handle(visitor, number(run), client.view), 0.0)
-    named = (visitor.key, run, client.client or client.view)
-    return await turns.run(visitor.account, named, capacity, partial(work, viewer), request.is_disconnected)
+    if what_if.view is not None:
+        viewer = await request.app.state.viewers.find(Handle(visitor, number(run), what_if.view), 0.0)
+
+    def work(turn: Turn) -> Answer:
+        with read(request.app.state.engine) as reader:
+            case = wanted(reader)
+        answer = simulated(case)
+        drawn = what_if.view if _drew(viewer, answer, case.seed, turn) else None
+        with read(request.app.state.engine) as reader:
+            return response(reader, case, answer, drawn, what_if.rows)
+
+    turns: Turns = request.app.state.turns
+    named = (visitor.key, run, what_if.client or what_if.view)
+    return await turns.run(visitor.account, named, capacity, work, request.is_disconnected)
 
 
-def drew(viewer: Viewer | None, answer: FlightReply, seed: int | None, turn: Turn) -> bool:
+def _drew(viewer: Viewer | None, answer: FlightReply, seed: int | None, turn: Turn) -> bool:
     """Draw the answer as the what-if unless a newer request has overtaken it; whether it was drawn."""
     if viewer is None or turn.overtaken.is_set():
         return False

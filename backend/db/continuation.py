@@ -12,9 +12,8 @@ import sqlalchemy as sa
 
 from backend.db import labels, sizes
 from backend.db.engine import now
-from backend.db.lowest import lowered
 from backend.db.queue import Claim, submit
-from backend.db.rows import as_array, as_columns, as_finding, as_result, chunk_rows, failed, lowest
+from backend.db.rows import as_array, as_columns, as_finding, as_result, chunk_rows, failed, lowered, lowest
 from backend.db.tables import CampaignRow, EvaluationChunk, Run, RunBaseline, RunText, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import sqlalchemy as sa
+from pydantic import ValidationError
 
-from backend.db import measurements, workers
-from backend.db.tables import Run, Stage
+from backend.db import workers
+from backend.db.engine import insert, now
+from backend.db.tables import Run, SimulatorMeasurement, Stage
 from campaigns.asked.proposal import Cost
 from campaigns.catalogue import SimulatorEntry
 from campaigns.results.measured import Measured
@@ -16,8 +20,8 @@ from campaigns.runs import StageState, run_name
 from campaigns.stages.found import stage_result
 from campaigns.versions import Versions
 
-RECENT_RUNS = 50
-"""Number of recent runs of the simulator among which the newest measurement is searched."""
+RECENT = 50
+"""Number of recent runs or checks of the simulator among which the newest measurement is searched."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,18 @@ class _Measurement:
     digest: str | None
     """Of the simulator's files then; None if it was not recorded."""
     cost: Cost
+
+
+def store(writer: sa.Connection, entry: SimulatorEntry, digest: str, measured: Measured) -> None:
+    """Store what the command measured; it replaces the earlier measurement of the same declaration and files."""
+    values = {
+        "measured": now(writer),
+        "host": socket.gethostname()[:120],
+        "result": measured.model_dump(mode="json"),
+    }
+    row = insert(writer, SimulatorMeasurement).values(simulator=entry.version, digest=digest[:128], **values)
+    key = [SimulatorMeasurement.simulator, SimulatorMeasurement.digest]
+    writer.execute(row.on_conflict_do_update(index_elements=key, set_=values))
 
 
 def newest(reader: sa.Connection, entry: SimulatorEntry, digest: str | None) -> tuple[Cost | None, Cost | None]:
@@ -66,7 +82,7 @@ def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurem
         .join(Stage, nominal)
         .where(Run.needs == entry.version, Run.removed.is_(None))
         .order_by(Run.id.desc())
-        .limit(RECENT_RUNS)
+        .limit(RECENT)
     )
     for run_id, started, flown, result in reader.execute(query):
         measured = stage_result(result).repeatability
@@ -77,10 +93,13 @@ def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurem
 
 def _of_checks(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurement]:
     """The measurements by `clearance check-simulator` of the simulator with this declaration, the newest first."""
-    for one in measurements.stored(reader, entry):
-        cost = _cost(one.measured, None, one.at, one.host)
-        if cost is not None:
-            yield _Measurement(one.at, one.digest, cost)
+    table = SimulatorMeasurement
+    query = sa.select(table.measured, table.host, table.digest, table.result).where(table.simulator == entry.version)
+    for at, host, digest, result in reader.execute(query.order_by(table.measured.desc()).limit(RECENT)):
+        with suppress(ValidationError):  # another version stored it
+            cost = _cost(Measured.model_validate(result), None, at, host)
+            if cost is not None:
+                yield _Measurement(at, digest, cost)
 
 
 def _cost(measured: Measured, run: str | None, at: float | None, host: str = "") -> Cost | None:

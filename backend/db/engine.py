@@ -12,7 +12,7 @@ import json
 import os
 import sqlite3
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -27,9 +27,13 @@ if TYPE_CHECKING:
     from sqlalchemy.dialects import postgresql
 
 Result = TypeVar("Result")
+Value = TypeVar("Value", int, str)
 
 BUSY_TIMEOUT = 30.0
 """How long an SQLite writer waits for another writer [s]."""
+
+CHUNK = 500
+"""Values that are read in one statement."""
 
 SERVER_LIMITS = {
     "connect_timeout": 5,
@@ -135,6 +139,12 @@ def now(connection: sa.Connection) -> float:
 def clock(connection: sa.Connection) -> Any:
     """The same clock in a statement that writes, which asks no server for it before."""
     return time.time() if is_sqlite(connection) else sa.text("extract(epoch from clock_timestamp())")
+
+
+def chunks(values: Iterable[Value]) -> Iterator[list[Value]]:
+    """The values in order, as many at a time as one statement reads."""
+    ordered = sorted(values)
+    return (ordered[first : first + CHUNK] for first in range(0, len(ordered), CHUNK))
 
 
 def write(engine: sa.Engine, work: Callable[[sa.Connection], Result], patience: float) -> Result:
@@ -259,8 +269,7 @@ def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:
 
 def file_uri(file: Path, mode: str) -> str:
     """The URI of an SQLite file; mode: ro or rw, which do not create it."""
-    path = str(file.absolute()).replace("%", "%25").replace("?", "%3f").replace("#", "%23")
-    return f"file:{path}?mode={mode}"
+    return f"{file.absolute().as_uri()}?mode={mode}"
 
 
 def _set_wal(connection: sqlite3.Connection) -> None:

@@ -20,8 +20,8 @@ from sqlalchemy import orm
 from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
-from backend.db.lowest import own_question
 from backend.db.reset import RESULTS
+from backend.db.rows import own_question
 from backend.db.tables import (
     CampaignRow,
     EvaluationChunk,

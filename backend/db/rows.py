@@ -11,10 +11,10 @@ import sqlalchemy as sa
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from backend.db.tables import EvaluationChunk
+from backend.db.tables import EvaluationChunk, Run, Stage
 from campaigns.results import Finding, StageResult
 from campaigns.results.base import FAILED, OK, TIMEOUT
-from campaigns.stages.found import stage_result
+from campaigns.stages.found import declared, stage_result
 from campaigns.stored.records import Columns, Trace, join
 
 
@@ -52,45 +52,29 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-class ChunkRow(TypedDict):
-    points: bytes
-    costs: bytes
-    status: bytes
-    seconds: bytes
-    reasons: dict[str, str]
-
-
-def blobs(columns: Columns) -> ChunkRow:
-    return {
-        "points": _bytes(columns.points),
-        "costs": _bytes(columns.costs),
-        "status": np.ascontiguousarray(columns.status, dtype=np.uint8).tobytes(),
-        "seconds": _bytes(columns.seconds),
-        "reasons": {str(index): reason for index, reason in columns.reasons.items()},
-    }
-
-
 MOST_ROWS = 4096
 """Of a chunk: whoever reads one has all of it in memory."""
 
 
-def pieces(columns: Columns, first: int) -> Iterator[tuple[int, ChunkRow]]:
-    """Evaluations of a stage that begin at `first` as rows of the chunk table, with the index of each one's first."""
-    for begin in range(0, len(columns.status), MOST_ROWS):
-        rows = slice(begin, begin + MOST_ROWS)
-        indices = range(first + begin, first + begin + MOST_ROWS)
-        reasons = {index: columns.reasons[index] for index in columns.reasons.keys() & set(indices)}
-        points, costs, status, seconds, _ = columns
-        part = Columns(points[rows], costs[rows], status[rows], seconds[rows], dict(sorted(reasons.items())))
-        yield indices[0], blobs(part)
-
-
 def chunk_rows(run_id: int, position: int, first: int, columns: Columns) -> list[dict[str, object]]:
-    """The whole rows of these evaluations."""
-    return [
-        {"run_id": run_id, "position": position, "first": at, "count": len(written["status"]), **written}
-        for at, written in pieces(columns, first)
-    ]
+    """Evaluations of a stage that begin at `first` as rows of the chunk table."""
+    found: list[dict[str, object]] = []
+    for begin in range(0, len(columns.status), MOST_ROWS):
+        at, rows = first + begin, slice(begin, begin + MOST_ROWS)
+        reasons = sorted(columns.reasons.keys() & set(range(at, at + MOST_ROWS)))
+        status = np.ascontiguousarray(columns.status[rows], dtype=np.uint8)
+        found.append({
+            "run_id": run_id,
+            "position": position,
+            "first": at,
+            "count": len(status),
+            "points": _bytes(columns.points[rows]),
+            "costs": _bytes(columns.costs[rows]),
+            "status": status.tobytes(),
+            "seconds": _bytes(columns.seconds[rows]),
+            "reasons": {str(index): columns.reasons[index] for index in reasons},
+        })  # fmt: skip
+    return found
 
 
 def _bytes(array: Any) -> bytes:
@@ -117,9 +101,7 @@ def chunks(
 
 def stored_columns(reader: sa.Connection, run_id: int, position: int) -> Columns | None:
     """All stored evaluations of a stage, in order; None if there are none."""
-    of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
-    rows = reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
-    return join([as_columns(row) for row in rows])
+    return join([as_columns(row) for row in chunks(reader, run_id, position, EvaluationChunk)])
 
 
 def lowest(columns: Columns) -> tuple[float, int | None]:
@@ -151,3 +133,20 @@ def trace_row(trace: Trace) -> TraceRow:
         "data": _bytes(trace.data),
         "meta": plain(trace.meta),
     }
+
+
+def own_question() -> sa.ColumnElement[bool]:
+    """Whether a stage evaluates the question of its campaign."""
+    return Stage.kind.in_(_kinds())
+
+
+def lowered(connection: sa.Connection, run_id: int, kind: str, method: str | None, cost: float) -> None:
+    """A stage of the kind has evaluated a cost; `method` is that of a search."""
+    if kind not in _kinds():
+        return
+    lower = sa.or_(Run.worst_cost.is_(None), Run.worst_cost > cost)
+    connection.execute(sa.update(Run).where(Run.id == run_id, lower).values(worst_cost=cost, worst_method=method))
+
+
+def _kinds() -> list[str]:
+    return [stage.kind for stage in declared().values() if stage.against]

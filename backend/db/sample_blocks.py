@@ -11,8 +11,7 @@ import sqlalchemy as sa
 
 from backend.db import sizes
 from backend.db.engine import now
-from backend.db.lowest import lowered
-from backend.db.rows import chunk_rows, lowest
+from backend.db.rows import chunk_rows, lowered, lowest
 from backend.db.tables import EvaluationChunk, SampleBlock, SampleShare, Stage, Worker
 from backend.db.workers import SEEN
 from campaigns.stored.blocks import Block, packed, unpacked

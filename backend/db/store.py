@@ -6,8 +6,9 @@ lease writes nothing.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any
+from typing import Any, Concatenate, ParamSpec
 
 import numpy as np
 import sqlalchemy as sa
@@ -26,9 +27,8 @@ from backend.db import (
 from backend.db.convergence import extended
 from backend.db.digest import current_digest
 from backend.db.engine import Result, clock, now, read, write
-from backend.db.lowest import lowered
 from backend.db.queue import Claim, LostLease, fenced
-from backend.db.rows import chunk_rows, failed, finding_row, lowest, plain, stored_columns, trace_row
+from backend.db.rows import chunk_rows, failed, finding_row, lowered, lowest, plain, stored_columns, trace_row
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
@@ -49,8 +49,24 @@ PATIENCE = 120.0
 """How long a write is retried while the database is unreachable or locked [s]."""
 
 
+Arguments = ParamSpec("Arguments")
+
 _PROGRESS = {"attempts": 1, "losses": 0}
 """What has gone wrong before a new result no longer counts."""
+
+
+def _transaction(
+    method: Callable[Concatenate[RunStore, sa.Connection, Arguments], Result],
+) -> Callable[Concatenate[RunStore, Arguments], Result]:
+    """A method of the store as one write transaction, which is repeated while the database cannot be written."""
+
+    @functools.wraps(method)
+    def written(self: RunStore, /, *arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
+        found = write(self.engine, lambda connection: method(self, connection, *arguments, **named), PATIENCE)
+        self._written()
+        return found
+
+    return written
 
 
 class RunStore:
@@ -69,12 +85,20 @@ class RunStore:
         with read(self.engine) as connection:
             return continuation.sample_seed(connection, self._run)
 
-    def describe(self, campaign: Campaign, catalogue: Catalogue) -> None:
+    @_transaction
+    def describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
         """Store the component descriptions of this installation; raises `OtherCode` if the run used others.
 
         The catalogue at submission may have been published by another worker.
         """
-        self._write(lambda connection: self._describe(connection, campaign, catalogue))
+        begun = connection.scalar(sa.select(Stage.position).where(Stage.run_id == self._run).limit(1))
+        if begun is None:
+            fenced(connection, self.claim, snapshot=snapshots.store(connection, campaign, catalogue))
+            return
+        snapshot = snapshots.of_run(connection, self._run)
+        others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue)
+        if others:
+            raise OtherCode("; ".join(others))
 
     def begun(self) -> Begun | None:
         """What began the run; None if nothing has been evaluated."""
@@ -90,31 +114,51 @@ class RunStore:
             found = continuation.evaluations(connection, row.continues)
             return Cited(self._begun(connection, row.continues), continuation.stages(connection, row.continues), found)
 
-    def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
+    @_transaction
+    def plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:
         """Store the plan of a new run; returns every stage in its current state."""
-        return self._write(lambda connection: self._plan(connection, stages))
+        fenced(connection, self.claim, fence=self.claim.fence)
+        rows = connection.execute(sa.select(Stage).where(Stage.run_id == self._run).order_by(Stage.position)).all()
+        if not rows:
+            plans = [{"run_id": self._run, "position": i, **vars(stage)} for i, stage in enumerate(stages)]
+            connection.execute(sa.insert(Stage), plans)
+            return [StageRecord(stage) for stage in stages]
+        if [(row.kind, row.method) for row in rows] != [(stage.kind, stage.method) for stage in stages]:
+            raise OtherCode("its stages were planned by another version")
+        return continuation.stages(connection, self._run)
 
-    def record_versions(self, versions: Versions, code: Code) -> None:
+    @_transaction
+    def record_versions(self, connection: sa.Connection, versions: Versions, code: Code) -> None:
         """Store the code version when the first stage starts; raises `OtherCode` if the run was started by other code.
 
         Runs that are older than this column have nothing to compare.
         """
-        self._write(lambda connection: self._check_code(connection, versions, code))
+        if not self._has_begun(connection):
+            codes.store(connection, code)
+            fenced(connection, self.claim, flown=versions.model_dump(mode="json"))
+            if seed := sample_seeds.settle(connection, self._run, versions):
+                fenced(connection, self.claim, sample_seed=seed.value, sample_seed_stated=seed.stated)
+            simulator: Any = self.claim.document.get("simulator")
+            if simulator and versions.simulator and not versions.command:
+                workers.correct(connection, simulator["name"], versions.simulator)
+            return
+        begun = self._begun(connection)
+        simulator = simulator_of(self.claim.document)
+        then, here = identity_of(begun.versions, simulator), identity_of(versions, simulator)
+        others = differences(then, here, differing(begun.modules, code.modules) if begun.modules else [])
+        if others:
+            raise OtherCode("; ".join(others))
 
-    def record_sources(self, files: Sources, texts: Mapping[str, bytes]) -> None:
-        def work(connection: sa.Connection) -> None:
-            fenced(connection, self.claim, state=Run.state)
-            sources.store(connection, self._run, files, texts)
+    @_transaction
+    def record_sources(self, connection: sa.Connection, files: Sources, texts: Mapping[str, bytes]) -> None:
+        fenced(connection, self.claim, state=Run.state)
+        sources.store(connection, self._run, files, texts)
 
-        self._write(work)
-
-    def begin(self, position: int) -> None:
-        def work(connection: sa.Connection) -> None:
-            fenced(connection, self.claim, state=Run.state)
-            started = sa.func.coalesce(Stage.started, now(connection))
-            connection.execute(self._stage(position).values(state=StageState.RUNNING, started=started))
-
-        self._write(work)
+    @_transaction
+    def begin(self, connection: sa.Connection, position: int) -> None:
+        fenced(connection, self.claim, state=Run.state)
+        started = sa.func.coalesce(Stage.started, now(connection))
+        connection.execute(self._stage(position).values(state=StageState.RUNNING, started=started))
 
     def evaluations(self, position: int) -> Columns | None:
         """All stored evaluations of a stage, in order; None if there are none."""
@@ -133,7 +177,7 @@ class RunStore:
         `ValueError` unless `first` is the number of evaluations already stored for the stage.
         """
         if len(columns.status) or ahead is not None:
-            self._write(lambda connection: self._append(connection, position, first, columns, ahead))
+            self._append(position, first, columns, ahead)
 
     def blocks(self, position: int, known: Collection[int] = ()) -> list[Block]:
         """The counted blocks of a stage that is under way and of which only a part is stored, in their order, without
@@ -141,30 +185,19 @@ class RunStore:
         with read(self.engine) as connection:
             return sample_blocks.read(connection, self._run, position, known)
 
-    def take(self, position: int, firsts: Sequence[int], most: int, others: bool) -> list[int]:
+    @_transaction
+    def take(
+        self, connection: sa.Connection, position: int, firsts: Sequence[int], most: int, others: bool
+    ) -> list[int]:
         """Of the blocks with these first draws at most so many, which nobody has stored or taken; others: if there are
         none of these, those that others have taken and may have lost."""
-
-        def work(connection: sa.Connection) -> list[int]:
-            self._under_way(connection, position)
-            return sample_blocks.take(connection, self._run, position, self.claim.worker, firsts, most, others)
-
-        return self._write(work)
+        self._under_way(connection, position)
+        return sample_blocks.take(connection, self._run, position, self.claim.worker, firsts, most, others)
 
     def count(self, position: int, blocks: Sequence[Block]) -> None:
         """Store counted blocks, and update the counts and best of the stage and the run."""
-
-        def work(connection: sa.Connection) -> None:
-            self._under_way(connection, position)
-            new = sample_blocks.fresh(connection, self._run, position, blocks)
-            draws, lost = sum(block.draws for block in new), sum(block.failed for block in new)
-            totals = {"evaluations": Run.evaluations + draws, "failed_evaluations": Run.failed_evaluations + lost}
-            fenced(connection, self.claim, **totals, **_PROGRESS, advanced=clock(connection))
-            if new:
-                sample_blocks.add(connection, self._run, position, new)
-
         if blocks:
-            self._write(work)
+            self._count(position, blocks)
 
     def beat(self) -> None:
         """Say that something was computed that is not stored yet."""
@@ -177,19 +210,28 @@ class RunStore:
         if connection.execute(sa.select(Stage.state).where(*of)).scalar_one() != StageState.RUNNING:
             raise LostLease(f"stage {position} of run {self._run} has ended; nothing was written")
 
-    def keep(self, position: int, columns: Columns) -> None:
+    @_transaction
+    def _count(self, connection: sa.Connection, position: int, blocks: Sequence[Block]) -> None:
+        self._under_way(connection, position)
+        new = sample_blocks.fresh(connection, self._run, position, blocks)
+        draws, lost = sum(block.draws for block in new), sum(block.failed for block in new)
+        totals = {"evaluations": Run.evaluations + draws, "failed_evaluations": Run.failed_evaluations + lost}
+        fenced(connection, self.claim, **totals, **_PROGRESS, advanced=clock(connection))
+        if new:
+            sample_blocks.add(connection, self._run, position, new)
+
+    @_transaction
+    def keep(self, connection: sa.Connection, position: int, columns: Columns) -> None:
         """Store the lowest evaluations of a counted stage, which are counted already; again, if it was interrupted."""
+        fenced(connection, self.claim, state=Run.state)
+        more = sample_blocks.keep(connection, self._run, position, columns)
+        if more is not None:
+            sizes.grow(connection, self._run, more)
 
-        def work(connection: sa.Connection) -> None:
-            fenced(connection, self.claim, state=Run.state)
-            more = sample_blocks.keep(connection, self._run, position, columns)
-            if more is not None:
-                sizes.grow(connection, self._run, more)
-
-        self._write(work)
-
+    @_transaction
     def finish(
         self,
+        connection: sa.Connection,
         position: int,
         result: StageResult,
         seconds: float,
@@ -197,29 +239,26 @@ class RunStore:
         traces: Sequence[Trace] = (),
     ) -> None:
         """Store a stage's result and findings and mark it done, in one transaction."""
-
-        def work(connection: sa.Connection) -> None:
-            values: dict[str, object] = {**_PROGRESS, "error": None, "advanced": clock(connection)}
-            if result.at_nominal is not None:
-                values["nominal_cost"] = plain(result.at_nominal.cost)
-            fenced(connection, self.claim, **values)
-            ended = {"state": StageState.DONE, "finished": now(connection), "seconds": seconds, "result": plain(result)}
-            connection.execute(self._stage(position).values(**ended))
-            sample_blocks.drop(connection, self._run, position)
-            self._replace(connection, FindingRow, FindingRow.label, [finding_row(f) for f in findings])
-            flights = [trace_row(t) for t in traces]
-            if flights:
-                sizes.replace_traces(connection, self._run, [f["name"] for f in flights], [f["data"] for f in flights])
-            self._replace(connection, TraceRow, TraceRow.name, flights)
-
-        self._write(work)
+        values: dict[str, object] = {**_PROGRESS, "error": None, "advanced": clock(connection)}
+        if result.at_nominal is not None:
+            values["nominal_cost"] = plain(result.at_nominal.cost)
+        fenced(connection, self.claim, **values)
+        ended = {"state": StageState.DONE, "finished": now(connection), "seconds": seconds, "result": plain(result)}
+        connection.execute(self._stage(position).values(**ended))
+        sample_blocks.drop(connection, self._run, position)
+        self._replace(connection, FindingRow, FindingRow.label, [finding_row(f) for f in findings])
+        flights = [trace_row(t) for t in traces]
+        if flights:
+            sizes.replace_traces(connection, self._run, [f["name"] for f in flights], [f["data"] for f in flights])
+        self._replace(connection, TraceRow, TraceRow.name, flights)
 
     def found(self) -> list[Finding]:
         """The findings stored so far, the worst first."""
         with read(self.engine) as connection:
             return continuation.findings(connection, self._run)
 
-    def conclude(self, verdict: Verdict) -> None:
+    @_transaction
+    def conclude(self, connection: sa.Connection, verdict: Verdict) -> None:
         values = {
             "state": RunState.DONE,
             "verdict": verdict.verdict,
@@ -232,42 +271,10 @@ class RunStore:
             "lease_until": 0.0,
             "error": None,
         }
-
-        def work(connection: sa.Connection) -> None:
-            fenced(connection, self.claim, finished=now(connection), **values)
-            stated = verdict.provenance.model_copy(update={"evidence": current_digest(connection, self._run)})
-            summary = plain(verdict.model_copy(update={"provenance": stated}))
-            connection.execute(sa.update(Run).where(Run.id == self._run).values(summary=summary))
-
-        self._write(work)
-
-    def _describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
-        begun = connection.scalar(sa.select(Stage.position).where(Stage.run_id == self._run).limit(1))
-        if begun is None:
-            fenced(connection, self.claim, snapshot=snapshots.store(connection, campaign, catalogue))
-            return
-        snapshot = snapshots.of_run(connection, self._run)
-        others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue)
-        if others:
-            detail = "; ".join(others)
-            raise OtherCode(detail)
-
-    def _check_code(self, connection: sa.Connection, versions: Versions, code: Code) -> None:
-        if not self._has_begun(connection):
-            codes.store(connection, code)
-            fenced(connection, self.claim, flown=versions.model_dump(mode="json"))
-            if seed := sample_seeds.settle(connection, self._run, versions):
-                fenced(connection, self.claim, sample_seed=seed.value, sample_seed_stated=seed.stated)
-            simulator: Any = self.claim.document.get("simulator")
-            if simulator and versions.simulator and not versions.command:
-                workers.correct(connection, simulator["name"], versions.simulator)
-            return
-        begun = self._begun(connection)
-        simulator = simulator_of(self.claim.document)
-        then, here = identity_of(begun.versions, simulator), identity_of(versions, simulator)
-        others = differences(then, here, differing(begun.modules, code.modules) if begun.modules else [])
-        if others:
-            raise OtherCode("; ".join(others))
+        fenced(connection, self.claim, finished=now(connection), **values)
+        stated = verdict.provenance.model_copy(update={"evidence": current_digest(connection, self._run)})
+        summary = plain(verdict.model_copy(update={"provenance": stated}))
+        connection.execute(sa.update(Run).where(Run.id == self._run).values(summary=summary))
 
     def _has_begun(self, connection: sa.Connection) -> bool:
         begun = (Stage.run_id == self._run, sa.or_(Stage.state != StageState.WAITING, Stage.evaluations > 0))
@@ -278,17 +285,7 @@ class RunStore:
         versions = Versions.of(connection.scalar(of))
         return Begun(versions, codes.modules(connection, versions.code))
 
-    def _plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:
-        fenced(connection, self.claim, fence=self.claim.fence)
-        rows = connection.execute(sa.select(Stage).where(Stage.run_id == self._run).order_by(Stage.position)).all()
-        if not rows:
-            plans = [{"run_id": self._run, "position": i, **vars(stage)} for i, stage in enumerate(stages)]
-            connection.execute(sa.insert(Stage), plans)
-            return [StageRecord(stage) for stage in stages]
-        if [(row.kind, row.method) for row in rows] != [(stage.kind, stage.method) for stage in stages]:
-            raise OtherCode("its stages were planned by another version")
-        return continuation.stages(connection, self._run)
-
+    @_transaction
     def _append(
         self, connection: sa.Connection, position: int, first: int, columns: Columns, ahead: Ahead | None
     ) -> None:
@@ -341,8 +338,3 @@ class RunStore:
             names = [row[key.key] for row in rows]
             connection.execute(sa.delete(table).where(table.run_id == self._run, key.in_(names)))
             connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
-
-    def _write(self, work: Callable[[sa.Connection], Result]) -> Result:
-        found = write(self.engine, work, PATIENCE)
-        self._written()
-        return found

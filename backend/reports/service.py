@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from markupsafe import Markup
 
 from backend.http.naming import named
-from backend.reports import attraction, charts, limits, sections, validated, words
+from backend.reports import charts, limits, sections, validated, words
 from backend.reports.kept import Kept, Page, key
 from backend.reports.numbers import printed
 from backend.reports.record import Record, load
@@ -130,7 +130,7 @@ def _context(record: Record) -> dict[str, object]:
         "certificate": record.certificate,
         "counted": next((result.counted for result in record.every if result.counted is not None), None),
         "estimate": next((result.estimation for result in record.every if result.estimation is not None), None),
-        "attraction": attraction.stated(record),
+        "attraction": charts.attraction(record),
         "studies": [study for result in record.every for study in result.studies.items()],
         "fig": charts.drawn(record),
         "doubts": sections.doubts(record),

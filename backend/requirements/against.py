@@ -16,13 +16,13 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.lowest import own_question
+from backend.db.engine import chunks
 from backend.db.purge import violates
+from backend.db.rows import own_question
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
 from backend.requirements.standing import Edge
 from backend.runs import identity
-from backend.signoffs.present import chunks
 from campaigns.alike import plain
 from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord

@@ -12,7 +12,7 @@ from fastapi.concurrency import run_in_threadpool
 from backend.access.auth import CurrentVisitor
 from backend.access.once import OnceOnly
 from backend.db import codes
-from backend.db.engine import now, read
+from backend.db.engine import chunks, now, read
 from backend.db.tables import Run
 from backend.http.deps import Engine, Reader, account, capacities
 from backend.http.errors import answers, problems
@@ -26,7 +26,6 @@ from backend.requirements.schemas import (
     RequirementPage,
     RequirementRow,
 )
-from backend.signoffs.present import chunks
 from campaigns.asked.values import Name
 from campaigns.runs import run_number
 from campaigns.version import VERSION
@@ -108,11 +107,13 @@ async def import_requirements(
     found, skipped = await capacities(request).imports.run(
         account(request), lambda: uploads.read(kind, body, id_attribute, text_attribute), request.is_disconnected
     )
-
-    def work(writer: sa.Connection) -> Imported:
-        return service.import_file(writer, service.Upload(name, kind, body, found, skipped), visitor)
-
-    return await run_in_threadpool(once.do, Imported, work, lambda _: f"the import of {name!r}")
+    upload = service.Upload(name, kind, body, found, skipped)
+    return await run_in_threadpool(
+        once.do,
+        Imported,
+        lambda writer: service.import_file(writer, upload, visitor),
+        lambda _: f"the import of {name!r}",
+    )
 
 
 @router.delete("/requirements/files/{file}", status_code=status.HTTP_204_NO_CONTENT, responses=problems("not-found"))

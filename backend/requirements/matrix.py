@@ -7,13 +7,14 @@ page shows are read in full, by the index of `run_requirements`.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import sqlalchemy as sa
 
 from backend.db.digest import EVIDENCE
+from backend.db.engine import chunks
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Requirement, RequirementFile, Run, RunRequirement
 from backend.http.errors import RefusedError
@@ -25,7 +26,6 @@ from backend.requirements.standing import Edge, Standing, standing
 from backend.runs import identity
 from backend.runs.outcomes import Outcome, outcomes
 from backend.signoffs import present
-from backend.signoffs.present import chunks
 from backend.signoffs.standing import UNSIGNED, Signature, signatures
 from backend.signoffs.texts import Texts, texts
 from campaigns.identity.identity import UNSTORED
@@ -93,8 +93,27 @@ def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[Requireme
         whole = [_whole(e, known.get(e.run_id), key, worded) for e in edges.get(key, [])]
         found = standing(whole, others, ignored[key].sweeps)
         beside = [_whole(e, known[e.run_id], key, worded) for e in others if e.run_id in known]
-        notes = " ".join([found.sentence, *against.notes(ignored[key], similar.get(key, []))])
-        made.append(_row(key, row, text, whole, beside, replace(found, sentence=notes), shown, known, ignored))
+        by = {e.run_id: e for e in (*beside, *whole)}
+        listed = shown.get(key, ())
+        made.append(
+            RequirementRow(
+                id=key,
+                text=text,
+                status=found.status,
+                sentence=" ".join([found.sentence, *against.notes(ignored[key], similar.get(key, []))]),
+                registered=row is not None,
+                file=None if row is None else row.file,
+                attributes={} if row is None else row.attributes,
+                changed=None if row is None else row.changed,
+                changed_by=None if row is None else row.changed_by,
+                etag=tag(key, None if row is None else row.text),
+                runs=[_run(by[run_id], known[run_id], found, key) for run_id in listed if run_id in known],
+                total=len(whole),
+                unlisted=len({e.run_id for e in whole} - set(listed)),
+                removed=ignored[key].removed,
+                sweeps=ignored[key].sweeps,
+            )
+        )
     return made
 
 
@@ -194,37 +213,6 @@ def _whole(edge: Edge, known: Known | None, key: str, worded: Texts) -> Edge:
         own=all(one.own for one in valid),
         not_carried=known.not_carried,
         changes=changes,
-    )
-
-
-def _row(
-    key: str,
-    row: Any,
-    text: str,
-    edges: Sequence[Edge],
-    others: Sequence[Edge],
-    now: Standing,
-    shown: Mapping[str, Sequence[int]],
-    known: dict[int, Known],
-    ignored: Mapping[str, against.Ignored],
-) -> RequirementRow:
-    by = {e.run_id: e for e in (*others, *edges)}
-    return RequirementRow(
-        id=key,
-        text=text,
-        status=now.status,
-        sentence=now.sentence,
-        registered=row is not None,
-        file=None if row is None else row.file,
-        attributes={} if row is None else row.attributes,
-        changed=None if row is None else row.changed,
-        changed_by=None if row is None else row.changed_by,
-        etag=tag(key, None if row is None else row.text),
-        runs=[_run(by[run_id], known[run_id], now, key) for run_id in shown.get(key, ()) if run_id in known],
-        total=len(edges),
-        unlisted=len({e.run_id for e in edges} - set(shown.get(key, ()))),
-        removed=ignored[key].removed,
-        sweeps=ignored[key].sweeps,
     )
 
 

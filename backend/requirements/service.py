@@ -12,14 +12,13 @@ import sqlalchemy as sa
 
 from backend.db import audit
 from backend.db.access import Visitor
-from backend.db.engine import now
+from backend.db.engine import chunks, now
 from backend.db.tables import Requirement, RequirementFile
 from backend.http.errors import RefusedError, not_found
 from backend.http.matches import require_match, tag
 from backend.requirements import matrix
 from backend.requirements.reqif import Read
 from backend.requirements.schemas import FileKind, Imported, RequirementFileOut, RequirementGiven, RequirementRow
-from backend.signoffs.present import chunks
 
 MOST = 20_000
 """Requirements that are registered."""

@@ -11,14 +11,13 @@ import sqlalchemy as sa
 
 from backend.catalog.service import published
 from backend.db import codes
+from backend.db.engine import chunks
 from backend.db.tables import CampaignRow, Run
 from campaigns import Campaign, Catalogue, check
 from campaigns.identity.identity import UNSTORED, Change, Identity, changes, identity_of, installed, unsound
 from campaigns.runs import run_name
 from campaigns.versions import Versions, differing
 
-CHUNK = 500
-"""Runs that are read in one statement."""
 MOST_SHOWN = 5
 """Problems of a campaign in one sentence."""
 COLUMNS = (
@@ -54,10 +53,10 @@ def _of_text(text: str | None, simulator: str | None) -> Identity | None:
 
 def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Identity]:
     """Those of the runs that have one."""
-    ordered, found = sorted(run_ids), {}
-    for first in range(0, len(ordered), CHUNK):
+    found = {}
+    for some in chunks(run_ids):
         of = sa.select(Run.id, *COLUMNS).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-        for row in reader.execute(of.where(Run.id.in_(ordered[first : first + CHUNK]))):
+        for row in reader.execute(of.where(Run.id.in_(some))):
             if (identity := of_row(row)) is not None:
                 found[int(row.id)] = identity
     return found

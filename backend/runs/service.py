@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import sqlalchemy as sa
+from pydantic import ValidationError
 
 from backend.catalog.criteria import criteria
-from backend.catalog.service import described, published
+from backend.catalog.service import bounds, described, published
 from backend.db import audit, baselines
 from backend.db.tables import Audit, CampaignRow, Run, Stage
 from backend.http.errors import RefusedError, not_found
-from backend.runs import counts, identity, listing, so_far
+from backend.runs import counts, identity, listing, sampled
 from backend.runs.earlier import terms_of
 from backend.runs.schemas import (
     HistoryEntry,
@@ -26,9 +28,13 @@ from backend.runs.schemas import (
 from backend.runs.tombstones import refuse_purged
 from backend.runs.versions import readable
 from campaigns import Campaign
+from campaigns.asked.distributions import Normal
 from campaigns.claims import earlier
+from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
+from campaigns.densities.joint import joint
 from campaigns.results import SearchResult, Verdict, verdicts
-from campaigns.results.remedies import Ran
+from campaigns.results.remedies import Ran, bound
+from campaigns.results.sample import SoFar
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, StageState, run_name, run_number
 from campaigns.stages.found import declared
@@ -141,7 +147,7 @@ def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:
     rows = reader.execute(
         sa.select(*counts.columns(StageProgress)).where(Stage.run_id == run_id).order_by(Stage.position)
     )
-    drawn = so_far.of_run(reader, run_id)
+    drawn = _so_far(reader, run_id)
     return [StageProgress.model_validate({**row._mapping, "so_far": drawn.get(row.position)}) for row in rows]
 
 
@@ -209,3 +215,47 @@ def _pace(stages: Sequence[StageProgress]) -> tuple[float | None, float | None]:
 def _speed(stages: Sequence[StageProgress]) -> float | None:
     evaluations, seconds = sum(s.evaluations for s in stages), sum(s.seconds for s in stages)
     return evaluations / seconds if evaluations >= FEWEST and seconds > 0 else None
+
+
+def _so_far(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
+    """What a sample shows while it is drawn, of which only the lowest evaluations are stored.
+
+    By the position of the stage; none for a run without such a sample, once it is whole, or if its campaign or
+    descriptions were stored by another version."""
+    drawing = (Stage.run_id == run_id, Stage.counted > 0, Stage.state == StageState.RUNNING)
+    columns = (Stage.position, Stage.planned, Stage.counted, Stage.excluded, Stage.violations)
+    rows = reader.execute(sa.select(*columns).where(*drawing)).all()
+    if not rows:
+        return {}
+    of = sa.select(CampaignRow.document, sampled.STATED.label("stated"))
+    run = reader.execute(of.join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)).one()
+    seed = STATED_SEED if run.stated else ""
+    try:
+        campaign = Campaign.model_validate(run.document)
+        outside = _outside(reader, run_id, campaign)
+    except ValidationError:
+        return {}
+    return {row.position: _shown(row, campaign.confidence, outside, seed) for row in rows if row.counted > row.excluded}
+
+
+def _outside(reader: sa.Connection, run_id: int, campaign: Campaign) -> float | None:
+    """The probability beyond the bounds, which is part of the bound; None if the bounds are not known here."""
+    if not any(isinstance(one.distribution, Normal) for one in campaign.uncertain.values()):
+        return 0.0
+    known = {path: (low, high) for path, (_, low, high) in bounds(campaign, described(reader, run_id)).items()}
+    return joint(campaign, known).outside if known.keys() >= campaign.uncertain.keys() else None
+
+
+def _shown(row: Any, confidence: float, outside: float | None, seed: str) -> SoFar:
+    samples = row.counted - row.excluded
+    whole, beyond = max(row.planned, samples), outside or 0.0
+    now, end = (min(1.0, bound(row.violations, size, confidence) + beyond) for size in (samples, whole))
+    drawn = Drawn(row.violations, samples, confidence, outside, row.excluded, seed)
+    return SoFar(
+        samples=samples,
+        violations=row.violations,
+        upper_bound=now,
+        at_end=end,
+        within_bounds=outside is None,
+        statement=so_far(drawn, now, whole - samples, end),
+    )

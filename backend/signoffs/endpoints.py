@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import sqlalchemy as sa
 from fastapi import APIRouter, Path, status
 
 from backend.access.auth import CurrentVisitor
@@ -49,14 +48,13 @@ def sign_off(run: RunName, review: SignoffRequest, once: OnceOnly, visitor: Curr
     So must the texts of requirements, if they are given.
     """
     run_id = number(run)
-
-    def work(writer: sa.Connection) -> Signoff:
-        return service.sign(writer, run_id, review, visitor)
-
-    def present(reader: sa.Connection, signed: Signoff) -> Signoff:
-        return service.one(reader, run_id, signed.id)  # it may be withdrawn, or the results may have changed
-
-    return once.do(Signoff, work, lambda signed: f"the sign-off {signed.id} of {run}", present)
+    return once.do(
+        Signoff,
+        lambda writer: service.sign(writer, run_id, review, visitor),
+        lambda signed: f"the sign-off {signed.id} of {run}",
+        # It may be withdrawn by now, or the results may have changed.
+        lambda reader, signed: service.one(reader, run_id, signed.id),
+    )
 
 
 @router.post("/runs/{run}/signoffs/{signoff}/withdraw", responses=problems("not-found", "withdrawn", "purged"))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import sqlalchemy as sa
 
 from backend.catalog.service import published
+from backend.db.engine import chunks
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run
 from campaigns import CampaignError, Catalogue
@@ -18,17 +19,8 @@ from campaigns.identity.identity import ENGINE, Identity, installed
 from campaigns.identity.identity import changes as differing
 from campaigns.runs import run_name
 
-Value = TypeVar("Value", int, str)
 NO_CODE = "no worker has published the code to compare it with"
 NOT_STORED = "its code is not stored, so a change of the model cannot be excluded"
-CHUNK = 500
-"""Values that are read in one statement."""
-
-
-def chunks(values: Iterable[Value]) -> Iterator[list[Value]]:
-    """The values in order, as many at a time as one statement reads."""
-    ordered = sorted(values)
-    return (ordered[first : first + CHUNK] for first in range(0, len(ordered), CHUNK))
 
 
 @dataclass(frozen=True)

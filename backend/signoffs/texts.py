@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 
 import sqlalchemy as sa
 
+from backend.db.engine import chunks
 from backend.db.tables import Requirement, Run, RunRequirement
-from backend.signoffs.present import chunks, counted
+from backend.signoffs.present import counted
 
 OTHER_TEXT = "its campaign states another text of the requirement"
 CHANGED_TEXT = "the text of the requirement has changed since the sign-off"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import sqlalchemy as sa
 from fastapi import APIRouter, Depends, Query, Request, status
 
 from backend.access.auth import CurrentVisitor
@@ -54,8 +53,8 @@ def test_webhooks(once: OnceOnly, configured: Configured, visitor: CurrentVisito
 
     `GET /webhooks/deliveries` shows the outcome.
     """
-
-    def work(writer: sa.Connection) -> list[WebhookDelivery]:
-        return service.test(writer, configured, visitor)
-
-    return once.do(list[WebhookDelivery], work, lambda sent: ", ".join(one.id for one in sent))
+    return once.do(
+        list[WebhookDelivery],
+        lambda writer: service.test(writer, configured, visitor),
+        lambda sent: ", ".join(one.id for one in sent),
+    )

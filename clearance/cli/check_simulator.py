@@ -179,7 +179,7 @@ def _declared(entry: SimulatorEntry) -> None:
 
 def _store(data: Path, database: str, entry: SimulatorEntry, digest: str, measured: Measured | None) -> None:
     """Store the measurement for estimates; None: no evaluation had a value."""
-    from backend.db import measurements
+    from backend.db import costs
 
     if measured is None or measured.call_seconds is None:
         typer.echo(
@@ -187,7 +187,7 @@ def _store(data: Path, database: str, entry: SimulatorEntry, digest: str, measur
         )
         return
     with opened(data, database, create=True) as writer:
-        measurements.store(writer, entry, digest, measured)
+        costs.store(writer, entry, digest, measured)
     where = "the database of --database" if database else f"{data.absolute() / 'clearance.sqlite3'}"
     typer.echo(f"stored for the estimates of the launch page and of clearance run: {where}")
 

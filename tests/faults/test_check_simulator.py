@@ -5,16 +5,18 @@ from __future__ import annotations
 import json
 import socket
 from pathlib import Path
+from typing import Any
 
 import pytest
+import sqlalchemy as sa
 
-from backend.db import measurements
 from backend.db.engine import connect, default_url, read
-from backend.db.measurements import Stored
+from backend.db.tables import SimulatorMeasurement
 from campaigns.asked.load import load_file
 from campaigns.claims.spans import words
 from campaigns.claims.stages import calls
 from campaigns.results.base import EXCLUDED, FAILED, OK
+from campaigns.results.measured import Measured
 from clearance.cli import WRONG_INPUT, invoke
 from clearance.cli._announce import announce
 from clearance.cli.check_simulator import NOT_AS_IT_IS
@@ -105,13 +107,12 @@ def test_what_does_not_fit_is_refused(given: list[str], statement: str, capsys: 
     assert statement in capsys.readouterr().err
 
 
-def stored(folder: Path) -> list[Stored]:
-    entry = catalogue().simulator("adversary")
-    assert entry is not None
+def stored(folder: Path) -> list[Any]:
     engine = connect(default_url(folder))
     try:
         with read(engine) as reader:
-            return measurements.stored(reader, entry)
+            table = SimulatorMeasurement
+            return list(reader.execute(sa.select(table.simulator, table.host, table.result)))
     finally:
         engine.dispose()
 
@@ -127,8 +128,11 @@ def test_with_data_the_measurement_is_stored_and_announced(tmp_path: Path, capsy
         assert invoke(["check-simulator", "adversary", "--data", str(data)]) == NOT_AS_IT_IS
         assert f": {data / 'clearance.sqlite3'}\n" in capsys.readouterr().out
         (found,) = stored(data)
-        assert (found.host, found.measured.evaluations) == (socket.gethostname(), 15)
-        assert (found.measured.spread or 0.0) > 0.0
+        entry = catalogue().simulator("adversary")
+        assert entry is not None
+        measured = Measured.model_validate(found.result)
+        assert (found.simulator, found.host, measured.evaluations) == (entry.version, socket.gethostname(), 15)
+        assert (measured.spread or 0.0) > 0.0
         text = announced(campaign, data, capsys)
     assert "evaluations; " in text
     assert "One evaluation took " in text

@@ -10,7 +10,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db import measurements
+from backend.db import costs
 from backend.db.tables import SimulatorMeasurement
 from campaigns.catalogue import SimulatorEntry
 from tests.given.service import Service
@@ -23,7 +23,7 @@ ASKED = "/api/v1/simulators/two_basins/proposal"
 def check(service: Service, digest: str, entry: SimulatorEntry = ENTRY, **values: Any) -> None:
     """What the command stores."""
     with service.engine.begin() as writer:
-        measurements.store(writer, entry, digest, measured(**values))
+        costs.store(writer, entry, digest, measured(**values))
 
 
 @pytest.fixture

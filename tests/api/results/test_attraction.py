@@ -9,7 +9,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from backend.reports.attraction import SECTION
+from backend.reports.charts import SECTION
 from campaigns.stored.records import StagePlan
 from clearance.cli import INCONCLUSIVE, invoke
 from tests.given.corrupted_records import attracting, in_a_second, ran

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from backend.catalog.criteria import criteria
-from backend.db.rows import as_columns, blobs, lowest
+from backend.db.rows import as_columns, chunk_rows, lowest
 from backend.exports.sheet import Sheet, headings
 from backend.results.improvements import Improvements
 from campaigns.stored.records import Columns
@@ -35,7 +35,7 @@ COLUMNS = Columns(
 
 def row() -> Any:
     """The columns as a row of the table of chunks."""
-    return SimpleNamespace(first=0, count=3, **blobs(COLUMNS))
+    return SimpleNamespace(**chunk_rows(1, 0, 0, COLUMNS)[0])
 
 
 def test_every_column_is_stored_and_found_again() -> None:

@@ -16,8 +16,8 @@ from backend.db.queue import Queue
 from backend.db.space import VARIABLE
 from backend.db.tables import Run, Worker
 from backend.db.workers import Doing
-from backend.events import roster
-from backend.events.roster import Roster
+from backend.events import hub
+from backend.events.hub import Roster
 from backend.events.watch import Watch
 from backend.runs.waiting import SOON, doing_of, no_worker
 from tests.given.event_streams import streaming
@@ -164,7 +164,7 @@ def test_workers_that_begin_no_run_are_not_waited_for_in_vain(service: Service, 
 
 
 def test_the_stream_reports_workers(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(roster, "PERIOD", 0.0)
+    monkeypatch.setattr(hub, "READ_PERIOD", 0.0)
     run = submit(client)
     with streaming(client) as stream, streaming(client, run=run) as other:
         assert stream.next("workers")["alive"] == 0

@@ -31,16 +31,10 @@ SPEED = "The time is that of earlier runs with the same components."
 class _Time(NamedTuple):
     """Of the usual number of evaluations, of the least and of the most [s], and where it is known from."""
 
-    usual: float | None
-    least: float | None
-    most: float | None
-    statement: str
-
-
-class _Earlier(NamedTuple):
-    run: str
-    seconds: float
-    stages: list[EstimatedStage]
+    seconds: float | None
+    seconds_least: float | None
+    seconds_most: float | None
+    time_statement: str
 
 
 def estimate(
@@ -52,17 +46,33 @@ def estimate(
     """
     earlier = _earlier(reader, campaign)
     if earlier is not None:
-        statement = f"As in {earlier.run}, an earlier run of this campaign."
-        had, seconds_had = sum(stage.evaluations for stage in earlier.stages), earlier.seconds
-        time = _Time(seconds_had, seconds_had, None, f"The time is that of {earlier.run}.")
-        return _estimate(earlier.stages, Total(had, had, most(campaign)), statement, time, earlier.run)
+        run, seconds_had, stages = earlier
+        had = sum(stage.evaluations for stage in stages)
+        time = _Time(seconds_had, seconds_had, None, f"The time is that of {run}.")
+        return Estimate(
+            evaluations=had,
+            least=had,
+            most=most(campaign),
+            stages=stages,
+            statement=f"As in {run}, an earlier run of this campaign.",
+            run=run,
+            **time._asdict(),
+        )
     found = expected(campaign, catalogue)
     stages, evaluations = [EstimatedStage(**stage._asdict()) for stage in found], total(found)
     if campaign.simulator is None:
         time = _scaled(seconds, evaluations)
     else:
         time = _simulated(reader, campaign, catalogue, evaluations)
-    return _estimate(stages, evaluations, bounded(campaign, evaluations.most), time, None)
+    return Estimate(
+        evaluations=evaluations.usual,
+        least=evaluations.least,
+        most=evaluations.most,
+        stages=stages,
+        statement=bounded(campaign, evaluations.most),
+        run=None,
+        **time._asdict(),
+    )
 
 
 def bounded(campaign: Campaign, most: int) -> str:
@@ -70,23 +80,6 @@ def bounded(campaign: Campaign, most: int) -> str:
     total, needed = validation(campaign).total, least(campaign, noisy=True)
     validated = f"{total:,}" + (FEW if total == needed else "")
     return USUAL.format(most=f"{most:,}", called=called(campaign, most), validation=validated)
-
-
-def _estimate(
-    stages: list[EstimatedStage], evaluations: Total, statement: str, time: _Time, run: str | None
-) -> Estimate:
-    return Estimate(
-        evaluations=evaluations.usual,
-        least=evaluations.least,
-        most=evaluations.most,
-        stages=stages,
-        statement=statement,
-        seconds=time.usual,
-        seconds_least=time.least,
-        seconds_most=time.most,
-        time_statement=time.statement,
-        run=run,
-    )
 
 
 def _scaled(seconds: Callable[[int], float | None], evaluations: Total) -> _Time:
@@ -98,8 +91,8 @@ def _scaled(seconds: Callable[[int], float | None], evaluations: Total) -> _Time
     return _Time(time, each * evaluations.least, each * evaluations.most, SPEED)
 
 
-def _earlier(reader: sa.Connection, campaign: Campaign) -> _Earlier | None:
-    """The newest finished run of exactly this campaign that began from nothing."""
+def _earlier(reader: sa.Connection, campaign: Campaign) -> tuple[str, float, list[EstimatedStage]] | None:
+    """The newest finished run of exactly this campaign that began from nothing: its name, time [s] and stages."""
     done = (Run.campaign_digest == campaign.digest, Run.state == RunState.DONE)
     same = (*done, Run.removed.is_(None), Run.continues.is_(None))
     run_id = reader.scalar(sa.select(Run.id).where(*same, Run.purged.is_(None)).order_by(Run.id.desc()).limit(1))
@@ -120,7 +113,7 @@ def _earlier(reader: sa.Connection, campaign: Campaign) -> _Earlier | None:
         EstimatedStage(kind=k, title=titles.get(k, k.capitalize()), evaluations=n, least=n, most=limits.get(k, n))
         for k, n in found.items()
     ]
-    return _Earlier(run_name(run_id), seconds, stages) if sum(found.values()) else None
+    return (run_name(run_id), seconds, stages) if sum(found.values()) else None
 
 
 def _simulated(reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, evaluations: Total) -> _Time:

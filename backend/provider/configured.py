@@ -54,12 +54,9 @@ def roles_of(text: str) -> dict[str, Role]:
 
 def default_of(text: str) -> Role | None:
     """The role of a user whose groups have none; None: such a user is refused. Raises `ValueError`."""
-    for role in ROLES:
-        if role == text:
-            return role
-    if text:
+    if text and text not in ROLES:
         raise ValueError(f"CLEARANCE_OIDC_DEFAULT_ROLE must be empty or one of {', '.join(ROLES)}, given {text[:60]!r}")
-    return None
+    return next((role for role in ROLES if role == text), None)
 
 
 def safe_address(address: str) -> bool:

@@ -109,7 +109,10 @@ def test_a_page_is_drawn_while_the_service_is_slow_and_has_its_data_once_it_answ
         held.append(route)
 
     page.route("**/api/v1/batch*", hold)
-    for path, seen in (("/runs", "tr[data-run=R-0001]"), ("/runs/R-0001", "[data-testid=verdict]")):
+    for path, seen in (
+        ("/runs", "tr[data-run=R-0001]"),
+        ("/runs/R-0001", "main h1:has-text('Unicycle past a pillar')"),
+    ):
         visit.go(path)
         expect(page.get_by_role("navigation", name="Main")).to_be_visible()
         assert held, "the page asks for what it shows first"

@@ -120,6 +120,7 @@ def test_a_page_is_drawn_while_the_service_is_slow_and_has_its_data_once_it_answ
             with suppress(Error):  # the page may have asked again
                 held.pop().continue_()
         expect(page.locator(seen)).to_be_visible()
+    page.unroute("**/api/v1/batch*")
 
 
 def behind_a_proxy(route: Route) -> None:

@@ -110,7 +110,7 @@ def code_of(flights: Flights) -> str:
     rebuilt(flights.loop.filled_template(), {}, note)
     known = identity.loaded()
     wanted = [name for name in known if name in reached or name.startswith(f"{LOOP}.")]
-    modules = sorted(name for name in identity.closure(wanted).modules if name.startswith(PARTS))
+    modules = sorted(name for name in identity.closure(frozenset(wanted)).modules if name.startswith(PARTS))
     whole = "".join(f"{name}:{known[name].digest};" for name in modules)
     return hashlib.sha256(whole.encode()).hexdigest()[:16]
 

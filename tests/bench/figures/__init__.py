@@ -67,7 +67,7 @@ def small_budgets_code(names: Iterable[str]) -> dict[str, str]:
 def rare_code(part: str) -> str:
     """Of the estimate, the bench and its problems; with a search before it, of `auto` as well."""
     bench = code([f"tests/bench/rare/{name}.py" for name in (*_RARE, *_OF_PART[part])])
-    modules = closure(["worker.engine.rare.estimate", "worker.engine.rare.starts"]).modules
+    modules = closure(frozenset(["worker.engine.rare.estimate", "worker.engine.rare.starts"])).modules
     known = {name: loaded()[name].digest[:16] for name in sorted(modules)}
     searched = [*small_budgets_code(["auto"]).values()] if part == "whole" else []
     return " ".join([bench, _digest(known), *(one.split()[-1] for one in searched)])

@@ -52,7 +52,7 @@ def test_without_the_solver_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     result = made(attracting())
     assert result.refused is not None
     assert (result.refused.why, result.proof, result.sections) == ("solver", None, [])
-    assert result.statement == sentences.refused(sentences.SOLVER)
+    assert result.statement == sentences.refused(sentences.REASONS["solver"])
 
 
 def test_a_loop_without_an_integral_gain_does_not_return_in_all_its_states() -> None:

@@ -17,7 +17,7 @@ from tests.given.case_campaigns import searching
 from worker.engine.stages.parts.claims import band, bound, confidence_of, needed, order
 from worker.engine.stages.parts.sample import Sample
 from worker.engine.stages.parts.shape import Ordered
-from worker.evidence.audit import recompute, sentences
+from worker.evidence.audit import recompute
 
 
 @pytest.mark.parametrize("samples", [1, 2, 10, 100, 1000, 10**6])
@@ -95,7 +95,7 @@ FRACTIONS = [5e-324, 1e-300, 1e-20, 1e-17, 1e-12, 1e-9, 1e-6, 0.001, 0.05, 0.5, 
 @pytest.mark.parametrize("confidence", [0.51, 0.75, 0.95, 0.999999, 1 - 1e-9])
 def test_every_fraction_has_a_size_or_none_in_engine_and_audit(fraction: float, confidence: float) -> None:
     size = needed(fraction, confidence)
-    assert size == sentences.needed(fraction, confidence)
+    assert size == recompute._needed(fraction, confidence)
     assert (size is None) == (fraction < 1e-12)
     for samples in (0, 1, 59, 1000):
         r = order(samples, fraction, confidence)

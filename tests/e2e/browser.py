@@ -139,9 +139,8 @@ class Visit:
             of.screenshot(path=file, animations="disabled")
             return
         if full:
-            # What is beyond the window is laid out and its charts are drawn, too.
-            self.page.add_style_tag(content="* { content-visibility: visible !important }")
-            self.page.evaluate("dispatchEvent(new Event('beforeprint'))")
+            lay_out(self.page)
+            self.page.evaluate("dispatchEvent(new Event('beforeprint'))")  # draws the charts beyond the window, too
             self.page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # else the header stands in the middle
         self.page.screenshot(path=file, full_page=full, animations="disabled")
 
@@ -263,6 +262,12 @@ def launch(chromium: BrowserType, draws: bool = True, optimises: bool = False) -
 def pixels(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
     """A picture's red, green and blue (height, width, 3)."""
     return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
+
+
+def lay_out(page: Page) -> None:
+    """Lay out what is beyond the window, too, and wait until what depends on its size is rendered."""
+    page.add_style_tag(content="* { content-visibility: visible !important }")
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
 def near(picture: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], colour: tuple[int, int, int], reach: int) -> int:

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Page, Route, expect
 
 from campaigns import library, load_file
 from tests.e2e.axe import AXE, RULES, violations
-from tests.e2e.browser import Visit, visiting
+from tests.e2e.browser import Visit, lay_out, visiting
 from tests.e2e.stored import VIEW, served
 from tests.e2e.written import editor, write_over, written
 from tests.given.at_night import nightly_but
@@ -115,6 +115,7 @@ def submit(client: httpx.Client, document: dict[str, Any], name: str) -> None:
 
 def clean(page: Page, within: Sequence[str] = ()) -> None:
     """Nothing is found in the theme that is shown, nor, of what differs, in the other one, which is shown then."""
+    lay_out(page)
     assert violations(page, RULES, within) == []
     now = page.locator("html").get_attribute("data-theme")
     other: Literal["light", "dark"] = "light" if now == "dark" else "dark"

@@ -64,8 +64,8 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
         rows[-1]["findings"] = [label for label in compared["findings"] if label in known]
         if run.sealed:
             rows[-1]["stop"] = run.claims["results"][k]["stop"]
-            by = {f["label"]: [one["position"] for one in f.get("found") or ()] for f in run.claims["findings"]}
-            rows[-1]["findings"] = [label for label, positions in by.items() if k in positions]
+            by = [(f["label"], [one["position"] for one in f.get("found") or ()]) for f in run.claims["findings"]]
+            rows[-1]["findings"] = [label for label, positions in by if k in positions]
     checks = required_checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
     if sample and run.sealed:

@@ -57,7 +57,7 @@ def kernels(component: Component, driven: Vehicle | None = None) -> Iterator[Slo
     if isinstance(component, Controller):
         yield from _controller(component, driven)
     else:
-        yield from _OF[type(component)](component)
+        yield from next(of for kind, of in _OF.items() if isinstance(component, kind))(component)
     if isinstance(component, Environment | Fault) and component.switches is not None:
         yield Slot("switches", component.switches, ("p", "horizon"), None, plain=True)
 

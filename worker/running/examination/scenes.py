@@ -91,7 +91,7 @@ def shipped(role: str, name: str) -> Any:
 def _parts(vehicle: Vehicle, controller: Controller, avoider: Avoider, *more: Component) -> Parts:
     of: dict[type, list[Any]] = {Obstacle: [], Environment: [], Fault: [], Criterion: []}
     for component in more:
-        of[type(component)].append(component)
+        next(found for kind, found in of.items() if isinstance(component, kind)).append(component)
     criteria = of[Criterion]
     decides = [c for c in criteria if c.worse == "low"] or [shipped("criterion", "separation")]
     return Parts(

@@ -94,6 +94,18 @@ def test_what_is_written_to_start_from_can_be_used(kind: str, folder: Path) -> N
     assert (result.role, result.name, result.simulated) == (kind, f"my_{kind}", True)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_component_may_be_of_a_subclass(kind: str, folder: Path) -> None:
+    file, whole = folder / f"own_{kind}.py", f"component = {kind.capitalize()}("
+    text = (SKELETONS / f"{kind}.py").read_text(encoding="utf-8")
+    assert whole in text
+    mine = f"class Mine({kind.capitalize()}):\n    pass\n\n\ncomponent = Mine("
+    file.write_text(text.replace(whole, mine), encoding="utf-8")
+    source = reading.read(file)
+    reading.check(source)
+    flown(declared_by(source, f"worker.engine.components.own.{file.stem}"), source, lambda _: None)
+
+
 SHIPPED = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
 
 

@@ -8,7 +8,9 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from anyio import to_thread
 from fastapi import APIRouter, FastAPI
 from starlette.middleware import Middleware
+from starlette.middleware.exceptions import ExceptionMiddleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
+from starlette.types import ASGIApp
 
 from backend import openapi
 from backend.access import routes
@@ -175,4 +177,6 @@ def create(settings: Settings) -> FastAPI:
     app.state.rules = routes.Rules(
         app.router.routes, rules
     )  # refuses to start with a route that the table of rules lacks
+    alone: ASGIApp = Measured(ExceptionMiddleware(app.router, app.exception_handlers), measured)
+    app.state.alone = Accesses(alone) if settings.access_log else alone  # what answers a request of a batch
     return app

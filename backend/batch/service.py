@@ -5,6 +5,7 @@ Start reading at `lines`.
 
 from __future__ import annotations
 
+import asyncio
 import json
 import logging
 from collections.abc import AsyncIterator, Sequence
@@ -16,24 +17,14 @@ from starlette.types import Message, Scope
 
 from backend.access.auth import forbidden
 from backend.access.routes import Rules
+from backend.http.outage import DatabaseOutage
 
 API = "/api/v1"
 
-_RUN = f"{API}/runs/{{run}}"
-TOGETHER = frozenset(
-    {
-        *(
-            f"{API}/{name}"
-            for name in ("session", "workers", "runs", "runs/facets", "components", "campaigns", "drafts")
-        ),
-        *(_RUN, f"{_RUN}/traces/{{name}}"),
-        *(
-            f"{_RUN}/{name}"
-            for name in ("stages", "findings", "components", "traces", "evaluations", "related", "signoffs")
-        ),
-    }
-)
-"""The addresses that can be asked for together: those that pages ask for first, all of them short documents of JSON."""
+_LISTS = ("session", "workers", "runs", "runs/facets", "components", "campaigns", "drafts")
+_PARTS = ("", "/stages", "/findings", "/components", "/traces", "/traces/{name}", "/evaluations")
+TOGETHER = frozenset(f"{API}/{name}" for name in (*_LISTS, *(f"runs/{{run}}{part}" for part in _PARTS)))
+"""The addresses that can be asked for together: documents of JSON that pages ask for first."""
 
 _log = logging.getLogger(__name__)
 
@@ -63,9 +54,12 @@ async def _answer(scope: Scope) -> tuple[str | None, bytes] | None:
     """The entity tag and the document; None if the request is refused or fails."""
     started: list[Message] = []
     body = bytearray()
+    asked: list[Message] = [{"type": "http.request", "body": b"", "more_body": False}]
 
     async def receive() -> Message:
-        return {"type": "http.request", "body": b"", "more_body": False}
+        if not asked:
+            await asyncio.Event().wait()  # a response that listens for the end of its client listens in vain
+        return asked.pop()
 
     async def send(message: Message) -> None:
         if message["type"] == "http.response.start":
@@ -73,10 +67,11 @@ async def _answer(scope: Scope) -> tuple[str | None, bytes] | None:
         body.extend(message.get("body", b""))
 
     try:
-        await scope["app"].router(scope, receive, send)
-    except Exception as error:
-        # Who asks for it alone is told why, and so is the log.
-        _log.debug("%s is left out of a batch: %s", scope["path"], error)
+        await scope["app"].state.alone(scope, receive, send)
+    except DatabaseOutage:
+        return None
+    except Exception:
+        _log.exception("%s failed within a batch", scope["path"])
         return None
     if started[0]["status"] != 200:
         return None

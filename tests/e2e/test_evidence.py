@@ -94,6 +94,20 @@ def test_nothing_is_asked_for_twice(visit: Visit) -> None:
     assert sorted(set(answers)) == sorted(answers), "what came together is not asked for alone"
 
 
+def test_a_card_is_laid_out_when_it_comes_near_and_then_cuts_nothing_off(visit: Visit) -> None:
+    """What is skipped has paint containment, also while it is on the screen: it would clip the tips of its charts."""
+    visit.page.set_viewport_size({"width": 1440, "height": 500})
+    visit.go("/runs/R-0001")
+    first, last = visit.page.locator("#flight"), visit.page.locator("#provenance")
+    expect(first).to_have_css("content-visibility", "visible")
+    expect(last).to_have_css("content-visibility", "auto")
+    visit.near("#provenance")
+    expect(last).to_have_css("content-visibility", "visible")
+    visit.near("#flight")
+    expect(last).to_have_css("content-visibility", "visible")
+    visit.page.set_viewport_size({"width": 1440, "height": 900})
+
+
 def test_without_3d_graphics_the_page_states_it_and_has_everything_else(page: Page) -> None:
     expect(page.locator("#flight")).to_contain_text("this browser has no 3D graphics (WebGL 2)")
     expect(page.locator("iframe")).to_have_count(0)

@@ -10,7 +10,7 @@ const PAGES: Record<string, readonly string[]> = {
   '/runs': ['/runs?limit=100', '/runs/facets'],
   '/launch': ['/components', '/campaigns', '/runs/facets', '/drafts'],
 }
-const PARTS = ['', '/stages', '/findings', '/components', '/traces', '/related', '/signoffs']
+const PARTS = ['', '/stages', '/findings', '/components', '/traces']
 
 type Answers = ReadonlyMap<string, Response>
 

@@ -86,5 +86,19 @@ export function Sections({ sections, page }: { sections: readonly Section[]; pag
     rows.push(<Fragment key={`${one.id} ${i}`}>{content.card}</Fragment>)
   })
   placed()
-  return <div className={clsx(layout.grid, styles.sections)}>{rows}</div>
+  return (
+    <div className={clsx(layout.grid, styles.sections)} ref={comesNear}>
+      {rows}
+    </div>
+  )
+}
+
+/** A card that came near stays laid out, and cuts nothing off: what is skipped also clips the tips of its charts. */
+function comesNear(grid: HTMLElement | null): () => void {
+  const near = (event: Event) => {
+    const { skipped, target } = event as ContentVisibilityAutoStateChangeEvent
+    if (!skipped && target instanceof HTMLElement) target.style.contentVisibility = 'visible'
+  }
+  grid?.addEventListener('contentvisibilityautostatechange', near)
+  return () => grid?.removeEventListener('contentvisibilityautostatechange', near)
 }

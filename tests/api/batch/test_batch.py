@@ -9,10 +9,12 @@ from typing import Any
 import httpx
 import pytest
 import sqlalchemy as sa
+from starlette.types import Receive, Scope, Send
 
 from backend.access.rules import READ, RULES
 from backend.batch.service import TOGETHER
 from backend.db.tables import Run
+from backend.http.outage import DatabaseOutage
 from tests.api.conftest import running
 from tests.given.databases import Fresh
 from tests.given.problem_documents import problem
@@ -91,3 +93,45 @@ def test_each_counts_as_a_request(fresh_sqlite: Fresh, tmp_path: Path) -> None:
         assert answered[:3] == [15, 15, 15]
         assert answered[3] < 15, "a session has four fifths of the rate of its user"
         problem(client.get(f"{API}/session"), 429)
+
+
+def test_each_is_in_the_access_log_and_in_the_metrics(
+    fresh_sqlite: Fresh, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    with running(fresh_sqlite, tmp_path, access_log=True) as service, service.signed_in() as client:
+        with caplog.at_level("INFO", "clearance.access"):
+            assert [*batch(client, "/session", "/runs/R-9999")] == [f"{API}/session"]
+        ended = [line.split()[3:6] for line in caplog.messages if "/api/v1/" in line]
+        metrics = client.get("/metrics").text
+    assert ended == [
+        ["GET", f"{API}/session", "200"],
+        ["GET", f"{API}/runs/R-9999", "404"],
+        ["GET", f"{API}/batch", "200"],
+    ]
+    assert 'clearance_request_seconds_count{method="GET",route="/api/v1/runs/{run}",status="4xx"} 1' in metrics
+
+
+def test_a_database_that_cannot_be_used_is_left_to_the_requests_themselves(
+    still: Service, guest: httpx.Client, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def away(*_: object) -> None:
+        raise DatabaseOutage("database-away", "The database is away.", ConnectionError(), False)
+
+    monkeypatch.setitem(still.app.state._state, "alone", away)
+    assert batch(guest, "/session", "/workers") == {}
+    assert "failed within a batch" not in caplog.text
+
+
+def test_an_error_of_the_service_is_logged_and_takes_nothing_else_along(
+    still: Service, guest: httpx.Client, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    alone = still.app.state.alone
+
+    async def broken(scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["path"].endswith("/workers"):
+            raise ValueError("broken")
+        await alone(scope, receive, send)
+
+    monkeypatch.setitem(still.app.state._state, "alone", broken)
+    assert [*batch(guest, "/workers", "/session")] == [f"{API}/session"]
+    assert "/api/v1/workers failed within a batch" in caplog.text

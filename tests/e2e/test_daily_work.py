@@ -123,6 +123,20 @@ def test_a_page_is_drawn_while_the_service_is_slow_and_has_its_data_once_it_answ
     page.unroute("**/api/v1/batch*")
 
 
+def test_who_goes_on_before_the_first_drawing_is_where_the_address_says(visit: Visit) -> None:
+    page = visit.page
+    held: list[Route] = []
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
+    page.route("**/api/v1/batch*", hold)  # the page waits for it, at most for half a second
+    visit.go("/runs")
+    page.evaluate("history.pushState(null, '', '/help')")
+    expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
+    page.unroute("**/api/v1/batch*")
+
+
 def behind_a_proxy(route: Route) -> None:
     """What a proxy says while the service behind it is away."""
     route.fulfill(status=502, body="<html>Bad gateway</html>", content_type="text/html")

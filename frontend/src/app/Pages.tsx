@@ -37,7 +37,10 @@ function Pages() {
 }
 
 export async function show(root: HTMLElement): Promise<void> {
+  const begun = location.href
   await Promise.all([loaded(location), router.load()])
+  // Until the router is drawn it hears of no step back or forward.
+  if (location.href !== begun) await router.load()
   createRoot(root).render(
     <StrictMode>
       <Pages />

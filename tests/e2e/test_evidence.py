@@ -94,18 +94,16 @@ def test_nothing_is_asked_for_twice(visit: Visit) -> None:
     assert sorted(set(answers)) == sorted(answers), "what came together is not asked for alone"
 
 
-def test_a_card_is_laid_out_when_it_comes_near_and_then_cuts_nothing_off(visit: Visit) -> None:
-    """What is skipped has paint containment, also while it is on the screen: it would clip the tips of its charts."""
-    visit.page.set_viewport_size({"width": 1440, "height": 500})
+def test_a_card_is_laid_out_when_it_comes_near_and_cuts_nothing_off_when_it_is_used(visit: Visit) -> None:
+    """What may be skipped has paint containment, also on the screen: it would clip the tips of its charts."""
     visit.go("/runs/R-0001")
-    first, last = visit.page.locator("#flight"), visit.page.locator("#provenance")
-    expect(first).to_have_css("content-visibility", "visible")
-    expect(last).to_have_css("content-visibility", "auto")
-    visit.near("#provenance")
-    expect(last).to_have_css("content-visibility", "visible")
-    visit.near("#flight")
-    expect(last).to_have_css("content-visibility", "visible")
-    visit.page.set_viewport_size({"width": 1440, "height": 900})
+    for section, use in (("#separation", "hover"), ("#provenance", "focus")):
+        card = visit.page.locator(section)
+        expect(card).to_have_css("content-visibility", "auto")
+        visit.near(section)
+        place = card.locator(".u-over" if use == "hover" else "button, a, summary").first
+        getattr(place, use)()
+        expect(card).to_have_css("content-visibility", "visible")
 
 
 def test_without_3d_graphics_the_page_states_it_and_has_everything_else(page: Page) -> None:

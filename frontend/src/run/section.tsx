@@ -87,18 +87,19 @@ export function Sections({ sections, page }: { sections: readonly Section[]; pag
   })
   placed()
   return (
-    <div className={clsx(layout.grid, styles.sections)} ref={comesNear}>
+    <div className={clsx(layout.grid, styles.sections)} ref={isUsed}>
       {rows}
     </div>
   )
 }
 
-/** A card that came near stays laid out, and cuts nothing off: what is skipped also clips the tips of its charts. */
-function comesNear(grid: HTMLElement | null): () => void {
-  const near = (event: Event) => {
-    const { skipped, target } = event as ContentVisibilityAutoStateChangeEvent
-    if (!skipped && target instanceof HTMLElement) target.style.contentVisibility = 'visible'
+/** A card that is used stays laid out, and cuts nothing off: what may be skipped clips the tips of its charts. */
+function isUsed(grid: HTMLElement | null): () => void {
+  const used = ({ target }: Event) => {
+    const card = target instanceof Element ? target.closest<HTMLElement>('section') : null
+    if (card) card.style.contentVisibility = 'visible'
   }
-  grid?.addEventListener('contentvisibilityautostatechange', near)
-  return () => grid?.removeEventListener('contentvisibilityautostatechange', near)
+  const kinds = ['pointerover', 'focusin']
+  for (const kind of kinds) grid?.addEventListener(kind, used)
+  return () => kinds.forEach((kind) => grid?.removeEventListener(kind, used))
 }

@@ -93,10 +93,13 @@ export function Sections({ sections, page }: { sections: readonly Section[]; pag
   )
 }
 
+/** What run.module.css skips, not a card within it. */
+const CARD = `.${styles.sections} > section, .${styles.sections} > div > section`
+
 /** A card that is used stays laid out, and cuts nothing off: what may be skipped clips the tips of its charts. */
 function isUsed(grid: HTMLElement | null): () => void {
   const used = ({ target }: Event) => {
-    const card = target instanceof Element ? target.closest<HTMLElement>('section') : null
+    const card = target instanceof Element ? target.closest<HTMLElement>(CARD) : null
     if (card) card.style.contentVisibility = 'visible'
   }
   const kinds = ['pointerover', 'focusin']

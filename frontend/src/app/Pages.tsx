@@ -38,7 +38,7 @@ function Pages() {
 
 export async function show(root: HTMLElement): Promise<void> {
   const begun = location.href
-  await Promise.all([loaded(location), router.load()])
+  await Promise.allSettled([loaded(location), router.load()]) // the router shows what it could not load
   // Until the router is drawn it hears of no step back or forward.
   if (location.href !== begun) await router.load()
   createRoot(root).render(

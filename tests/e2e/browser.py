@@ -141,6 +141,7 @@ class Visit:
         if full:
             lay_out(self.page)
             self.page.evaluate("dispatchEvent(new Event('beforeprint'))")  # draws the charts beyond the window, too
+            expect(self.page.get_by_text("Loading the evaluations …")).to_have_count(0)
             self.page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # else the header stands in the middle
         self.page.screenshot(path=file, full_page=full, animations="disabled")
 

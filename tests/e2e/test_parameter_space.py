@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Locator, expect
+from playwright.sync_api import Browser, Locator, Request, expect
 
 from campaigns.claims.coverage import NO_PROOF
 from campaigns.claims.spans import words
@@ -25,6 +25,7 @@ from tests.given.small_catalogue import campaign, published_by_workers
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False
 
+POINTS = "/evaluations?max_points=2000"
 ALL = re.compile("^1.?000 of 1.?000 evaluations selected, lowest dmin 1.007 m")
 
 
@@ -88,6 +89,46 @@ def test_all_evaluations_are_drawn(visit: Visit, card: Locator) -> None:
     expect(card.get_by_role("img", name=re.compile("^Colour: d_min from 1.007 to 3 m"))).to_be_visible()
     expect(kept(card)).to_have_text(ALL)
     expect(card).to_contain_text("Failed 100")
+
+
+@pytest.mark.parametrize("by", ["keys", "menu"])
+def test_evaluations_are_read_where_they_are_drawn_or_when_a_print_may_begin(visit: Visit, by: str) -> None:
+    page = visit.page
+    every: list[str] = []
+
+    def note(request: Request) -> None:
+        every.append(request.url)
+
+    page.on("request", note)
+    try:
+        page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # where a load begins that is of the same address
+        visit.go("/runs/R-0001")
+        expect(page.locator("#provenance")).to_be_attached()
+        assert not [url for url in every if POINTS in url]
+        with page.expect_response(re.compile(re.escape(POINTS))):
+            if by == "menu":
+                page.locator("html").dispatch_event("mouseleave")  # the pointer, on its way to the menu
+            else:
+                page.keyboard.press("Control")
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        expect(page.locator("#space").get_by_test_id("kept")).to_have_text(ALL)
+        page.keyboard.press("Control")
+        assert len([url for url in every if POINTS in url]) == 1
+    finally:
+        page.remove_listener("request", note)
+
+
+def test_evaluations_that_cannot_be_read_can_be_read_again(visit: Visit) -> None:
+    page = visit.page
+    page.route(f"**{POINTS}", lambda route: route.fulfill(status=500, json={"title": "Broken", "detail": "No disk."}))
+    visit.go("/runs/R-0001")
+    page.locator("#space").scroll_into_view_if_needed()
+    failed = page.locator("#space").get_by_role("alert")
+    expect(failed).to_contain_text("No disk.")
+    page.unroute(f"**{POINTS}")
+    failed.get_by_role("button", name="Try again").click()
+    expect(kept(space_of(page))).to_have_text(ALL)
+    visit.wrong = [wrong for wrong in visit.wrong if POINTS not in wrong]
 
 
 def test_it_fits_at_both_widths_in_both_themes(visit: Visit, card: Locator) -> None:

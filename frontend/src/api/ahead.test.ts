@@ -40,7 +40,7 @@ it('asks for what a run shows first in one request, for its evaluations in anoth
   askAhead({ pathname: '/runs/R-0001', search: '?finding=F2' })
   expect(batches()).toEqual(sent)
   const [first = '', second = ''] = sent
-  expect(pathsOf(second)).toEqual(['/runs/R-0001/evaluations?max_points=2000'])
+  expect(pathsOf(second)).toEqual(['/runs/R-0001/evaluations?max_points=2'])
   expect(pathsOf(first)).toEqual(expect.arrayContaining(['/session', '/runs/R-0001', '/runs/R-0001/traces/F2?max_points=1500']))
   const found = await fetchOnce(new Request(`${BASE}${RUN}/findings`))
   expect(found.headers.get('ETag')).toBe('"/runs/R-0001/findings"')

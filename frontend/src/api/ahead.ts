@@ -24,7 +24,7 @@ export function askAhead({ pathname, search }: Pick<Location, 'pathname' | 'sear
   if (run) {
     const flights = ['nominal', new URLSearchParams(search).get('finding') ?? 'F1']
     ask([...ALL, ...PARTS.map((part) => run + part), ...flights.map((name) => `${run}/traces/${encodeURIComponent(name)}?max_points=1500`)])
-    ask([`${run}/evaluations?max_points=2000`]) // of a long search they take long: nothing else waits for them
+    ask([`${run}/evaluations?max_points=2`]) // of a long search they take long: nothing else waits for them
   } else ask([...ALL, ...(path === '/runs' && search ? [] : (PAGES[path] ?? []))])
   setTimeout(() => coming.clear(), FRESH)
 }

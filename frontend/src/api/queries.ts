@@ -121,8 +121,13 @@ export const stagesQuery = (id: string) =>
 export const caseInstalledQuery = (id: string) =>
   queryOptions({ queryKey: ['case installed', id], queryFn: () => answer(sdk.caseInstalled({ path: { run: id } })), staleTime: 60_000, retry: false })
 
+/** What charts of the search show: every improvement, the best point, and the first evaluations without a value. */
 export const evaluationsQuery = (id: string) =>
-  queryOptions({ queryKey: ['evaluations', id], queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2000 } })) })
+  queryOptions({ queryKey: ['evaluations', id], queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2 } })) })
+
+/** With an even selection of all evaluations, which takes a megabyte of a long search. */
+export const pointsQuery = (id: string) =>
+  queryOptions({ queryKey: ['evaluations', id, 'points'], queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2000 } })) })
 
 /** Computed at every request, so it is read once after the run has ended. */
 export const coverageQuery = (id: string) =>

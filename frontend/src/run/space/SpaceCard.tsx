@@ -3,7 +3,7 @@
 import { IconX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { useEffect, useMemo, useState } from 'react'
-import type { EvaluationSeries } from '../../client'
+import type { Evaluations, EvaluationSeries } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
 import { hasScenario } from '../../api/campaign'
 import { useBarred } from '../../api/may'
@@ -37,16 +37,17 @@ const FEW = 4
 
 interface Props {
   data: RunData
-  className: string | undefined
+  /** With a selection of all evaluations; those of `data` have the improvements only. */
+  evaluations: Evaluations
   /** The what-if whose result is shown here; null where the page has none. */
   whatIf: WhatIfState | null
   /** Simulates the parameters of an evaluation; null where nothing can be simulated. */
   onPick: ((next: WhatIf) => void) | null
 }
 
-export function SpaceCard({ data, className, whatIf, onPick: pick }: Props) {
+export function SpaceCard({ data, evaluations, whatIf, onPick: pick }: Props) {
   const onPick = useBarred('engineer') === undefined ? pick : null
-  const { run, catalogue, evaluations, parameters } = data
+  const { run, catalogue, parameters } = data
   const theme = useTheme()
   const [address, change] = useAddress(run.id)
   const further = useMemo(() => run.criteria.slice(1), [run.criteria])
@@ -55,7 +56,7 @@ export function SpaceCard({ data, className, whatIf, onPick: pick }: Props) {
     const titleOf = ({ method, kind }: EvaluationSeries) =>
       catalogue?.methods.find((m) => m.name === method)?.title ?? method ?? kind.charAt(0).toUpperCase() + kind.slice(1)
     // Stages stored by an older version have only the deciding criterion.
-    const criteria = evaluations?.stages.every((series) => further.every(({ name }) => series.further[name])) ? further : []
+    const criteria = evaluations.stages.every((series) => further.every(({ name }) => series.further[name])) ? further : []
     const axes = [value, ...criteria.map((c) => criterionAxis(evaluations, c)), ...parameters.map((p) => ({ ...p, key: p.path }))]
     return spaceOf({ evaluations, axes, titleOf, most: MOST })
   }, [evaluations, parameters, catalogue, further, run.quantity, run.unit, run.threshold])
@@ -103,7 +104,6 @@ export function SpaceCard({ data, className, whatIf, onPick: pick }: Props) {
           ? `${count(space.count)} of ${count(space.total)} evaluations drawn: the lowest of each stage and an even selection${space.stored < space.total ? ` of the ${count(space.stored)} that are stored` : ''}`
           : `All ${count(space.total)} evaluations of all stages`
       }
-      className={className}
       run={run.id}
       data={() => tableOf(space, kept)}
       footer={`${onPick ? `Click an evaluation to ${flies ? 'simulate it' : 'use its values in the what-if'}. ` : ''}Drag along an axis or in a cell to select a range; drag its ends to change it, click next to the evaluations to clear it. The data and the CSV file contain the selection.`}
@@ -147,7 +147,7 @@ export function SpaceCard({ data, className, whatIf, onPick: pick }: Props) {
           at={at}
           lowest={at === worst}
           simulated={at !== null && at === simulated}
-          failures={evaluations?.failures ?? []}
+          failures={evaluations.failures}
           whatIf={whatIf}
           onStep={(step) => at !== null && setOver(rankedFrom(space, kept, at, step))}
           onPick={view.onPick}

@@ -1,20 +1,21 @@
 // The place of the parameter space on a page. Its card is loaded after the page; its height is reserved, so that the layout
 // does not shift.
-import { useQueryClient } from '@tanstack/react-query'
+import { useQuery, useQueryClient } from '@tanstack/react-query'
 import { useNavigate } from '@tanstack/react-router'
-import { useEffect, useState } from 'react'
+import { useWindowEvent } from '@mantine/hooks'
+import { type ComponentProps, useEffect, useState } from 'react'
 import { flushSync } from 'react-dom'
 import { hasScenario } from '../../api/campaign'
-import { evaluationsQuery } from '../../api/queries'
+import { pointsQuery } from '../../api/queries'
 import { later, Part } from '../../page/later'
-import { useCalm } from '../../ui/useCalm'
+import { Failed } from '../../page/Trouble'
+import { Card } from '../../ui/Card'
 import { useNear } from '../../ui/useNear'
 import { usePolling } from '../../ui/usePolling'
 import type { RunData } from '../data/data'
 import { written } from '../flight/whatif'
 import type { WhatIfState } from '../flight/useWhatIf'
 import { layout } from '../../ui/styles'
-import { useWindowEvent } from '@mantine/hooks'
 
 const SpaceCard = later(() => import('./SpaceCard'), 'SpaceCard')
 
@@ -24,24 +25,51 @@ interface Props {
   whatIf: WhatIfState | null
 }
 
+/** Reading and drawing all evaluations takes a fifth of the page's time: only where they are seen. */
 export function SpaceSection({ data, whatIf }: Props) {
-  const calm = useCalm()
   const [holder, near] = useNear<HTMLDivElement>()
-  const [printed, setPrinted] = useState(false)
-  useWindowEvent('beforeprint', () => flushSync(() => setPrinted(true)))
-  // Drawing all evaluations takes a fifth of the page's time: only where they are seen. To print them, the code must be there.
-  useEffect(() => {
-    if (calm) void SpaceCard.preload()
-  }, [calm])
+  const printed = usePrinted(data.run.id)
   return (
     <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>
-      {calm && (near || printed) && (
-        <Part>
-          <SpaceCard data={data} className="" whatIf={whatIf} onPick={whatIf && whatIf.change} />
-        </Part>
-      )}
+      {(near || printed) && <Space data={data} whatIf={whatIf} onPick={whatIf && whatIf.change} />}
     </div>
   )
+}
+
+/** The card, once the evaluations that it draws are there. */
+function Space(props: Omit<ComponentProps<typeof SpaceCard>, 'evaluations'>) {
+  const { data: evaluations, error, refetch } = useQuery(pointsQuery(props.data.run.id))
+  useEffect(() => void SpaceCard.preload(), [])
+  if (evaluations)
+    return (
+      <Part>
+        <SpaceCard {...props} evaluations={evaluations} />
+      </Part>
+    )
+  return (
+    <Card title="Parameter space">
+      {error ? <Failed error={error} retry={() => void refetch()} /> : <p className="sec">Loading the evaluations …</p>}
+    </Card>
+  )
+}
+
+/** Whether the page is being printed. What is printed must be there by then: it is read when a print may be about to begin,
+ * which is the pointer on its way to the browser's menu, or the first key of a shortcut. */
+function usePrinted(id: string): boolean {
+  const cache = useQueryClient()
+  const [printed, setPrinted] = useState(false)
+  const prepare = () => {
+    void SpaceCard.preload()
+    void cache.ensureQueryData(pointsQuery(id)).catch(() => undefined) // the card tells it
+  }
+  useWindowEvent('keydown', ({ ctrlKey, metaKey }) => void ((ctrlKey || metaKey) && prepare()))
+  useEffect(() => {
+    const { documentElement: page } = document
+    page.addEventListener('mouseleave', prepare)
+    return () => page.removeEventListener('mouseleave', prepare)
+  })
+  useWindowEvent('beforeprint', () => flushSync(() => setPrinted(true)))
+  return printed
 }
 
 /** How often the evaluations of an active run are read while their drawing has been near the window [ms]. */
@@ -52,19 +80,16 @@ export function LiveSpace({ data }: { data: RunData }) {
   const navigate = useNavigate()
   const cache = useQueryClient()
   const [holder, near] = useNear<HTMLDivElement>()
-  usePolling(() => cache.invalidateQueries({ queryKey: evaluationsQuery(data.run.id).queryKey }), OFTEN, near)
+  usePolling(() => cache.invalidateQueries({ queryKey: pointsQuery(data.run.id).queryKey }), OFTEN, near)
   const flies = hasScenario(data.campaign)
   return (
     <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>
       {near && (
-        <Part>
-          <SpaceCard
-            data={data}
-            className=""
-            whatIf={null}
-            onPick={flies ? (next) => void navigate({ to: '/runs/$id/flight', params: { id: data.run.id }, search: (before) => ({ ...before, ...written(next) }) }) : null}
-          />
-        </Part>
+        <Space
+          data={data}
+          whatIf={null}
+          onPick={flies ? (next) => void navigate({ to: '/runs/$id/flight', params: { id: data.run.id }, search: (before) => ({ ...before, ...written(next) }) }) : null}
+        />
       )}
     </div>
   )

@@ -189,7 +189,7 @@ it('has the criterion on the axis of values where it is near', () => {
   const found: Evaluations = { criteria: [], stages: [series(2, [2, 3, null], [1, 2, 3])], failures: [] }
   expect(valueAxis(found, 'd', 'm', 1.5).low).toBeLessThan(1.5)
   expect(valueAxis(found, 'd', 'm', -50).low).toBeGreaterThan(1.9)
-  expect(valueAxis(undefined, 'd', 'm', null).high).toBeGreaterThan(0)
+  expect(valueAxis({ criteria: [], stages: [], failures: [] }, 'd', 'm', null).high).toBeGreaterThan(0)
 })
 
 const GROUND = { light: [255, 255, 255], dark: [20, 25, 31] } as const

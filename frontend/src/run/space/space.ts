@@ -53,7 +53,7 @@ export interface Space {
 export type Brush = Readonly<Record<string, readonly [number, number]>>
 
 interface Source {
-  evaluations: Evaluations | undefined
+  evaluations: Evaluations
   axes: readonly Axis[]
   titleOf: (series: EvaluationSeries) => string
   most: number
@@ -61,7 +61,7 @@ interface Source {
 
 /** At most about `most` evaluations, in proportion to the stages, with the lowest of each. */
 export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
-  const stages = (evaluations?.stages ?? []).filter((series) => axes.every(({ key }) => key === VALUE || columnOf(series, key)))
+  const stages = evaluations.stages.filter((series) => axes.every(({ key }) => key === VALUE || columnOf(series, key)))
   const there = stages.reduce((sum, series) => sum + series.index.length, 0)
   const rows = stages.map((series) => thinned(series.cost, Math.ceil((series.index.length * most) / Math.max(there, most))))
   const count = rows.reduce((sum, chosen) => sum + chosen.length, 0)
@@ -231,8 +231,8 @@ export const valueAt = (axis: Axis, share: number): number =>
   axis.low + Math.min(1, Math.max(0, share)) * (axis.high - axis.low)
 
 /** The value's axis: all values, and the criterion unless it is too far away. */
-export function valueAxis(evaluations: Evaluations | undefined, symbol: string, unit: string, threshold: number | null): Axis {
-  const costs = (evaluations?.stages ?? []).flatMap((series) => series.cost.filter((cost) => cost !== null))
+export function valueAxis(evaluations: Evaluations, symbol: string, unit: string, threshold: number | null): Axis {
+  const costs = evaluations.stages.flatMap((series) => series.cost.filter((cost) => cost !== null))
   const [low, high] = padded(costs, 0.02)
   const near = threshold !== null && threshold > low - (high - low) && threshold < high + (high - low)
   const range = near ? padded([...costs, threshold], 0.02) : [low, high]
@@ -240,9 +240,9 @@ export function valueAxis(evaluations: Evaluations | undefined, symbol: string, 
 }
 
 /** The axis of a further criterion: all its values. */
-export function criterionAxis(evaluations: Evaluations | undefined, criterion: CriterionOut): Axis {
+export function criterionAxis(evaluations: Evaluations, criterion: CriterionOut): Axis {
   const { name, title, quantity, unit, worse } = criterion
-  const values = (evaluations?.stages ?? []).flatMap((series) => (series.further[name] ?? []).filter((value) => value !== null))
+  const values = evaluations.stages.flatMap((series) => (series.further[name] ?? []).filter((value) => value !== null))
   const [low, high] = padded(values, 0.02)
   return { key: name, symbol: quantity || title, unit, text: title, low, high, worse }
 }

@@ -1,4 +1,4 @@
-"""The OpenAPI document; `python -m backend.openapi [FILE]` writes it for the front end's client generator.
+"""The OpenAPI document.
 
 FastAPI derives it from the endpoints. This module adds the schemas that endpoints only reference: problem documents,
 the campaign, event payloads.
@@ -6,11 +6,7 @@ the campaign, event payloads.
 
 from __future__ import annotations
 
-import json
-import sys
-import tempfile
 import threading
-from pathlib import Path
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
@@ -125,19 +121,3 @@ def _declare(operation: JsonObject, method: str, rule: Rule) -> None:
     for kind in kinds:
         declare(operation["responses"], kind, str)
     operation["responses"] = dict(sorted(operation["responses"].items()))
-
-
-def text() -> str:
-    from backend.app import create
-    from backend.settings import Settings
-
-    with tempfile.TemporaryDirectory() as folder:
-        app = create(Settings(data=Path(folder)))
-        return json.dumps(app.openapi(), indent=2, ensure_ascii=False) + "\n"
-
-
-if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        Path(sys.argv[1]).write_text(text(), encoding="utf-8")
-    else:
-        sys.stdout.write(text())

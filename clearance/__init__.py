@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from clearance.client import AsyncClient, Client
-    from clearance.function.request import search
     from clearance.function.result import Evaluations, Finding, Interrupted, Nominal, Result, Verdict
+    from clearance.function.search import search
     from worker.engine.systems.simulators.declared.columns import Column
     from worker.engine.systems.simulators.declared.excluded import Excluded
     from worker.engine.systems.simulators.declared.function import Output, Parameter, simulator
@@ -46,7 +46,7 @@ _HOMES = {
     "Excluded": "worker.engine.systems.simulators.declared.excluded",
     "Output": "worker.engine.systems.simulators.declared.function",
     "Parameter": "worker.engine.systems.simulators.declared.function",
-    "search": "clearance.function.request",
+    "search": "clearance.function.search",
     "simulator": "worker.engine.systems.simulators.declared.function",
 }
 """The module of each name that is not in `clearance.function.result`."""

@@ -16,9 +16,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from backend import openapi
 from campaigns.rules import LIMITS, RULES
-from tools import bench_tables, image_packages
+from tools import bench_tables, image_packages, openapi
 from worker.engine.search.base import Method
 from worker.evidence.audit.trusted import TRUSTED
 from worker.running.catalogue.installed import methods

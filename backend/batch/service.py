@@ -29,7 +29,7 @@ TOGETHER = frozenset(f"{API}/{name}" for name in (*_LISTS, *(f"runs/{{run}}{part
 _log = logging.getLogger(__name__)
 
 
-async def lines(request: Request, paths: Sequence[str]) -> AsyncIterator[bytes]:
+async def lines(request: Request, paths: Sequence[str]) -> AsyncIterator[bytes | memoryview]:
     """Two lines for each answer, in the order of the paths."""
     rules: Rules = request.app.state.rules
     for place, path in enumerate(paths):
@@ -41,7 +41,9 @@ async def lines(request: Request, paths: Sequence[str]) -> AsyncIterator[bytes]:
             answer = await _answer(scope)
             if answer is not None:
                 tag, body = answer
-                yield json.dumps({"path": f"{API}{path}", "etag": tag}).encode() + b"\n" + body + b"\n"
+                yield json.dumps({"path": f"{API}{path}", "etag": tag}).encode() + b"\n"
+                yield body
+                yield b"\n"
 
 
 def _scope(outer: Scope, address: str) -> Scope:
@@ -50,7 +52,7 @@ def _scope(outer: Scope, address: str) -> Scope:
     return {**outer, **asked, "method": "GET"}
 
 
-async def _answer(scope: Scope) -> tuple[str | None, bytes] | None:
+async def _answer(scope: Scope) -> tuple[str | None, memoryview] | None:
     """The entity tag and the document; None if the request is refused or fails."""
     started: list[Message] = []
     body = bytearray()
@@ -75,4 +77,4 @@ async def _answer(scope: Scope) -> tuple[str | None, bytes] | None:
         return None
     if started[0]["status"] != 200:
         return None
-    return Headers(raw=started[0]["headers"]).get("etag"), bytes(body)
+    return Headers(raw=started[0]["headers"]).get("etag"), memoryview(body)

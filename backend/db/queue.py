@@ -130,10 +130,10 @@ def request_cancel(connection: sa.Connection, run_id: int) -> RunState | None:
     """
     at = now(connection)
     unheld = sa.or_(Run.state == RunState.QUEUED, sa.and_(Run.state.in_(HELD), Run.lease_until < at))
-    ended = {"state": RunState.CANCELLED, "cancel": True, "finished": at, "lease_until": 0.0, "error": None}
+    ended = {"state": RunState.CANCELLED, "finished": at, "lease_until": 0.0, "error": None}
     connection.execute(sa.update(Run).where(Run.id == run_id, unheld).values(**ended))
-    request = {"state": RunState.CANCELLING, "cancel": True}
-    connection.execute(sa.update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING).values(**request))
+    held = sa.update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING)
+    connection.execute(held.values(state=RunState.CANCELLING))
     return connection.scalar(sa.select(Run.state).where(Run.id == run_id))
 
 

@@ -114,7 +114,6 @@ class Run(Base):
     needs: orm.Mapped[str | None] = orm.mapped_column(sa.String(160))
     """The simulator that its worker must have, see `SimulatorEntry.version`; None: any worker can execute it."""
     fence: orm.Mapped[int] = orm.mapped_column(default=0)
-    cancel: orm.Mapped[bool] = orm.mapped_column(default=False)
     error: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
     """The reason why it failed, a sentence."""
     # shown in the run list
@@ -122,7 +121,7 @@ class Run(Base):
     reason: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
     """The verdict's sentence."""
     summary: orm.Mapped[JsonObject] = orm.mapped_column(default=dict)
-    """The verdict's parts and provenance; see `worker.engine.stages.verdict`."""
+    """The verdict's parts and provenance; see `campaigns.results.verdict`."""
     threshold: orm.Mapped[float | None]
     nominal_cost: orm.Mapped[float | None]
     worst_cost: orm.Mapped[float | None]

@@ -35,7 +35,7 @@ def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
     planned = most(campaign)
     found = succeed(writer, run_id, campaign, planned, catalogue, carries=True)
     _place(writer, run_id, found)
-    ended = {"state": RunState.CANCELLED, "cancel": True, "finished": now(writer)}
+    ended = {"state": RunState.CANCELLED, "finished": now(writer)}
     ended |= {"error": CONTINUED.format(run=run_name(found))}
     writer.execute(sa.update(Run).where(Run.id == run_id).values(**ended))
     return found

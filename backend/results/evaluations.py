@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
-from backend.db.rows import as_array, as_columns, chunks
+from backend.db.rows import as_array, as_columns, chunks, own_kinds
 from backend.db.tables import EvaluationChunk, Stage
 from backend.http.written import finite_all
 from backend.results import noise
@@ -25,6 +25,8 @@ from campaigns.results.base import EXCLUDED, OK, STATUS, TIMEOUT
 from campaigns.stored.records import Columns, join
 
 MOST_FAILURES = 200
+_FEW = 200
+"""Of so many chunks only those are read that hold what is shown."""
 _COSTS, _SHOWN, _FAILURES = (
     [EvaluationChunk.first, EvaluationChunk.count, *(getattr(EvaluationChunk, name) for name in names)]
     for names in (
@@ -115,11 +117,14 @@ class _Costs:
     """What one pass over the costs of a stage shows."""
 
     steps: Improvements = field(default_factory=Improvements)
+    firsts: list[int] = field(default_factory=list)
+    """The first index of each chunk."""
     timeouts: int = 0
     without: Without = field(default_factory=lambda: ({}, {}))
 
     def add(self, chunk: Any) -> None:
         self.steps.add(chunk)
+        self.firsts.append(chunk.first)
         status = np.frombuffer(chunk.status, dtype=np.uint8)
         self.timeouts += int((status == TIMEOUT).sum())
         for excluded, first in enumerate(self.without):
@@ -142,10 +147,11 @@ class _Read:
     def series(self, stage: Any, costs: _Costs, most: int, drawn: noise.Seeds) -> EvaluationSeries:
         steps = costs.steps
         chosen = thin.with_kept(steps.read, most, np.array(steps.index, dtype=np.int64))
-        columns = self._rows(stage.position, chosen)
+        columns = self._rows(stage.position, chosen, costs.firsts)
         return EvaluationSeries(
             position=stage.position,
             kind=stage.kind,
+            own=stage.kind in own_kinds(),
             method=stage.method,
             started=stage.started,
             total=stage.evaluations + stage.counted,
@@ -185,10 +191,12 @@ class _Read:
             ]
         return found[:most]
 
-    def _rows(self, position: int, chosen: thin.Indices) -> Columns:
-        """These evaluations of a stage; their indices are ordered."""
+    def _rows(self, position: int, chosen: thin.Indices, firsts: list[int]) -> Columns:
+        """These evaluations of a stage, whose chunks begin with `firsts`; their indices are ordered."""
+        held = np.unique(np.searchsorted(firsts, chosen, side="right") - 1)
+        where = EvaluationChunk.first.in_([firsts[i] for i in held]) if len(held) <= _FEW else None
         found = []
-        for chunk in chunks(self.reader, self.run_id, position, *_SHOWN):
+        for chunk in chunks(self.reader, self.run_id, position, *_SHOWN, where=where):
             first, last = np.searchsorted(chosen, [chunk.first, chunk.first + chunk.count])
             rows = chosen[first:last] - chunk.first
             data = (chunk.points, chunk.costs, chunk.seconds)

@@ -7,15 +7,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from campaigns.runs import RunState
-from clearance.cli import CODES, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WrongInputError
+from clearance.cli import CODES, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED
 
 if TYPE_CHECKING:
     from campaigns.identity.identity import Identity
     from campaigns.results import Verdict
     from campaigns.results.regression import FindingChange, Regression
     from campaigns.results.verdicts import DescribedCheck
-    from clearance.cli._launch import Launch
-
 
 OUTCOMES = {
     0: "cleared",
@@ -156,21 +154,6 @@ class EndedRun:
         own = case.now if case.margin_again is None or case.margin != case.margin_again else None
         place = own or (None if case.evaluation is None else f"{self.regression.position}:{case.evaluation}")
         return f"{self.replay} {place}" if place else ""
-
-
-def write_files(ended: EndedRun, launch: Launch) -> None:
-    """Write the files that were asked for; `WrongInputError` once all were tried, if one cannot be written."""
-    from clearance.cli import _junit, _markdown, _sarif
-
-    lost = []
-    for file, module in ((launch.junit, _junit), (launch.summary, _markdown), (launch.sarif, _sarif)):
-        try:
-            if file is not None:
-                module.write(file, ended)
-        except OSError as error:
-            lost.append(f"{file} cannot be written: {error.strerror}")
-    if lost:
-        raise WrongInputError("; ".join(lost))
 
 
 def code(verdict: Verdict) -> int:

@@ -15,7 +15,7 @@ import typer
 
 from campaigns.runs import RunState
 from clearance.cli import WrongInputError
-from clearance.cli._ended import Case, EndedRun, Source, changes, sureness, write_files
+from clearance.cli._ended import Case, EndedRun, Source, changes, sureness
 
 if TYPE_CHECKING:
     from clearance.cli._launch import Launch
@@ -63,7 +63,7 @@ def follow_to_the_end(
     lost: WrongInputError | None = None
     try:
         if launch.wanted:
-            write_files(_complete(service, ended, launch, out, source), launch)
+            launch.write(_complete(service, ended, launch, out, source))
     except WrongInputError as error:
         lost = error
     if out is not None:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import typer
 
 from campaigns.sample_seed import LARGEST
 from clearance.cli import WrongInputError, refusing
+
+if TYPE_CHECKING:
+    from clearance.cli._ended import EndedRun
 
 Label: TypeAlias = Annotated[
     list[str] | None,
@@ -113,6 +116,20 @@ class Launch(NamedTuple):
     def wanted(self) -> bool:
         """Whether there is a file to write."""
         return (self.junit or self.summary or self.sarif) is not None
+
+    def write(self, ended: EndedRun) -> None:
+        """Write the files that were asked for; `WrongInputError` once all were tried, if one cannot be written."""
+        from clearance.cli import _junit, _markdown, _sarif
+
+        lost = []
+        for file, module in ((self.junit, _junit), (self.summary, _markdown), (self.sarif, _sarif)):
+            try:
+                if file is not None:
+                    module.write(file, ended)
+            except OSError as error:
+                lost.append(f"{file} cannot be written: {error.strerror}")
+        if lost:
+            raise WrongInputError("; ".join(lost))
 
     @staticmethod
     def read(

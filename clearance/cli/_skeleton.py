@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from pathlib import Path
 
+from campaigns.limits import SEARCH
 from clearance.cli import WrongInputError
 
 _WORKER = Path(__file__).parents[2] / "worker"
@@ -57,7 +58,7 @@ criterion: {{component: {criterion}, threshold: 0.1}}
 
 stages:
   search:
-    - {{method: auto, evaluations: 4000}}
+    - {{method: {method}, evaluations: 4000}}
   certify: {{samples: 300}}
 """
 
@@ -104,6 +105,7 @@ def _campaign(kind: Kind, name: str, vehicle: str, controller: str) -> str:
     parts = {str(role): shipped for role, shipped in (usual | {kind: name}).items()}
     more = {Kind.ENVIRONMENT: "environment", Kind.FAULT: "faults"}.get(kind)
     return _CAMPAIGN.format(
+        method=SEARCH,
         **parts | {"more": f"\n  {more}: [{{component: {name}}}]" if more else ""},
         name=name,
         title=name.replace("_", " ").capitalize(),

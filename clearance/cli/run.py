@@ -21,7 +21,7 @@ from clearance.cli import INTERNAL, UnreachableError, WrongInputError, refusing
 from clearance.cli import _code as code
 from clearance.cli import _evaluator as evaluators
 from clearance.cli import _launch as launch
-from clearance.cli._ended import Case, EndedRun, Source, write_files
+from clearance.cli._ended import Case, EndedRun, Source
 from clearance.cli._out import writable
 from clearance.cli._where import DATA, Data, Database
 from clearance.local import interrupt
@@ -119,7 +119,7 @@ def run(
 
         print_report(campaign, store, verdict, out, cites, note, likely)
     ended = _ended(campaign, store, verdict, out, options, note, file, likely)
-    write_files(ended, options)
+    options.write(ended)
     raise typer.Exit(ended.code)
 
 
@@ -209,7 +209,7 @@ def _report_failed(
     if as_json:
         typer.echo(json.dumps({"campaign": campaign.name, "state": RunState.FAILED, "error": error}, indent=2))
     typer.echo(f"Failed: no verdict\n{error}", err=True)
-    write_files(_failed(error, campaign, options, note, file, out), options)
+    options.write(_failed(error, campaign, options, note, file, out))
 
 
 def _failed(

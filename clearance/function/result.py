@@ -15,11 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from campaigns import Campaign, Catalogue
     from campaigns.results import Finding as Stored
     from campaigns.results import Verdict as Concluded
-    from worker.engine.problem.problem import Problem
-    from worker.running.runs.store import MemoryStore
+    from clearance.function.origin import Origin
 
 Floats = NDArray[np.float64]
 Texts = NDArray[np.str_]
@@ -96,17 +94,6 @@ class Finding:
     methods: tuple[str, ...]
     at_bounds: Mapping[str, str] = field(default_factory=dict)
     validation: str = ""
-
-
-@dataclass(frozen=True)
-class Origin:
-    """What a result is made from, for its pictures, its report and its folder."""
-
-    campaign: Campaign
-    problem: Problem
-    store: MemoryStore
-    known: Catalogue
-    names: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

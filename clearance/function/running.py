@@ -14,8 +14,9 @@ from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.asked.load import load_document
 from campaigns.sample_seed import SampleSeed
 from clearance.function import resuming
+from clearance.function.origin import Origin
 from clearance.function.request import Request
-from clearance.function.result import Interrupted, Origin, Result, evaluations, of
+from clearance.function.result import Interrupted, Result, evaluations, of
 from clearance.local.interrupt import deferred
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.context import ReplayMismatch, Tally

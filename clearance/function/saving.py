@@ -13,7 +13,7 @@ from backend.db.engine import connected, migrate, now, read, write
 from backend.db.store import PATIENCE, RunStore
 from campaigns.stages.found import declared
 from campaigns.stages.plan import most
-from clearance.function.result import Origin
+from clearance.function.origin import Origin
 from clearance.local.results import write_results
 from clearance.local.summary import summary
 from worker.running.runs import identity

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import textwrap
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from campaigns.claims.numbers import count, number, signed
-from clearance.function.result import Result
 from worker.running.catalogue.installed import methods
+
+if TYPE_CHECKING:
+    from clearance.function.result import Result
 
 COLOURS = {"cleared": "#009e73", "violated": "#d55e00", "inconclusive": "#e69f00"}
 ICONS = {"cleared": "✓", "violated": "✗", "inconclusive": "?"}

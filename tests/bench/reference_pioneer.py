@@ -12,7 +12,7 @@ import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from clearance.testing.problems import Problem
-from worker.engine.kernels.numba_internals import cached
+from worker.engine.kernels.cached import cached
 from worker.engine.systems.base import Floats
 
 NAMES = (

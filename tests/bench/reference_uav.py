@@ -14,7 +14,7 @@ import numpy as np
 
 from clearance.testing.problems import Problem
 from worker.engine.components.controllers.autopilot_wings_level import WingsLevel
-from worker.engine.kernels.numba_internals import cached
+from worker.engine.kernels.cached import cached
 from worker.engine.physics.aerodynamics import Airframe
 from worker.engine.systems.base import Floats
 

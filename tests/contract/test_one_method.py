@@ -20,8 +20,6 @@ from worker.running.catalogue.installed import methods
 ALLOWED = {
     # It repeats the published results, each with the method that the publication names.
     "worker/running/reproduce",
-    # The statement of a random search reads the options of one; they are to become a property of the method.
-    "worker/engine/stages/parts/sample.py",
     # The search of a campaign that states none.
     "campaigns/limits.py",
     # A value of CSS.

@@ -101,7 +101,7 @@ stage = Stage("corners", run)
 ALL = """
 import sys
 from pathlib import Path
-from backend import openapi
+from tools import openapi
 from clearance.cli import invoke
 
 file, out, described = sys.argv[1:]
@@ -114,7 +114,7 @@ Path(described).write_text(openapi.text(), encoding="utf-8")
 
 def test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api(tmp_path: Path) -> None:
     source = tmp_path / "source"
-    for folder in ("backend", "campaigns", "clearance", "worker"):
+    for folder in ("backend", "campaigns", "clearance", "tools", "worker"):
         shutil.copytree(REPOSITORY / folder, source / folder)
     (source / "campaigns" / "stages" / "corners.py").write_text(DECLARED, encoding="utf-8")
     (source / "worker" / "engine" / "stages" / "corners.py").write_text(RUN, encoding="utf-8")

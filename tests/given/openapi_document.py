@@ -8,8 +8,8 @@ from typing import Any
 
 import httpx
 
-from backend import openapi
 from backend.http.schema import UNIX_TIME
+from tools import openapi
 
 JSON = "application/problem+json"
 

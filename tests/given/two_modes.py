@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clearance.function.request import search
 from clearance.function.result import Result
+from clearance.function.search import search
 from worker.engine.search.base import Floats
 
 THRESHOLD = 0.5

@@ -18,7 +18,7 @@ from worker.engine.components.avoiders import closest_approach, closest_approach
 from worker.engine.components.obstacles import box, box_3d, circle, cylinder
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import Avoider, Controller, Vehicle
-from worker.engine.kernels.maths import FLAGS
+from worker.engine.kernels.numba_internals import FLAGS
 from worker.engine.kernels.views import Body, Body3
 from worker.engine.physics.closest import NEVER, Rules, miss, resolve
 from worker.running.catalogue.installed import components

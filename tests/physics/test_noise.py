@@ -19,7 +19,8 @@ from worker.engine.components.environment import dryden_gusts
 from worker.engine.components.faults import missed_detection, navigation_noise, sensor_noise
 from worker.engine.kernels import maths
 from worker.engine.kernels.bind import plain
-from worker.engine.kernels.maths import FLAGS, kernel, normals, random_bits, scramble, uniform
+from worker.engine.kernels.maths import kernel, normals, random_bits, scramble, uniform
+from worker.engine.kernels.numba_internals import FLAGS
 from worker.engine.kernels.views import Body3
 
 N = 400_000

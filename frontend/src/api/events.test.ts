@@ -2,7 +2,7 @@
 import { QueryClient } from '@tanstack/react-query'
 import { expect, it } from 'vitest'
 import type { EvaluationSeries, RunSummary, StageProgress } from '../client'
-import { extended, putRun, putStages } from './events'
+import { extended, putImprovements, putRun, putStages } from './events'
 
 const SERIES = {
   total: 3,
@@ -75,4 +75,21 @@ it('reads evaluations, findings and flights again once the run was reset, and on
   expect(invalidated([])).toEqual(keys)
   expect(invalidated([{ position: 2, started: null }])).toEqual(keys)
   expect(invalidated([{ position: 2, started: 7 }])).toEqual(keys)
+})
+
+it('improvements of a stage that is not known do not restart the request that will know it', async () => {
+  const cache = new QueryClient()
+  const key = ['evaluations', 'R-0001']
+  const news = { 4: fresh([5], [3]) }
+  cache.setQueryData(key, { criteria: [], stages: [], failures: [] })
+  cache.setQueryData([...key, 'points'], { criteria: [], stages: [], failures: [] })
+  let answer = (_: object): void => undefined
+  const request = cache.fetchQuery({ queryKey: key, queryFn: () => new Promise<object>((resolve) => (answer = resolve)) })
+  putImprovements(cache, 'R-0001', news)
+  expect(cache.getQueryState(key)?.isInvalidated).toBe(false)
+  answer({ criteria: [], stages: [], failures: [] })
+  await request
+  putImprovements(cache, 'R-0001', news)
+  expect(cache.getQueryState(key)?.isInvalidated).toBe(true)
+  expect(cache.getQueryState([...key, 'points'])?.isInvalidated).toBe(false)
 })

@@ -149,7 +149,9 @@ export function putImprovements(cache: QueryClient, run: string, news: Record<st
   if (!before) return
   const known = new Set(before.stages.map((stage) => String(stage.position)))
   if (Object.keys(news).some((position) => !known.has(position))) {
-    void cache.invalidateQueries({ queryKey: ['evaluations', run] })
+    // A request that is under way is not made again with every event: the next one after it is.
+    const only = { queryKey: ['evaluations', run], exact: true }
+    if (cache.isFetching(only) === 0) void cache.invalidateQueries(only)
     return
   }
   const stages = before.stages.map((stage) => {

@@ -44,7 +44,7 @@ export function RequirementsPage() {
   const mayChange = hasRole(useQuery(sessionQuery).data?.role, 'engineer')
   const items = query.data?.pages.flatMap((page) => page.items) ?? []
   const active = items.some(({ runs }) => runs.some(isLive))
-  usePolling(() => void query.refetch(), 10_000, active)
+  usePolling(() => query.refetch(), 10_000, active)
   if (!query.data)
     return (
       <>

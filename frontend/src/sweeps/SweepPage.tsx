@@ -33,7 +33,7 @@ export function SweepPage() {
   const { id } = useParams({ from: '/sweeps/$id' })
   const query = useQuery(sweepQuery(id))
   useTitle(query.data ? `${id} ${query.data.name}` : id)
-  usePolling(() => void query.refetch(), 2000, query.data !== undefined && activeOf(query.data.states) > 0)
+  usePolling(() => query.refetch(), 2000, query.data !== undefined && activeOf(query.data.states) > 0)
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what={id} failed={query.failureReason} />
   return <Shown sweep={query.data} />

@@ -41,7 +41,7 @@ export function TrendsPage() {
   const search = useSearch({ from: '/trends' })
   const query = useQuery(trendQuery(search))
   useTitle(query.data ? `Trend of ${query.data.name}` : 'Trends')
-  usePolling(() => void query.refetch(), 5000, query.data?.runs.some(isLive) ?? false)
+  usePolling(() => query.refetch(), 5000, query.data?.runs.some(isLive) ?? false)
   if (!search.campaign && !search.name) return <Campaigns />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what="the trend" title="Trends" failed={query.failureReason} />

@@ -32,7 +32,7 @@ export = Format(
 '''
 SHOW = """
 import json
-from backend import openapi
+from tools import openapi
 from backend.access.rules import RULES
 from backend.exports.format import known, named
 operation = json.loads(openapi.text())["paths"]["/api/v1/runs/{run}/exports/{file}"]["get"]

@@ -19,7 +19,7 @@ import math
 from functools import partial
 from typing import NamedTuple
 
-from worker.engine.kernels.numba_internals import cached
+from worker.engine.kernels.cached import cached
 
 jit = partial(cached, error_model="numpy", nogil=True, fastmath={"contract", "reassoc", "nsz"})
 ULPS = 2e-15

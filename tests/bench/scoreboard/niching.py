@@ -17,7 +17,7 @@ from annotated_types import Le
 
 from campaigns.asked.stages import Findings
 from campaigns.limits import DISTANCE, SAME_COST
-from clearance.function.request import _document, _request_of
+from clearance.function.request import document_of, request_of
 from clearance.function.running import run
 from clearance.function.searches import searches, stages
 from tests.bench.scoreboard.cells import Cell, Row
@@ -74,7 +74,7 @@ def reported(cell: Cell, permitted: int) -> tuple[Floats, Floats, int]:
 
     drawn = np.random.default_rng(cell.number).random((MEDIAN_OF, problem.dimension))
     nominal = drawn[np.argsort(problem(drawn))[MEDIAN_OF // 2]]
-    request = _request_of(
+    request = request_of(
         cost, dict.fromkeys(names, (0.0, 1.0)), dict(zip(names, map(float, nominal), strict=True)), True, "", "", "", ()
     )
     half = permitted // 2
@@ -82,7 +82,7 @@ def reported(cell: Cell, permitted: int) -> tuple[Floats, Floats, int]:
     most = next(limit.le for limit in Findings.model_fields["at_most"].metadata if isinstance(limit, Le))
     radius = problem.radius / float((problem.high - problem.low).max())
     asked["findings"] = {"at_most": most, "distance": min(DISTANCE, radius)}
-    result = run(request, _document(request, BELOW, cell.problem, asked, cell.number), False, None, None)
+    result = run(request, document_of(request, BELOW, cell.problem, asked, cell.number), False, None, None)
     found = [f for f in result.findings if np.isfinite(f.cost)]
     points = np.array([[f.parameters[name] for name in names] for f in found]).reshape(-1, len(names))
     costs = np.array([f.cost for f in found])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from worker.engine.kernels.numba_internals import cached
+from worker.engine.kernels.cached import cached
 from worker.engine.search.base import Floats
 
 DAMPING = np.array(

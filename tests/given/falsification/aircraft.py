@@ -13,7 +13,7 @@ import numpy as np
 
 from tests.given.falsification.aerodynamics import atmosphere, coefficients, power_slope, thrust
 from tests.given.falsification.problem import Falsification
-from worker.engine.kernels.numba_internals import cached
+from worker.engine.kernels.cached import cached
 from worker.engine.search.base import Floats
 
 SECONDS, STEP, LOGIC = 15, 1 / 120, 4

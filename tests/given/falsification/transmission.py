@@ -12,7 +12,7 @@ from math import nan, pi
 import numpy as np
 
 from tests.given.falsification.problem import Falsification
-from worker.engine.kernels.numba_internals import cached
+from worker.engine.kernels.cached import cached
 from worker.engine.search.base import Floats
 
 SECONDS, STEP, LOGIC = 30, 0.01, 4

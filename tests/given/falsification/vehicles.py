@@ -11,7 +11,7 @@ from math import nan
 import numpy as np
 
 from tests.given.falsification.problem import Falsification, always, eventually
-from worker.engine.kernels.numba_internals import cached
+from worker.engine.kernels.cached import cached
 from worker.engine.search.base import Floats
 
 SECONDS, STEP, EACH = 100, 0.02, 5

@@ -9,7 +9,7 @@ import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -85,7 +85,9 @@ MAY: dict[str, tuple[str, ...]] = {
     # Regions of attraction: polynomials alone.
     "worker.engine.attraction": ("campaigns.certificates",),
     # Compiled methods are stored as kernels are.
-    "worker.engine.search.racing.state": ("worker.engine.search.base", "worker.engine.kernels.numba_internals"),
+    "worker.engine.search.racing.state": (
+        *("worker.engine.search.base", "worker.engine.kernels.cached", "worker.engine.kernels.numba_internals"),
+    ),
     # The interface: modules above it do not depend on the closed loop or any other system.
     "worker.engine.systems": ("worker.engine.search.base", "campaigns"),
     "worker.engine.systems.closed_loop": (
@@ -189,12 +191,23 @@ def exists(name: str) -> bool:
     return path.with_suffix(".py").exists() or path.is_dir()
 
 
+def nodes(tree: ast.AST, types: bool) -> Iterator[ast.AST]:
+    """All nodes; without `types` those alone that can run."""
+    for node in ast.iter_child_nodes(tree):
+        if types or not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"):
+            yield node
+            yield from nodes(node, types)
+
+
 @cache
-def imported(path: Path) -> frozenset[str]:
-    """Every module that a file imports, wherever in it; `from a import b` is `a.b` where that is a module."""
+def imported(path: Path, types: bool = True) -> frozenset[str]:
+    """Every module that a file imports, wherever in it; `from a import b` is `a.b` where that is a module.
+
+    types: also those whose types alone it names.
+    """
     found: set[str] = set()
     package = name_of(path).split(".") if path.name == "__init__.py" else name_of(path).split(".")[:-1]
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(ast.parse(path.read_text(encoding="utf-8")), types):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -304,6 +317,13 @@ def test_no_folder_imports_another_in_a_circle() -> None:
         if other in circle and other != folder
     ]
     assert not found, "\n" + "\n".join(found)
+
+
+def test_no_file_imports_another_in_a_circle() -> None:
+    """Neither where it is loaded nor later, within a function."""
+    arrows = {name_of(path): imported(path, types=False) for path in modules(*OURS)}
+    found = {circle for circle in circles(arrows) if len(circle) > 1}
+    assert not found, "\n".join(map(str, map(sorted, found)))
 
 
 def test_nothing_that_can_change_a_number_imports_the_rules_of_a_claim() -> None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from worker.engine.kernels.numba_internals import cached
+from worker.engine.kernels.cached import cached
 from worker.engine.kernels.views import STILL
 
 Polynomial = dict[tuple[int, ...], Fraction]

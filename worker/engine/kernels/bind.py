@@ -9,9 +9,9 @@ import types
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from worker.engine.kernels.cached import cached
 from worker.engine.kernels.digest import digest, foreign, names_of
-from worker.engine.kernels.maths import FLAGS
-from worker.engine.kernels.numba_internals import cached, is_compiled, python
+from worker.engine.kernels.numba_internals import FLAGS, is_compiled, python
 
 Function = Callable[..., Any]
 

@@ -12,14 +12,22 @@ import sys
 import types
 from collections.abc import Callable, Mapping
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import Any
 
 import llvmlite
 import numba
 import numpy as np
 
-from worker.engine.kernels.maths import FLAGS
-from worker.engine.kernels.numba_internals import SOURCE, by_options, extensions, is_compiled, options, python
+from worker.engine.kernels.numba_internals import (
+    FLAGS,
+    SOURCE,
+    Stamp,
+    by_options,
+    extensions,
+    is_compiled,
+    options,
+    python,
+)
 
 Function = Callable[..., Any]
 
@@ -33,13 +41,6 @@ KINDS = inspect.CO_VARARGS | inspect.CO_VARKEYWORDS | inspect.CO_GENERATOR
 """The flags of code that say how it is called. Numba changes others while a profiler runs."""
 
 PLAIN = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis), range, slice)
-
-
-class Stamp(NamedTuple):
-    """64 hexadecimal digits, and the first thing that could not be read by value; empty if everything was."""
-
-    digest: str
-    unknown: str
 
 
 def digest(function: Function, flags: Mapping[str, Any] = FLAGS) -> str:

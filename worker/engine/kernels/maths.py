@@ -16,14 +16,12 @@ import numpy as np
 from numba import config
 
 from worker.engine.kernels import jit
-from worker.engine.kernels.numba_internals import inlined
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.numba_internals import FLAGS, inlined
 
 jit.refuse(bool(config.DISABLE_JIT))  # type: ignore[attr-defined]
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-FLAGS: dict[str, Any] = {"fastmath": {"contract", "reassoc", "arcp", "nsz"}, "error_model": "numpy"}
-"""Reordering and fused operations are allowed. nnan and ninf are not: a NaN marks a failed simulation."""
 
 PI = 3.141592653589793
 TWO_PI = 6.283185307179586
@@ -36,13 +34,7 @@ def kernel(function: F) -> F:
     A call from Python runs the plain form: compiling a wrapper that unpacks dozens of parameters for every kernel would
     take half of the compile time of a loop.
     """
-    return inlined(function, _plain, **FLAGS)  # type: ignore[no-any-return]
-
-
-def _plain(compiled: Any) -> Callable[..., Any]:
-    from worker.engine.kernels.bind import plain
-
-    return plain(compiled)  # type: ignore[no-any-return]
+    return inlined(function, plain, **FLAGS)  # type: ignore[no-any-return]
 
 
 @kernel

@@ -17,7 +17,7 @@ from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 from uuid import uuid4
 
 from numba import config, njit, types
@@ -44,6 +44,9 @@ SOURCE = sha256(Path(__file__).read_bytes()).hexdigest()
 
 UNCALLABLE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Without the wrappers through which Python and C call a function."""
+
+FLAGS: dict[str, Any] = {"fastmath": {"contract", "reassoc", "arcp", "nsz"}, "error_model": "numpy"}
+"""Of kernels: reordering and fused operations are allowed. nnan and ninf are not: a NaN marks a failed simulation."""
 
 
 def is_compiled(value: object) -> bool:
@@ -105,6 +108,17 @@ def inlined(function: Function, plain: Callable[[Any], Function], **flags: Any) 
 
 # Functions that are cached on disk. A cached one refers to its modules by name: after an update that moved one of them,
 # it cannot be loaded, and is compiled again and replaced.
+
+
+class Stamp(NamedTuple):
+    """64 hexadecimal digits, and the first thing that could not be read by value; empty if everything was."""
+
+    digest: str
+    unknown: str
+
+
+Stamping = Callable[[Function, str, Mapping[str, Any]], Stamp]
+"""What identifies the machine code of a function, made of it in some way with some flags."""
 
 
 class _Sealed(IndexDataCacheFile):
@@ -176,9 +190,7 @@ class _Cache(FunctionCache):
 
     _impl_class: Any
 
-    def __init__(self, function: Any, kind: str, flags: Mapping[str, Any]) -> None:
-        from worker.engine.kernels.digest import stamp
-
+    def __init__(self, function: Any, kind: str, flags: Mapping[str, Any], stamp: Stamping) -> None:
         found = stamp(function, kind, flags)
         self._impl_class = partial(_Placed, stamp=found.digest)
         super().__init__(function)  # type: ignore[no-untyped-call]
@@ -221,27 +233,29 @@ def _fields(of: Any) -> str:
 
 class _Cached(CPUDispatcher):
     _cache: Any
+    stamp: Stamping
 
     def compile(self, sig: Any) -> Any:
         with compiling(self.py_func) as missed:
             if not isinstance(self._cache, _Cache):  # now, when all is defined that it refers to
-                self._cache = _Cache(self.py_func, "function", self.targetoptions)
+                self._cache = _Cache(self.py_func, "function", self.targetoptions, self.stamp)
             self._cache.missed = missed
             return super().compile(sig)
 
 
-def cached(function: Function, **flags: Any) -> Any:
+def cached(function: Function, stamp: Stamping, **flags: Any) -> Any:
     """A function that is compiled at its first call and cached on disk."""
     made: Any = njit(**flags)(function)
     made.__class__ = _Cached
+    made.stamp = stamp
     return made
 
 
-def cached_callback(function: Function, signature: Any, **flags: Any) -> Any:
+def cached_callback(function: Function, signature: Any, stamp: Stamping, **flags: Any) -> Any:
     """A C callback, compiled now and cached on disk; its `address` is valid for as long as the object exists."""
     made: Any = CFunc(function, (signature.args, signature.return_type), locals={}, options=flags)
     with compiling(function) as missed:
-        made._cache = _Cache(function, f"callback {signature}", flags)
+        made._cache = _Cache(function, f"callback {signature}", flags, stamp)
         made._cache.missed = missed
         made.compile()
     return made

@@ -16,9 +16,10 @@ from numba import types
 from numba.extending import intrinsic
 
 from worker.engine.kernels.bind import Function, compile_loop, filled, identity, rebuilt
+from worker.engine.kernels.cached import cached_callback
 from worker.engine.kernels.digest import digest
 from worker.engine.kernels.lanes import lane_ops
-from worker.engine.kernels.numba_internals import cached_callback, linked
+from worker.engine.kernels.numba_internals import linked
 from worker.engine.reference import closed, flight, stepper
 from worker.engine.systems.closed_loop.assemble import LIBRARY, Loop
 

@@ -1,5 +1,5 @@
 // Shared data of the cards of a run's page, and selectors.
-import { usePrefetchQuery, useQuery, useQueryClient } from '@tanstack/react-query'
+import { usePrefetchQuery, useQuery, useQueryClient, type UseQueryResult } from '@tanstack/react-query'
 import { useEffect, useMemo, useRef, useState } from 'react'
 import { asCampaign, type Campaign, hasScenario } from '../../api/campaign'
 import { useStreamStatus } from '../../api/events'
@@ -81,7 +81,7 @@ export function useRunData(run: RunDetail, label?: string): RunData {
   const catalogue = components.data?.catalogue
   const stages = useQuery(stagesQuery(run.id))
   const evaluations = useQuery(evaluationsQuery(run.id))
-  useMissed(run, evaluations.refetch)
+  useMissed(run, evaluations)
   const findings = useQuery(findingsQuery(run.id))
   const traces = useQuery({ ...tracesQuery(run.id), enabled: over })
   const has = (name: string) => over && (traces.data ?? []).some((trace) => trace.name === name)
@@ -120,17 +120,18 @@ function useStable(next: RunData): RunData {
 }
 
 /** Polls for evaluations that the stream does not send. */
-function useMissed(run: RunDetail, refetch: () => unknown): void {
+function useMissed(run: RunDetail, { data, refetch }: UseQueryResult<Evaluations>): void {
   const live = isLive(run)
-  // The stream sends every improvement with its parameters. The rest is polled rarely, because all evaluations of a long
-  // search are expensive to read.
+  // The stream sends every improvement with its parameters. The rest is polled rarely, because a long search takes long to
+  // read: the reasons of evaluations without a value, and what an improvement is by the other criteria.
   const streamed = useStreamStatus() === 'open'
   usePolling(refetch, 3000, live && !streamed)
   const missed = useRef(0)
   usePolling(
     () => {
-      if (missed.current !== missedOf(run)) void refetch()
+      const more = missed.current !== missedOf(run) || data?.stages.some(({ further }) => Object.values(further).some((values) => values.at(-1) === null))
       missed.current = missedOf(run)
+      return more ? refetch() : undefined
     },
     10_000,
     live && streamed,
@@ -234,13 +235,12 @@ export interface Best {
   values: Record<string, number | null>
 }
 
-/** The lowest value so far with its parameters, if known: what is lower than the run's own is of another question. */
+/** The lowest value so far with its parameters, if known, of the stages that ask the question of the campaign. */
 export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'>): Best | null {
   let best: Best | null = null
-  const lowest = run.worst_cost ?? Number.POSITIVE_INFINITY
   for (const series of evaluations?.stages ?? []) {
     series.cost.forEach((cost, i) => {
-      if (cost === null || cost < lowest || (best && cost >= best.cost)) return
+      if (!series.own || cost === null || (best && cost >= best.cost)) return
       const parameters = Object.fromEntries(Object.entries(series.parameters).map(([path, v]) => [path, v[i] ?? 0]))
       const further = Object.entries(series.further).map(([name, v]) => [name, v[i] ?? null] as const)
       const values = { [run.criteria[0]?.name ?? '']: cost, ...Object.fromEntries(further) }

@@ -10,6 +10,7 @@ import { pointsQuery } from '../../api/queries'
 import { later, Part } from '../../page/later'
 import { Failed } from '../../page/Trouble'
 import { Card } from '../../ui/Card'
+import { useCalm } from '../../ui/useCalm'
 import { useNear } from '../../ui/useNear'
 import { usePolling } from '../../ui/usePolling'
 import type { RunData } from '../data/data'
@@ -53,21 +54,29 @@ function Space(props: Omit<ComponentProps<typeof SpaceCard>, 'evaluations'>) {
   )
 }
 
-/** Whether the page is being printed. What is printed must be there by then: it is read when a print may be about to begin,
- * which is the pointer on its way to the browser's menu, or the first key of a shortcut. */
+/** Whether the page is being printed. What is printed must be there by then, so it is read when a print may be about to begin:
+ * the pointer on its way to the browser's menu or to that of the page, the first key of a shortcut; with a finger at once. */
 function usePrinted(id: string): boolean {
   const cache = useQueryClient()
+  const calm = useCalm()
   const [printed, setPrinted] = useState(false)
-  const prepare = () => {
-    void SpaceCard.preload()
-    void cache.ensureQueryData(pointsQuery(id)).catch(() => undefined) // the card tells it
-  }
-  useWindowEvent('keydown', ({ ctrlKey, metaKey }) => void ((ctrlKey || metaKey) && prepare()))
   useEffect(() => {
+    const prepare = () => {
+      void SpaceCard.preload()
+      void cache.prefetchQuery(pointsQuery(id))
+    }
+    const pressed = ({ ctrlKey, metaKey, altKey, key }: KeyboardEvent) => (ctrlKey || metaKey || altKey || key === 'F10') && prepare()
     const { documentElement: page } = document
+    if (calm && matchMedia('(hover: none)').matches) prepare()
     page.addEventListener('mouseleave', prepare)
-    return () => page.removeEventListener('mouseleave', prepare)
-  })
+    addEventListener('contextmenu', prepare)
+    addEventListener('keydown', pressed)
+    return () => {
+      page.removeEventListener('mouseleave', prepare)
+      removeEventListener('contextmenu', prepare)
+      removeEventListener('keydown', pressed)
+    }
+  }, [cache, id, calm])
   useWindowEvent('beforeprint', () => flushSync(() => setPrinted(true)))
   return printed
 }
@@ -80,7 +89,7 @@ export function LiveSpace({ data }: { data: RunData }) {
   const navigate = useNavigate()
   const cache = useQueryClient()
   const [holder, near] = useNear<HTMLDivElement>()
-  usePolling(() => cache.invalidateQueries({ queryKey: pointsQuery(data.run.id).queryKey }), OFTEN, near)
+  usePolling(() => cache.refetchQueries({ queryKey: pointsQuery(data.run.id).queryKey }), OFTEN, near)
   const flies = hasScenario(data.campaign)
   return (
     <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>

@@ -22,9 +22,9 @@ from numba.core.caching import FunctionCache
 
 from tests.given.loaded_functions import loaded
 from worker.engine.kernels.bind import filled, plain
+from worker.engine.kernels.cached import cached
 from worker.engine.kernels.folder import cache_folder
 from worker.engine.kernels.maths import kernel
-from worker.engine.kernels.numba_internals import cached
 
 FILES = {
     "far.py": """

@@ -27,10 +27,11 @@ from numba.extending import overload
 from tests.given.loaded_functions import loaded
 from worker.engine.kernels import digest as digests
 from worker.engine.kernels.bind import plain
+from worker.engine.kernels.cached import cached
 from worker.engine.kernels.digest import digest, stamp
 from worker.engine.kernels.lanes import lane_ops
-from worker.engine.kernels.maths import FLAGS, kernel
-from worker.engine.kernels.numba_internals import cached, linked
+from worker.engine.kernels.maths import kernel
+from worker.engine.kernels.numba_internals import FLAGS, linked
 from worker.engine.kernels.text import module
 
 REPOSITORY = Path(__file__).parents[4]
@@ -377,7 +378,7 @@ from numba import types
 from worker.engine.kernels import maths
 from worker.engine.kernels.bind import compile_loop, filled
 from worker.engine.kernels.durations import reported
-from worker.engine.kernels.numba_internals import cached_callback
+from worker.engine.kernels.cached import cached_callback
 from worker.engine.search.parts import levels
 import numpy as np
 

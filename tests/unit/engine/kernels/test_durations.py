@@ -12,8 +12,8 @@ import pytest
 from numba import config
 
 from worker.engine.kernels import cache
+from worker.engine.kernels.cached import cached
 from worker.engine.kernels.durations import Watched, reported
-from worker.engine.kernels.numba_internals import cached
 
 TEMPLATE = """
 def rover_fly_8_0123456789abcdef(x):

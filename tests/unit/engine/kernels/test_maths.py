@@ -11,7 +11,7 @@ from numba import njit
 
 from worker.engine.kernels import maths
 from worker.engine.kernels.bind import plain
-from worker.engine.kernels.maths import FLAGS
+from worker.engine.kernels.numba_internals import FLAGS
 
 sincos, atan2, clip, wrap, whole = maths.sincos, maths.atan2, maths.clip, maths.wrap, maths.whole
 

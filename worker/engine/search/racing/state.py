@@ -12,7 +12,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from worker.engine.kernels.numba_internals import UNCALLABLE, cached
+from worker.engine.kernels.cached import cached
+from worker.engine.kernels.numba_internals import UNCALLABLE
 from worker.engine.search.base import Floats
 
 F = TypeVar("F", bound=Callable[..., object])

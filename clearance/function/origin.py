@@ -1,0 +1,20 @@
+"""What the result of a search is made from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from campaigns import Campaign, Catalogue
+from worker.engine.problem.problem import Problem
+from worker.running.runs.store import MemoryStore
+
+
+@dataclass(frozen=True)
+class Origin:
+    """For its pictures, its report and its folder."""
+
+    campaign: Campaign
+    problem: Problem
+    store: MemoryStore
+    known: Catalogue
+    names: tuple[str, ...]

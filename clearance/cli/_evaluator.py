@@ -54,7 +54,7 @@ def _only_here(name: str) -> str:
 
     simulator = simulators().get(name)
     if isinstance(simulator, Described):
-        return "the command of the campaign file is installed on no other machine" if simulator.given else ""
+        return "the command of the campaign file is installed on no other machine" if simulator.campaign_command else ""
     if isinstance(simulator, PythonFunction) and simulator.declaration.settings.isolated:
         return ""
     return "" if simulator is None else f"simulator {name} is called in this process"

@@ -66,9 +66,9 @@ def options(function: Any) -> str:
     return f"{by_options(made.targetoptions)}{by_options(made.locals)}{made.pipeline_class.__qualname__}"
 
 
-def by_options(given: Mapping[str, Any]) -> str:
+def by_options(options: Mapping[str, Any]) -> str:
     """Options of a compiled function as text; that of a set does not depend on the process."""
-    return str(sorted((k, sorted(map(str, v)) if isinstance(v, (set, frozenset)) else v) for k, v in given.items()))
+    return str(sorted((k, sorted(map(str, v)) if isinstance(v, (set, frozenset)) else v) for k, v in options.items()))
 
 
 def extensions(known: Callable[[str], bool]) -> Iterator[tuple[FunctionType, Any, str]]:

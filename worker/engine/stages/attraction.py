@@ -45,7 +45,7 @@ def run(context: Context, position: int) -> Outcome[AttractionResult]:
     states = zip(loop.states, loop.trim, loop.limits, strict=True)
     empty = AttractionResult(
         states=[TrimState(name=a, symbol=b, unit=c, trim=trim, limit=limit) for (a, b, c), trim, limit in states],
-        held=[HeldReference(text=text, value=value, unit=unit) for text, value, unit in loop.held],
+        held=[HeldReference(text=text, value=value, unit=unit) for text, value, unit in loop.references],
         flow=[StoredPolynomial.of(p) for p in loop.flow],
     )
     if find_spec("clarabel") is None:

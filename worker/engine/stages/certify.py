@@ -139,13 +139,13 @@ def _allowed(campaign: Campaign, problem: Problem) -> int | None:
 
 def unattainable(problem: Problem) -> list[Wrong]:
     """Of normal distributions so much is beyond the bounds that no sample of this size meets the target."""
-    allowed, given = _allowed(problem.campaign, problem), problem.campaign.stages.certify
-    if allowed is None or allowed >= 0 or given is None:
+    allowed, request = _allowed(problem.campaign, problem), problem.campaign.stages.certify
+    if allowed is None or allowed >= 0 or request is None:
         return []
     most = written(problem.distributions.outside, form=Format.PROBABILITY, digits=3)
     why = f"{most} of the draws lie outside the bounds, which is part of the bound on P(violation)"
     advice = "no sample of this size can meet the target; widen the bounds, or draw more samples"
-    return [Wrong("stages.certify.samples", f"{given.samples:,}", f"{why}: {advice}")]
+    return [Wrong("stages.certify.samples", f"{request.samples:,}", f"{why}: {advice}")]
 
 
 def _whole(sample: Sample, context: Context, request: Certify) -> tuple[Statement, Spans]:

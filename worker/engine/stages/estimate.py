@@ -85,10 +85,10 @@ def _search(
         normal, problem.threshold, budget, random, confidence, lambda u: ~distributions.beyond(_cube(problem, u))
     )
     try:
-        asked = next(searching)
+        normal_points = next(searching)
         while True:
-            batch = yield _cube(problem, asked)
-            asked = searching.send(batch)
+            batch = yield _cube(problem, normal_points)
+            normal_points = searching.send(batch)
     except StopIteration as stopped:
         outcome: Estimate | Refused = stopped.value
     made.append(outcome)
@@ -112,8 +112,8 @@ def _refused(context: Context, refused: Refused, budget: int, empty: EstimateRes
         "budget": sentences.too_few(limit, n, budget),
         "parameters": sentences.too_many(limit, n),
     }[why]
-    told = NoEstimate(why=why, limit=limit, statement=statement)
-    return empty.model_copy(update={"refused": told, "statement": sentences.refused(statement)})
+    refusal = NoEstimate(why=why, limit=limit, statement=statement)
+    return empty.model_copy(update={"refused": refusal, "statement": sentences.refused(statement)})
 
 
 def _estimated(

@@ -135,7 +135,7 @@ class PolynomialLoop:
     """{exponents: coefficient} of each dx/dt."""
     limits: tuple[float | None, ...]
     """The largest magnitude of each deviation for which the polynomials apply; None without one."""
-    held: tuple[tuple[str, float, str], ...]
+    references: tuple[tuple[str, float, str], ...]
     """The references that are held: words, value and unit."""
     rates: Callable[[Floats], Floats]
     """dx/dt at deviations (m, n) as the system evaluates it."""
@@ -268,7 +268,7 @@ class Slotted(System):
 
     elsewhere: str = ""
     """What evaluates on other machines; empty: this process or others of its machine."""
-    given: str = ""
+    campaign_command: str = ""
     """The command line that the campaign file gave; empty: the system is one of this installation."""
 
     @property

@@ -77,7 +77,7 @@ def attracted(run: Run, k: int) -> Tree:
             {"name": name, "symbol": symbol, "unit": unit, "trim": trim, "limit": limit}
             for (name, symbol, unit), trim, limit in zip(own.states, own.trim, own.limits, strict=True)
         ]
-        found["held"] = [{"text": text, "value": value, "unit": unit} for text, value, unit in own.held]
+        found["held"] = [{"text": text, "value": value, "unit": unit} for text, value, unit in own.references]
     if stated.refused is not None:
         why = templates.REASONS[stated.refused.why]
         worded = {"statement": templates.refused(why), "refused": {"statement": why}}

@@ -105,8 +105,8 @@ def _criteria(run: Run) -> list[Tree]:
     if campaign.simulator is not None:
         entries = [components.simulator(campaign.simulator.name).result(campaign.criterion.result)]
     else:
-        asked = [campaign.criterion.component, *(objective.component for objective in campaign.objectives)]
-        entries = [components.component("criterion", name) for name in asked]
+        criteria = [campaign.criterion.component, *(objective.component for objective in campaign.objectives)]
+        entries = [components.component("criterion", name) for name in criteria]
     names = named(entry.name for entry in entries)
     keys = ("title", "quantity", "unit", "worse")
     return [{"name": n, **{key: getattr(e, key) for key in keys}} for n, e in zip(names, entries, strict=True)]

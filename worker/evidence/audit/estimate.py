@@ -124,7 +124,7 @@ def estimated(run: Run, k: int) -> Tree:
         "independent": {"count": count},
         "modes": _modes(run, stated, shares, again),
     }
-    found["alarms"] = [_told(run, k, alarm, sample, numbers["probability"]) for alarm in alarms]
+    found["alarms"] = [_with_statement(run, k, alarm, sample, numbers["probability"]) for alarm in alarms]
     return found if run.reworded else found | {"statement": _statement(run, stated, found, count - kept)}
 
 
@@ -207,20 +207,20 @@ def _numbers(terms: Any, made: Tree, outside: float) -> Tree:
     }
 
 
-def _alarms(given: dict[str, float], terms: Any, made: Tree, sample: tuple[int, int]) -> list[Tree]:
-    """All alarms in their order; given: their values as stated, those of the search as repeated."""
+def _alarms(alarm_values: dict[str, float], terms: Any, made: Tree, sample: tuple[int, int]) -> list[Tree]:
+    """All alarms in their order; alarm_values: as stated, those of the search as repeated."""
     largest = float(terms.max() / max(float(terms.sum()), 1e-300))
     effective, (violations, size) = _numbers(terms, made, 0.0)["effective"], sample
     many = _at_most(size - violations, size, 1.0 - made["high"])
     few = _at_most(violations, size, made["low"])
     raised = {
-        "unexplained": ("unexplained" in given, given.get("unexplained")),
+        "unexplained": ("unexplained" in alarm_values, alarm_values.get("unexplained")),
         "weight": (largest > LARGEST, largest),
         "few": (effective < FEWEST, effective),
-        "unsaturated": ("unsaturated" in given, given.get("unsaturated")),
+        "unsaturated": ("unsaturated" in alarm_values, alarm_values.get("unsaturated")),
         "sample": (min(many, few) < CHANCE / 2.0, float(violations)),
     }
-    return [{"why": why, "value": _near(value, given.get(why))} for why, (on, value) in raised.items() if on]
+    return [{"why": why, "value": _near(value, alarm_values.get(why))} for why, (on, value) in raised.items() if on]
 
 
 def _at_most(events: int, samples: int, p: float) -> float:
@@ -230,7 +230,7 @@ def _at_most(events: int, samples: int, p: float) -> float:
     return math.exp(cumulative(events, samples, p)[-1])
 
 
-def _told(run: Run, k: int, alarm: Tree, sample: tuple[int, int], probability: float) -> Tree:
+def _with_statement(run: Run, k: int, alarm: Tree, sample: tuple[int, int], probability: float) -> Tree:
     value, budget = alarm["value"], run.plan[k].planned
     made = {
         "unexplained": lambda: templates.unexplained(int(value), budget),
@@ -273,7 +273,7 @@ def _statement(run: Run, stated: Tree, found: Tree, excluded: int) -> Spans:
 
 def _refused(run: Run, k: int, stated: Tree) -> Tree:
     """Why there is no estimate; the least budget is taken as given if the search cannot be repeated."""
-    n, given, again = len(run.bounds), run.plan[k].planned, run.searched.get(k)
+    n, budget, again = len(run.bounds), run.plan[k].planned, run.searched.get(k)
     why, limit = str(stated["refused"]["why"]), int(stated["refused"]["limit"])
     if run.calls.noisy:
         why, limit = "noise", 0
@@ -284,22 +284,22 @@ def _refused(run: Run, k: int, stated: Tree) -> Tree:
     elif isinstance(again, Searched) and again.refused is not None:
         why, limit = again.refused
     else:
-        why, limit = "budget", max(limit, given + 1)
-    told = {
+        why, limit = "budget", max(limit, budget + 1)
+    statement = {
         "noise": templates.NOISE,
         "no_violation": templates.NO_VIOLATION,
         "parameters": templates.too_many(limit, n),
-        "budget": templates.too_few(limit, n, given),
+        "budget": templates.too_few(limit, n, budget),
     }[why]
     none: Tree = dict.fromkeys(("probability", "low", "high", "variation", "effective"))
     none |= {"draws": 0, "failed_draws": 0, "modes": [], "alarms": [], "refused": {"why": why, "limit": limit}}
     if run.reworded:
         return none
-    none["refused"]["statement"] = told
-    return none | {"statement": templates.refused(told)}
+    none["refused"]["statement"] = statement
+    return none | {"statement": templates.refused(statement)}
 
 
-def _near(value: Any, given: Any) -> Any:
+def _near(value: Any, claim: Any) -> Any:
     """What the record has, if this differs from it by rounding."""
-    both = isinstance(value, float) and isinstance(given, int | float)
-    return given if both and math.isclose(value, given, rel_tol=TOLERANCE) else value
+    both = isinstance(value, float) and isinstance(claim, int | float)
+    return claim if both and math.isclose(value, claim, rel_tol=TOLERANCE) else value

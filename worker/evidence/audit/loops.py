@@ -21,7 +21,7 @@ class Model(NamedTuple):
     """Name, symbol, unit."""
     trim: list[float]
     limits: list[float | None]
-    held: list[tuple[str, float, str]]
+    references: list[tuple[str, float, str]]
     flow: list[Terms]
 
 
@@ -58,8 +58,8 @@ def speeds(p: Values) -> Model:
     ]
     sums = [(four * u - v["delta_u"] * one) / K[2], -v["delta_w"] * two / K[3]]
     states = [("u", "u", "m/s"), ("omega", "ω", "rad/s"), ("sum_u", "∫e_u", "m"), ("sum_w", "∫e_ω", "rad")]
-    held = [("speed", u, "m/s"), ("turn rate", 0.0, "rad/s")]
-    return Model(states, [u, 0.0, *sums], [min(u - low, high - u), v["w_max"], None, None], held, flow)
+    references = [("speed", u, "m/s"), ("turn rate", 0.0, "rad/s")]
+    return Model(states, [u, 0.0, *sums], [min(u - low, high - u), v["w_max"], None, None], references, flow)
 
 
 MODELS: dict[tuple[str, str], Callable[[Values], Model]] = {

@@ -161,10 +161,10 @@ class Run:
     def _granted(self, finding: Tree) -> float:
         """The mildest value of a violation whose values differ beyond tolerance, else its own."""
         case, label = finding["validation"], finding["label"]
-        given = next((f["validation"] for f in self.claims["findings"] if f["label"] == label), case)
+        claim = next((f["validation"] for f in self.claims["findings"] if f["label"] == label), case)
         if "repeats" in case or case["agrees"] or not case["violates"]:
             return float(finding["cost"])
-        return float(max(finding["cost"], *(given[k]["cost"] for k in self.others)))
+        return float(max(finding["cost"], *(claim[k]["cost"] for k in self.others)))
 
     def means(self) -> tuple[str, ...]:
         """The independent means by which a case is confirmed."""

@@ -150,8 +150,8 @@ def _of_database(connection: sa.Connection, run_id: int) -> Record:
     if run.get("purged") or not run["verdict"]:
         why = "it was purged" if run.get("purged") else f"it is {run['state']} and has no verdict"
         raise UnreadableError(f"{name} cannot be audited: {why}", RefusalCode.NO_VERDICT)
-    asked = rows("campaigns", "digest", digest=run["campaign_digest"])[0]
-    campaign = load_document(asked["document"], name)
+    campaign_row = rows("campaigns", "digest", digest=run["campaign_digest"])[0]
+    campaign = load_document(campaign_row["document"], name)
     stages = rows("stages", "position", run_id=run_id)
     claims = run["summary"] | {"run": run, "verdict": run["verdict"], "reason": run["reason"], "stages": stages}
     results, found = [stage["result"] for stage in stages], rows("findings", "cost", run_id=run_id)
@@ -168,8 +168,8 @@ def _of_database(connection: sa.Connection, run_id: int) -> Record:
         twice["begun"] = (MISSING, Missing(unknown))
     twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in FIXED & provenance.keys()}
     twice |= _launched(connection, rows, run_id, campaign)
-    if asked.get("question") is not None:
-        twice["question"] = (asked["question"], question(asked["document"]))
+    if campaign_row.get("question") is not None:
+        twice["question"] = (campaign_row["question"], question(campaign_row["document"]))
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
     for sampled in (result for result in results if result and result.get("drawn_at_launch") is not None):
         drawn = {"seed": sampled.get("seed"), "drawn_at_launch": sampled["drawn_at_launch"]}

@@ -34,8 +34,8 @@ def evaluated(run: Run) -> Tree:
         earlier_run.Case(c["label"], c["index"] is not None, c["status"] == STATUS[OK], r["reason"], r["assumed"])
         for c, r in zip(cases, stated, strict=True)
     ]
-    told = earlier_run.evaluated(baseline.run, of, (baseline.threshold, run.threshold), run.unit)
-    return {"run": baseline.run, "cases": cases} | ({} if run.reworded else {"statement": told})
+    statement = earlier_run.evaluated(baseline.run, of, (baseline.threshold, run.threshold), run.unit)
+    return {"run": baseline.run, "cases": cases} | ({} if run.reworded else {"statement": statement})
 
 
 def _evaluated(run: Run, case: BaselineCase, recorded: Tree) -> Tree:
@@ -126,8 +126,8 @@ def regression(run: Run, checks: dict[str, bool]) -> Tree:
     left_out |= {case.label for case in baseline.cases} - {recorded["before"] for recorded in stated["cases"]}
     names = [(recorded["before"], recorded["before"] or recorded["now"]) for recorded in stated["cases"]]
     again = [label for label, times in Counter(names).items() if times > 1]
-    told = {"fail_on": [*policy.fail_on], "quantity": run.quantity, "unit": run.unit} if _compares(run) else {}
-    return told | {
+    basis = {"fail_on": [*policy.fail_on], "quantity": run.quantity, "unit": run.unit} if _compares(run) else {}
+    return basis | {
         "run": baseline.run,
         "position": position(run),
         "cases": [*rows, *({"before": label} for label in [*sorted(left_out), *again])],  # another count
@@ -158,7 +158,7 @@ def _case(run: Run, recorded: Tree) -> Tree:
     found: Any = next((f for f in run.findings if f["label"] == recorded["now"]), None)
     if recorded["before"] is None:
         row = _row("new", math.nan, math.nan, found["margin"], math.nan, found["margin"] <= 0)
-        return row | _told(run, None, found["label"], found["parameters"])
+        return row | _row_identity(run, None, found["label"], found["parameters"])
     baseline = run.campaign.baseline
     assert baseline is not None
     case = next(case for case in baseline.cases if case.label == recorded["before"])
@@ -173,7 +173,7 @@ def _case(run: Run, recorded: Tree) -> Tree:
     before, k = case.cost, index[case.label] if _compares(run) else recorded["evaluation"]
     if k is None or status[k] != OK:
         row = _row("not compared", before - limit, math.nan, math.nan, math.nan, False)
-        return row | _told(run, k, None, case.parameters)
+        return row | _row_identity(run, k, None, case.parameters)
     again = float(costs[k])
     lowest = min(again, basin) if stands else again
     tolerance = _tolerance(run, case.difference, recorded["now"])
@@ -187,7 +187,7 @@ def _case(run: Run, recorded: Tree) -> Tree:
         standing = "worse" if worse else "better" if lowest > before + tolerance else "same"
     place = own["parameters"] if stands and basin < again else run.values(run.rows(position(run))[0][k])
     row = _row(standing, before - limit, again - limit, lowest - limit, tolerance, new)
-    return row | _told(run, k, own["now"], place) | {"change": lowest - before}
+    return row | _row_identity(run, k, own["now"], place) | {"change": lowest - before}
 
 
 def _compares(run: Run) -> bool:
@@ -195,7 +195,7 @@ def _compares(run: Run) -> bool:
     return run.wording >= limits.BASELINES
 
 
-def _told(run: Run, evaluation: int | None, now: str | None, parameters: Any) -> Tree:
+def _row_identity(run: Run, evaluation: int | None, now: str | None, parameters: Any) -> Tree:
     """What a row names besides its numbers; earlier versions are not judged by it."""
     return {"evaluation": evaluation, "now": now, "parameters": dict(parameters)} if _compares(run) else {}
 

@@ -130,8 +130,8 @@ def _stage(run: Run, k: int) -> Tree:
         return _nominal(run, run.claims["results"][0]) if run.sealed else {}
     sample = run.samples.get(k)
     if run.plan[k].kind == "sensitivity" and run.sealed:
-        asked = run.campaign.stages.sensitivity
-        return {"curves": charts.curves(run, k)} | ({} if asked is None else {"points": asked.points})
+        request = run.campaign.stages.sensitivity
+        return {"curves": charts.curves(run, k)} | ({} if request is None else {"points": request.points})
     if run.plan[k].kind == "estimate":
         return estimated(run, k)
     if run.plan[k].kind == "attraction":
@@ -141,8 +141,8 @@ def _stage(run: Run, k: int) -> Tree:
     if not run.sealed:
         return {"sample": sample}
     made = of_sample(run, k, sample)
-    told = sample | made | ({"quantile": sample["quantile"] | made["quantile"]} if "quantile" in made else {})
-    found: Tree = {"sample": told} | of_stage(run, k, told, (run.claims["results"][k] or {}).get("stop"))
+    full_sample = sample | made | ({"quantile": sample["quantile"] | made["quantile"]} if "quantile" in made else {})
+    found: Tree = {"sample": full_sample} | of_stage(run, k, full_sample, (run.claims["results"][k] or {}).get("stop"))
     if run.plan[k].kind == "certify":
         found |= run.ended[k] | {"grid": grid(run, k) if run.grid(k) else None}
         found |= _blocks(run, k)
@@ -158,8 +158,8 @@ def _blocks(run: Run, k: int) -> Tree:
     seeds = of_indices(int(result["seed"]), flights).tolist() if run.random else None
     before = run.raw[(run.stage < k) & (run.status == OK)].tolist()
     beside = counted.beside(run.counted[k], int(np.count_nonzero(raw[status == OK] <= run.threshold)), status)
-    told = {} if run.reworded else {"statement": counted.statement(run.counted[k], len(status))}
-    return {"blocks": counted.scale(before, run.threshold) | {"beside": beside} | told, "realisations": seeds}
+    sentence = {} if run.reworded else {"statement": counted.statement(run.counted[k], len(status))}
+    return {"blocks": counted.scale(before, run.threshold) | {"beside": beside} | sentence, "realisations": seeds}
 
 
 def _nominal(run: Run, stated: Tree) -> Tree:

@@ -70,8 +70,8 @@ def of_sample(run: Run, k: int, sample: Tree) -> Tree:
     if sample.get("quantile"):
         quantile = sample["quantile"]
         assert certify is not None
-        told = (certify.quantile, run.quantity, run.unit, quantile["order"] or 0, quantile["needed"], quantile["bound"])
-        found["quantile"] = {"statement": counts.quantile(*told)}
+        fields = certify.quantile, run.quantity, run.unit, quantile["order"] or 0, quantile["needed"], quantile["bound"]
+        found["quantile"] = {"statement": counts.quantile(*fields)}
     return found
 
 

@@ -30,13 +30,13 @@ def sureness(run: Run) -> Tree | None:
         return None
     (k,) = run.searches
     _, costs, status = run.rows(k)
-    asked, n = run.campaign.stages.search[0], len(run.bounds)
+    request, n = run.campaign.stages.search[0], len(run.bounds)
     small, large = ((ends[0], ends[1] * n) for ends in (FEWEST, MOST))
-    fits = small[0] <= n <= large[0] and small[1] <= asked.evaluations <= large[1]
-    if asked.method != SEARCH or asked.options.get("seconds", 0.0) >= 0.02 or not fits:
+    fits = small[0] <= n <= large[0] and small[1] <= request.evaluations <= large[1]
+    if request.method != SEARCH or request.options.get("seconds", 0.0) >= 0.02 or not fits:
         return None
     ok = np.flatnonzero(status == OK)
-    if len(status) != asked.evaluations or len(ok) < HALF * len(status) or math.isnan(run.nominal):
+    if len(status) != request.evaluations or len(ok) < HALF * len(status) or math.isnan(run.nominal):
         return None
     best = float(costs[ok].min())
     fall = run.nominal - best

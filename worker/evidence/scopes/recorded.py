@@ -94,8 +94,8 @@ def _results(campaign: Campaign, catalogue: Catalogue) -> tuple[Result, ...]:
         if decides is None:
             raise KeyError(campaign.criterion.result)
         return (Result(decides.name, decides.title, decides.quantity, decides.unit, decides.worse),)
-    asked = [campaign.criterion.component, *(objective.component for objective in campaign.objectives)]
-    entries = [catalogue.component("criterion", name or "") for name in asked]
+    criteria = [campaign.criterion.component, *(objective.component for objective in campaign.objectives)]
+    entries = [catalogue.component("criterion", name or "") for name in criteria]
     known = [entry for entry in entries if entry is not None]
     names = named(entry.name for entry in known)
     return tuple(Result(n, e.title, e.quantity, e.unit, e.worse or "low") for n, e in zip(names, known, strict=True))

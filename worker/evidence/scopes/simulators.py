@@ -49,8 +49,8 @@ def _scope(system: Any) -> Scope:
     title, name = system.entry.title, system.entry.name
     if isinstance(system, (InProcess, Isolated)):
         return function_scope(title, name, system.digest, system.unread)
-    if isinstance(system, CommandSimulator) and system.given:
-        return simulator_scope(title, name, system.digest, system.given, system.described.covers)
+    if isinstance(system, CommandSimulator) and system.campaign_command:
+        return simulator_scope(title, name, system.digest, system.campaign_command, system.described.covers)
     settings = ""
     if isinstance(system, FmuSimulator):
         d = system.described

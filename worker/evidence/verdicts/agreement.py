@@ -56,17 +56,21 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
     counted = [
         part for s in aiming if not _not_searched(s, problem.dimension) for part in _parts(s, evidence)
         if part.evaluations >= _least(s, problem.dimension) and part.best - worst <= within and part.finding is not None
-        and not _given(s, part, problem, evidence)
+        and not _starts_at_finding(s, part, problem, evidence)
     ]  # fmt: skip
     found = _agreed(counted, evidence, flat, worst, nominal, unit)
-    given = [_titled(s) for s in aiming if any(_given(s, part, problem, evidence) for part in _parts(s, evidence))]
-    if found.ok or not given:
+    dependents = [
+        _titled(s)
+        for s in aiming
+        if any(_starts_at_finding(s, part, problem, evidence) for part in _parts(s, evidence))
+    ]
+    if found.ok or not dependents:
         return found
-    started = say(listed(given), " started at it, as the campaign states, and does not confirm it")
+    started = say(listed(dependents), " started at it, as the campaign states, and does not confirm it")
     return _check(False, found.statement if counted else "no other search reached the worst case", "; ", started)
 
 
-def _given(search: SearchResult, part: Part, problem: Problem, evidence: Evidence) -> bool:
+def _starts_at_finding(search: SearchResult, part: Part, problem: Problem, evidence: Evidence) -> bool:
     """Whether a start of the campaign is where the worst case is in whose basin this part ended."""
     requested = problem.campaign.stages.search[_index(search, evidence)].starts
     places = [np.array(f.point) for f in evidence.findings if f.label == part.finding]

@@ -38,7 +38,7 @@ class InlineProgram(DescribedProgram):
     """The campaign file."""
 
     @property
-    def given(self) -> str:
+    def campaign_command(self) -> str:
         return shlex.join(self.descriptor.command)
 
     @property

@@ -124,12 +124,12 @@ class Waiting:
     queue: Queue
     claim: Claim
     simulators: Sequence[str]
-    asked: float = -math.inf
+    last_query: float = -math.inf
 
     def __call__(self) -> bool:
-        if time.monotonic() < self.asked + POLL:
+        if time.monotonic() < self.last_query + POLL:
             return False
-        self.asked = time.monotonic()
+        self.last_query = time.monotonic()
         ends = self.queue.cancel_requested(self.claim)
         return ends or self.queue.ready(self.simulators, sources.LOADED.digest)
 

@@ -55,7 +55,7 @@ class Child:
         """Whether it has said that it is."""
         self.begun = time.monotonic()
         controlled, self._control = os.pipe()
-        begun = guarded(controlled, asked=PATIENCE, died=PATIENCE)
+        begun = guarded(controlled, grace=PATIENCE, died=PATIENCE)
         self._process = subprocess.Popen(
             [*begun, *command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
             pass_fds=(controlled, file), start_new_session=True,

@@ -53,7 +53,7 @@ def versions(campaign: Campaign, system: System) -> Versions:
         "loop": system.digest if called is None else None,
         "simulator": None if called is None else called.digest,
         "evaluator": (called and called.elsewhere) or None,
-        "command": (called and called.given) or None,
+        "command": (called and called.campaign_command) or None,
     }
     return identity.versions(campaign).model_copy(update=system_values)
 

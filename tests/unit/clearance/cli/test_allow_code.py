@@ -184,7 +184,7 @@ def test_calls_and_retries_stay_those_of_the_campaign(tmp_path: Path) -> None:
     assert campaign.simulator is not None
     assert (campaign.simulator.name, campaign.simulator.calls, campaign.simulator.retries) == (NAME, 3, 1)
     system = opened.system(campaign)
-    assert system.given.startswith("'{python}' -S ")
+    assert system.campaign_command.startswith("'{python}' -S ")
     system.close()
 
 

@@ -163,9 +163,9 @@ def trimmed(values: Mapping[str, float], trim: Any) -> Trimmed:
         {w: Fraction(-1)},
     )
     sums = (along * Fraction(u_0) - Fraction(trim.delta_u)) / (per_u * K_3), -Fraction(trim.delta_w) / (per_w * K_4)
-    held = (("speed", u_0, "m/s"), ("turn rate", w_0, "rad/s"))
+    references = (("speed", u_0, "m/s"), ("turn rate", w_0, "rad/s"))
     limits = (min(u_0 - low, high - u_0), trim.w_max, None, None)
-    return Trimmed((u_0, w_0, *map(float, sums)), flow, limits, (u_0, 0.0), held)
+    return Trimmed((u_0, w_0, *map(float, sums)), flow, limits, (u_0, 0.0), references)
 
 
 @kernel

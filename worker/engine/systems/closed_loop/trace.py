@@ -137,7 +137,7 @@ class Seen:
         cost, p = self.flights.loop.part("cost"), self.flights.loop.extend(self.vector)
         return np.array([cost(tuple(map(float, row)), p) for row in channels])
 
-    def given(self, path: str) -> float:
+    def parameter(self, path: str) -> float:
         """The value of a parameter; 0 if the scenario has none of this path."""
         at = self.flights.paths.get(path)
         return 0.0 if at is None else float(self.vector[at])
@@ -234,16 +234,16 @@ def _searched(flights: Flights, seen: Seen, case: SimulatedCase) -> tuple[int, i
 def _within(flights: Flights, case: SimulatedCase, row: int) -> Floats:
     """States within a step as the loop interpolates them, by the cubic through both ends, with the held guidance."""
     n, step, loop = flights.loop.n_state, flights.step, flights.loop
-    p, held = loop.extend(case.vector), tuple(map(float, case.states[row, n:]))
+    p, guidance = loop.extend(case.vector), tuple(map(float, case.states[row, n:]))
     ends = [case.states[row + k, :n] for k in (0, 1)]
     rates = [
-        np.array(loop.part("closed_loop")((row + k) * step, tuple(map(float, end)), held, p)[0])
+        np.array(loop.part("closed_loop")((row + k) * step, tuple(map(float, end)), guidance, p)[0])
         for k, end in enumerate(ends)
     ]
     s = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
     states = ends[0] + s * s * (3.0 - 2.0 * s) * (ends[1] - ends[0])
     states = states + step * s * (1.0 - s) * ((1.0 - s) * rates[0] - s * rates[1])
-    return np.column_stack((states, np.broadcast_to(held, (len(s), len(held)))))
+    return np.column_stack((states, np.broadcast_to(guidance, (len(s), len(guidance)))))
 
 
 def _between(positions: Floats, row: int, shift: float) -> list[float]:
@@ -277,11 +277,11 @@ def _free(seen: Seen, i: int) -> float | None:
     """Radius of the disc around an obstacle's centre that must stay free [m]; None if that region is not a disc."""
     criterion, reach = seen.flights.parts.criterion, seen.flights.parts.obstacles[i].reach
     if criterion.measured_to != "surface":
-        return seen.given("criterion.threshold")
+        return seen.parameter("criterion.threshold")
     if reach is None or len(reach.of) != 1:
         return None
-    surface = reach.times * seen.given(f"obstacles.{i}.{reach.of[0]}")
-    return surface + seen.given("criterion.threshold") + seen.given("criterion.body_radius")
+    surface = reach.times * seen.parameter(f"obstacles.{i}.{reach.of[0]}")
+    return surface + seen.parameter("criterion.threshold") + seen.parameter("criterion.body_radius")
 
 
 def _head(
@@ -292,7 +292,7 @@ def _head(
             component=o.name,
             title=o.title,
             position=[float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
-            radius=seen.given(f"obstacles.{i}.radius"),
+            radius=seen.parameter(f"obstacles.{i}.radius"),
             free_radius=_free(seen, i),
             moving=o.moving,
         )
@@ -310,10 +310,10 @@ def _head(
         frame=flights.parts.vehicle.frame,
         vehicle=flights.parts.vehicle.name,
         obstacles=obstacles,
-        start=[seen.given(f"start.{axis}") for axis in "xyz"],
-        goal=[seen.given(f"goal.{axis}") for axis in "xyz"],
-        threshold=seen.given("criterion.threshold"),
-        parameters={path: seen.given(path) for path in flights.campaign.uncertain} | dict(values),
+        start=[seen.parameter(f"start.{axis}") for axis in "xyz"],
+        goal=[seen.parameter(f"goal.{axis}") for axis in "xyz"],
+        threshold=seen.parameter("criterion.threshold"),
+        parameters={path: seen.parameter(path) for path in flights.campaign.uncertain} | dict(values),
         closest=closest,
         status=STATUS[case.status],
         reason=case.reason,

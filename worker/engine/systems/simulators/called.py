@@ -31,7 +31,7 @@ class Called(Simulated):
         self.inner, self.request, self._borrowed = inner, request, borrowed
         self.parameters, self.nominal, self.results = inner.parameters, inner.nominal, inner.results
         self.repeatable, self.settings = inner.repeatable, inner.settings
-        self.elsewhere, self.given = inner.elsewhere, inner.given
+        self.elsewhere, self.campaign_command = inner.elsewhere, inner.campaign_command
         self.step = inner.step if isinstance(inner, Simulated) else None
 
     def fresh(self) -> Slotted:

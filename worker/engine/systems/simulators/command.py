@@ -42,8 +42,8 @@ class CommandSimulator(Pooled):
         self.described = described
         self.columns, self.scene = described.columns, described.drawn
         self._fresh = fresh
-        self.given = described.given
-        self._spread_over(None if self.given else chosen())
+        self.campaign_command = described.campaign_command
+        self._spread_over(None if self.campaign_command else chosen())
 
     def fresh(self) -> CommandSimulator:
         return CommandSimulator(self.described, self.opening, True, self._halvings, self.unchanged)

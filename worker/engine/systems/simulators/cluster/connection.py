@@ -106,7 +106,7 @@ class Connection:
 
     def _run(self) -> None:
         asyncio.set_event_loop(self.loop)
-        _held = [self.loop.create_task(work) for work in (self._watch(), self._keep())]  # the loop would not hold them
+        _tasks = [self.loop.create_task(work) for work in (self._watch(), self._keep())]  # the loop would not hold them
         try:
             self.loop.run_forever()
         finally:

@@ -103,7 +103,7 @@ class DaskPool(Slots):
         It does not know of nodes that have left. Raises `EvaluatorLost` if the nodes do not answer.
         """
         try:
-            found = self._connection.call(asyncio.wait_for(self._asked(), ANSWER))
+            found = self._connection.call(asyncio.wait_for(self._node_changes(), ANSWER))
         except TimeoutError:
             raise EvaluatorLost(
                 f"evaluator {self._connection.evaluator.address}: its nodes did not answer within {ANSWER:g} s whether "
@@ -111,7 +111,7 @@ class DaskPool(Slots):
             ) from None
         return next(filter(None, found.values()), "")
 
-    async def _asked(self) -> dict[str, str]:
+    async def _node_changes(self) -> dict[str, str]:
         client = await self._connection.client()
         found: dict[str, str] = await client.run(changed, self._work.key, now=True, on_error="ignore")
         return found

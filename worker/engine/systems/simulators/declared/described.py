@@ -92,7 +92,7 @@ class Described(ABC):
         return None if stated is None else scene_of(stated, {name: c.unit for name, c in self.columns.items()})
 
     @property
-    def given(self) -> str:
+    def campaign_command(self) -> str:
         """The command line, if the campaign file gave it; empty for what the operator has installed."""
         return ""
 

@@ -220,8 +220,8 @@ def _stored(top: ast.AST) -> set[str]:
 
 
 def _seeded(call: ast.Call) -> bool:
-    given = [*call.args, *(k.value for k in call.keywords)]
-    return bool(given) and not (isinstance(given[0], ast.Constant) and given[0].value is None)
+    arguments = [*call.args, *(k.value for k in call.keywords)]
+    return bool(arguments) and not (isinstance(arguments[0], ast.Constant) and arguments[0].value is None)
 
 
 def _writes(call: ast.Call | None, position: int) -> bool:

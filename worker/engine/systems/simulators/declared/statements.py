@@ -132,10 +132,15 @@ class _Reader:
         name = self._function(node.func)
         if name in IMPORTING:
             self.plain.add(id(node.func))
-            given = node.args[0] if node.args else None
+            module = node.args[0] if node.args else None
             simple = (len(node.args) == 1 and not node.keywords) or name == "__import__"
-            if simple and isinstance(given, ast.Constant) and isinstance(given.value, str) and given.value[:1] != ".":
-                self.names.append((given.value, 0))
+            if (
+                simple
+                and isinstance(module, ast.Constant)
+                and isinstance(module.value, str)
+                and module.value[:1] != "."
+            ):
+                self.names.append((module.value, 0))
             else:
                 self.miss(node, "the import of a computed name")
         elif name in ("CDLL", "PyDLL", "LoadLibrary") and _of_the_system(node):
@@ -186,8 +191,8 @@ def _is_path(node: ast.expr, *methods: str) -> bool:
 
 def _of_the_system(call: ast.Call) -> bool:
     """Whether a call loads a library of the system, by its name alone."""
-    given = call.args[0] if call.args else None
-    return isinstance(given, ast.Constant) and (given.value is None or os.sep not in str(given.value))
+    library = call.args[0] if call.args else None
+    return isinstance(library, ast.Constant) and (library.value is None or os.sep not in str(library.value))
 
 
 class _Folder:
@@ -215,21 +220,21 @@ class _Folder:
                 return _up(self.text(inner, depth + 1), n + 1)
             case ast.BinOp(left=left, op=ast.Div() | ast.Add(), right=right):
                 return self._joined([left, right], os.sep if isinstance(node.op, ast.Div) else "", depth)
-            case ast.Call(func=function, args=given, keywords=[]):
-                return self._called(function, given, depth)
+            case ast.Call(func=function, args=arguments, keywords=[]):
+                return self._called(function, arguments, depth)
         return None
 
-    def _called(self, function: ast.expr, given: list[ast.expr], depth: int) -> str | None:
+    def _called(self, function: ast.expr, arguments: list[ast.expr], depth: int) -> str | None:
         name = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
-        if name in ("resolve", "absolute", "as_posix") and isinstance(function, ast.Attribute) and not given:
+        if name in ("resolve", "absolute", "as_posix") and isinstance(function, ast.Attribute) and not arguments:
             return self.text(function.value, depth + 1)
-        if name == "dirname" and len(given) == 1:
-            return _up(self.text(given[0], depth + 1), 1)
+        if name == "dirname" and len(arguments) == 1:
+            return _up(self.text(arguments[0], depth + 1), 1)
         if name in ("join", "joinpath"):
             base = [function.value] if name == "joinpath" and isinstance(function, ast.Attribute) else []
-            return self._joined([*base, *given], os.sep, depth)
-        if name in ("str", "Path", "PurePath", "fspath", "abspath", "realpath", "normpath") and len(given) == 1:
-            return self.text(given[0], depth + 1)
+            return self._joined([*base, *arguments], os.sep, depth)
+        if name in ("str", "Path", "PurePath", "fspath", "abspath", "realpath", "normpath") and len(arguments) == 1:
+            return self.text(arguments[0], depth + 1)
         return None
 
     def _joined(self, parts: list[ast.expr], between: str, depth: int) -> str | None:

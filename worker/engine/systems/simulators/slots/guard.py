@@ -1,8 +1,8 @@
-"""Runs a program and ends with all that it started: guard.py MEMORY ASKED DIED PARENT CONTROL FOLDER PROGRAM...
+"""Runs a program and ends with all that it started: guard.py MEMORY GRACE DIED PARENT CONTROL FOLDER PROGRAM...
 
 It adopts what the program starts (PR_SET_CHILD_SUBREAPER, prctl(2)), also what left the session or cleared its
 environment, and outlives its parent, as it is in no process group of it. When the parent has ended, or has written to
-CONTROL (a pipe; -1: none), what runs is asked to end and, after ASKED [s], killed; so is what is left DIED [s] after
+CONTROL (a pipe; -1: none), what runs is asked to end and, after GRACE [s], killed; so is what is left DIED [s] after
 the program. Then, without a parent, FOLDER (if one is given) is removed, also where the parent has ended before
 anything began. A process and not a function between fork and exec, which could deadlock in a parent with threads;
 without site-packages and further modules, it starts in milliseconds. Linux only.
@@ -83,7 +83,7 @@ def guarded(program: int, owner: int, control: int) -> None:
     for descriptor in {died, owner, control} - {-1}:
         waiting.register(descriptor, select.POLLIN)
     left = Left(program)
-    asked, patience = float(sys.argv[2]), float(sys.argv[3])
+    grace, patience = float(sys.argv[2]), float(sys.argv[3])
     while left.reap():
         ready = {descriptor for descriptor, _ in waiting.poll(1000 * SELDOM)}
         word = os.read(control, 1) if control in ready else b""
@@ -93,7 +93,7 @@ def guarded(program: int, owner: int, control: int) -> None:
         if died in ready:
             break
         if owner in ready or control in ready:
-            patience = 0.0 if word == KILL else asked
+            patience = 0.0 if word == KILL else grace
             break
     left.end(patience)
     waiting.unregister(died)
@@ -149,11 +149,11 @@ class Left:
             self.reap()
         elif patience and self.status < 0:
             signal(self.program, SIGTERM)  # alone at first: it may end the others in order
-        asked = False
+        broadcast = False
         while self.any and (left := until - time.monotonic()) > 0.0:
             runs = self.reap()
-            if not asked and (not runs or left < patience / 2):
-                asked = True
+            if not broadcast and (not runs or left < patience / 2):
+                broadcast = True
                 self.signal(SIGTERM)
             time.sleep(OFTEN)
         while self.any and time.monotonic() < until + STUCK:

@@ -33,13 +33,13 @@ SHOWN = 400
 CHUNK = 1 << 16
 
 
-def guarded(control: int, memory: int = 0, asked: float = PATIENCE, died: float = 0.0, folder: str = "") -> list[str]:
+def guarded(control: int, memory: int = 0, grace: float = PATIENCE, died: float = 0.0, folder: str = "") -> list[str]:
     """The begin of a command line of which everything ends when this process ends or writes to `control`, or -1.
 
-    memory: of each process [bytes]; asked, died: what is left so long after it was asked to end, or after the end of
+    memory: of each process [bytes]; grace, died: what is left so long after it was asked to end, or after the end of
     the program, is killed [s]; folder: is removed if this process ends.
     """
-    words = (GUARD, memory, asked, died, os.getpid(), control, folder)
+    words = (GUARD, memory, grace, died, os.getpid(), control, folder)
     return [sys.executable, "-S", "-E", *map(str, words)]
 
 

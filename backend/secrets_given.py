@@ -30,11 +30,11 @@ def read(names: Iterable[str], environment: Mapping[str, str]) -> dict[str, str]
     return found
 
 
-def database(given: str, environment: Mapping[str, str]) -> str:
-    """The database's URL for the command line; given: that of the option or its variable. Raises `ValueError`."""
-    by_option = bool(given) and given != environment.get(DATABASE)
+def database(option_url: str, environment: Mapping[str, str]) -> str:
+    """The database's URL for the command line; option_url: that of the option or its variable. Raises `ValueError`."""
+    by_option = bool(option_url) and option_url != environment.get(DATABASE)
     found = read([PASSWORD] if by_option else [DATABASE, PASSWORD], environment)
-    return with_password(given if by_option else found.get(DATABASE, ""), found.get(PASSWORD, ""))
+    return with_password(option_url if by_option else found.get(DATABASE, ""), found.get(PASSWORD, ""))
 
 
 def with_password(url: str, password: str) -> str:

@@ -243,8 +243,8 @@ class Settings(BaseModel):
     @property
     def database_url(self) -> str:
         """The database, with the password and the default filled in."""
-        given = secrets_given.with_password(self.database, self.database_password.get_secret_value())
-        return given or default_url(self.data)
+        explicit_url = secrets_given.with_password(self.database, self.database_password.get_secret_value())
+        return explicit_url or default_url(self.data)
 
     @property
     def encrypted(self) -> bool:

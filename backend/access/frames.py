@@ -60,7 +60,7 @@ class Frames:
         named = _KEYED.fullmatch(path)
         if named is None:
             return None
-        found = self._held(named) or await self._coming(named)
+        found = self._newest_voucher(named) or await self._coming(named)
         return found if found is not None and await found.still() else None
 
     def stop(self) -> None:
@@ -72,7 +72,7 @@ class Frames:
         self._changed.set()
         self._changed = asyncio.Event()
 
-    def _held(self, named: re.Match[str]) -> Voucher | None:
+    def _newest_voucher(self, named: re.Match[str]) -> Voucher | None:
         vouchers = self._vouchers.get((named[1], named[2]))
         return vouchers[-1] if vouchers else None
 
@@ -82,7 +82,7 @@ class Frames:
         self.waiting += 1
         try:
             async with asyncio.timeout(PATIENCE):
-                while (found := self._held(named)) is None and self._most:
+                while (found := self._newest_voucher(named)) is None and self._most:
                     await self._changed.wait()
             return found
         except TimeoutError:

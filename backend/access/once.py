@@ -32,7 +32,7 @@ class Once:
     """A request whose work is done once for its key; without a key, each time. What is refused leaves no key."""
 
     engine: sa.Engine
-    asked: Keyed
+    request: Keyed
 
     def do(
         self,
@@ -48,10 +48,10 @@ class Once:
         """
         answers: TypeAdapter[Answer] = TypeAdapter(kind)
         with self.engine.begin() as writer:
-            row = keys.claimed(writer, self.asked)
+            row = keys.claimed(writer, self.request)
             if row is None:
                 answer = work(writer)
-                keys.keep(writer, self.asked, made(answer), zlib.compress(answers.dump_json(answer)))
+                keys.keep(writer, self.request, made(answer), zlib.compress(answers.dump_json(answer)))
                 return answer
         stored = self._stored(answers, row)
         if present is None:
@@ -65,10 +65,10 @@ class Once:
         otherwise: what to do about it.
         """
         with self.engine.begin() as writer:
-            row = keys.claimed(writer, self.asked)
+            row = keys.claimed(writer, self.request)
             if row is None:
                 answer = work(writer)
-                keys.keep(writer, self.asked, made)
+                keys.keep(writer, self.request, made)
                 return answer
         raise self._done(row.made, f"what it was answered with is shown only once: {otherwise}")
 
@@ -82,7 +82,7 @@ class Once:
             raise self._done(row.made, detail) from None
 
     def _done(self, made: str, detail: str) -> RefusedError:
-        done = f"the request with the Idempotency-Key {self.asked.key!r} was done already and made {made}; {detail}"
+        done = f"the request with the Idempotency-Key {self.request.key!r} was done already and made {made}; {detail}"
         return RefusedError(409, "already-made", done)
 
 

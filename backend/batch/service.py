@@ -48,20 +48,20 @@ async def lines(request: Request, paths: Sequence[str]) -> AsyncIterator[bytes |
 
 def _scope(outer: Scope, address: str) -> Scope:
     path, _, query = address.partition("?")
-    asked = {"path": unquote(path), "raw_path": path.encode(), "query_string": query.encode(), "headers": []}
-    return {**outer, **asked, "method": "GET"}
+    request_target = {"path": unquote(path), "raw_path": path.encode(), "query_string": query.encode(), "headers": []}
+    return {**outer, **request_target, "method": "GET"}
 
 
 async def _answer(scope: Scope) -> tuple[str | None, memoryview] | None:
     """The entity tag and the document; None if the request is refused or fails."""
     started: list[Message] = []
     body = bytearray()
-    asked: list[Message] = [{"type": "http.request", "body": b"", "more_body": False}]
+    request_messages: list[Message] = [{"type": "http.request", "body": b"", "more_body": False}]
 
     async def receive() -> Message:
-        if not asked:
+        if not request_messages:
             await asyncio.Event().wait()  # a response that listens for the end of its client listens in vain
-        return asked.pop()
+        return request_messages.pop()
 
     async def send(message: Message) -> None:
         if message["type"] == "http.response.start":

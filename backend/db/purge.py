@@ -217,10 +217,10 @@ def _against() -> sa.ColumnElement[bool]:
 def violates() -> sa.ColumnElement[bool]:
     """Whether a run found a value at or below its threshold, or that of a listed run that asks the same for a
     requirement, whether it came to a verdict or not: what it cleared may violate where the threshold was raised."""
-    other, asked = orm.aliased(Run), orm.aliased(CampaignRow)
+    other, own_campaign = orm.aliased(Run), orm.aliased(CampaignRow)
     of = sa.select(sa.func.max(other.threshold)).join(RunRequirement, RunRequirement.run_id == other.id)
-    of = of.join(asked, asked.question == RunRequirement.question)
-    of = of.where(asked.digest == Run.campaign_digest, other.removed.is_(None))
+    of = of.join(own_campaign, own_campaign.question == RunRequirement.question)
+    of = of.where(own_campaign.digest == Run.campaign_digest, other.removed.is_(None))
     limits = (Run.threshold, of.correlate(Run).scalar_subquery())
     stages = sa.select(Stage.best).where(Stage.run_id == Run.id, own_question())
     best = (stages.where(Stage.best <= limit).exists() for limit in limits)

@@ -132,8 +132,8 @@ def request_cancel(connection: sa.Connection, run_id: int) -> RunState | None:
     unheld = sa.or_(Run.state == RunState.QUEUED, sa.and_(Run.state.in_(HELD), Run.lease_until < at))
     ended = {"state": RunState.CANCELLED, "finished": at, "lease_until": 0.0, "error": None}
     connection.execute(sa.update(Run).where(Run.id == run_id, unheld).values(**ended))
-    held = sa.update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING)
-    connection.execute(held.values(state=RunState.CANCELLING))
+    cancel_request = sa.update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING)
+    connection.execute(cancel_request.values(state=RunState.CANCELLING))
     return connection.scalar(sa.select(Run.state).where(Run.id == run_id))
 
 
@@ -200,10 +200,10 @@ class Queue:
         """
         drawing = (Stage.run_id == Run.id, Stage.state == StageState.RUNNING, Stage.counted > 0)
         left = sa.select(Stage.run_id).where(*drawing, Stage.counted - Stage.excluded < Stage.planned).exists()
-        held = (Run.state == RunState.RUNNING, Run.worker != worker, Run.id.not_in(without), left)
+        conditions = (Run.state == RunState.RUNNING, Run.worker != worker, Run.id.not_in(without), left)
         query = sa.select(*_CLAIMED, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         with read(self.engine) as connection:
-            query = query.where(*held, Run.lease_until >= now(connection), _able(simulators, installation))
+            query = query.where(*conditions, Run.lease_until >= now(connection), _able(simulators, installation))
             for row in connection.execute(query.order_by(Run.priority.desc(), Run.id)):
                 with suppress(ValidationError):  # of a newer version, whose workers share it
                     if Campaign.model_validate(row.document).shared:
@@ -340,8 +340,8 @@ class Queue:
 
 
 def _locked(connection: sa.Connection, claim: Claim) -> sa.Row[RunState, int, int, int]:
-    held = sa.select(Run.state, Run.attempts, Run.max_attempts, Run.losses)
-    mine = held.where(Run.id == claim.run_id, Run.fence == claim.fence)
+    attempts_query = sa.select(Run.state, Run.attempts, Run.max_attempts, Run.losses)
+    mine = attempts_query.where(Run.id == claim.run_id, Run.fence == claim.fence)
     row = connection.execute(mine.with_for_update()).first()
     if row is None:
         raise LostLease

@@ -132,8 +132,8 @@ def beat(
 def drain(connection: sa.Connection, name: str) -> int | None:
     """Ask a live worker to take no further run and to end; returns its run, if it has one. Raises `KeyError`."""
     live = (Worker.name == name, Worker.beat > now(connection) - LIVE)
-    asked = sa.update(Worker).where(*live).values(draining=True).returning(Worker.name, Worker.run_id)
-    row = connection.execute(asked).first()
+    drain_update = sa.update(Worker).where(*live).values(draining=True).returning(Worker.name, Worker.run_id)
+    row = connection.execute(drain_update).first()
     if row is None:
         raise KeyError(name)
     run: int | None = row.run_id

@@ -75,11 +75,11 @@ class Capacity:
         async with self._share(account) as share:
             self.inside += 1
             try:
-                async with AsyncExitStack() as held:
+                async with AsyncExitStack() as turn_stack:
                     try:
                         async with asyncio.timeout(self.patience):
                             for turns in (share.turns, self._turns):
-                                await held.enter_async_context(turns)
+                                await turn_stack.enter_async_context(turns)
                     except TimeoutError:
                         raise self._busy() from None
                     yield

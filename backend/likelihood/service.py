@@ -33,33 +33,34 @@ SHARES = (0.01, 0.05, 0.5)
 
 def estimated(reader: sa.Connection, run_id: int, request: ReweightRequest) -> Reweighted:
     """The estimate under the moved distributions, or why there is none; `RefusedError` for what is no distribution."""
-    asked = campaign(reader, run_id)
-    limits, stated = densities(reader, run_id, asked)
+    run_campaign = campaign(reader, run_id)
+    limits, stated = densities(reader, run_id, run_campaign)
     if stated is None:
-        return without(claims.NO_BOUNDS, asked.confidence)
-    moved = _moved(asked, limits, request.uncertain)
+        return without(claims.NO_BOUNDS, run_campaign.confidence)
+    moved = _moved(run_campaign, limits, request.uncertain)
     found = _sample(reader, run_id)
     if found is None:
-        return without(claims.NO_SAMPLE, asked.confidence)
+        return without(claims.NO_SAMPLE, run_campaign.confidence)
     position, sample = found
     if sample.bound_samples is not None:
-        return without(claims.ENDED_EARLY, asked.confidence)
+        return without(claims.ENDED_EARLY, run_campaign.confidence)
     drawn = _drawn(reader, run_id, position, sample)
     if drawn is None:
-        return without(claims.NOT_WHOLE, asked.confidence)
+        return without(claims.NOT_WHOLE, run_campaign.confidence)
     bounds = {path: one.interval(limits[path][0]) for path, one in moved.items()}
-    over = joined({path: one.distribution for path, one in moved.items()}, asked.correlations, bounds)
+    over = joined({path: one.distribution for path, one in moved.items()}, run_campaign.correlations, bounds)
     own = [] if sample.quantile is None else [sample.quantile.share]
-    terms = Terms(asked.criterion.threshold, asked.confidence, sorted({*SHARES, *own}))
+    terms = Terms(run_campaign.criterion.threshold, run_campaign.confidence, sorted({*SHARES, *own}))
     return reweighted(stated, over, drawn, terms)
 
 
 def _moved(
-    asked: Campaign, limits: Mapping[str, tuple[float, float, float]], moved: Mapping[str, Uncertain]
+    run_campaign: Campaign, limits: Mapping[str, tuple[float, float, float]], moved: Mapping[str, Uncertain]
 ) -> dict[str, Uncertain]:
     """The stated distributions with the moved ones in their place."""
     unknown = [
-        Problem(f"uncertain.{path}", path, "not an uncertain parameter") for path in moved.keys() - asked.uncertain
+        Problem(f"uncertain.{path}", path, "not an uncertain parameter")
+        for path in moved.keys() - run_campaign.uncertain
     ]
     if unknown:
         raise RefusedError(422, "unknown-parameter", "the campaign has no such uncertain parameter", unknown)
@@ -72,7 +73,7 @@ def _moved(
             problems.append(Problem(f"uncertain.{path}", f"{low:g} to {high:g}", "low must be below high"))
     if problems:
         raise RefusedError(422, "invalid-request", "a moved distribution does not fit its bounds", problems)
-    return {**asked.uncertain, **moved}
+    return {**run_campaign.uncertain, **moved}
 
 
 def _sample(reader: sa.Connection, run_id: int) -> tuple[int, Sample] | None:

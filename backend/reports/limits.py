@@ -25,13 +25,13 @@ def conditions(record: Record) -> list[str]:
             _excluded(record),
             _failed(record),
             *_noise(record),
-            _asked(record),
+            _question_count(record),
         )
         if text
     ]
 
 
-def _asked(record: Record) -> str:
+def _question_count(record: Record) -> str:
     """How often the question was asked: whoever repeats a run until it is cleared is seen."""
     runs = sum(record.question.values())
     if not runs:

@@ -120,8 +120,8 @@ def read(content: bytes, id_name: str = "", text_name: str = "") -> tuple[list[R
     found, skipped = [], 0
     used: dict[str, None] = {}
     for thing in root.iter("SPEC-OBJECT"):
-        given = list(_values(thing, names, words))
-        values = dict(zip(numbered(name for name, _ in given), (value for _, value in given), strict=True))
+        attributes = list(_values(thing, names, words))
+        values = dict(zip(numbered(name for name, _ in attributes), (value for _, value in attributes), strict=True))
         used.update(dict.fromkeys(values))
         text = _text(thing, values, text_name)
         if not text[1].strip():

@@ -54,8 +54,8 @@ def _imported(writer: sa.Connection, upload: Upload, visitor: Visitor) -> Import
     at, digest = now(writer), hashlib.sha256(content).hexdigest()
     stored = {"kind": kind, "digest": digest, "content": content, "imported": at, "imported_by": visitor.user}
     file_id = _stored(writer, name, stored)
-    held = sa.select(Requirement.__table__).order_by(Requirement.id).with_for_update()  # an edit waits, or is seen
-    before = {row.id: row for row in writer.execute(held)}
+    row_locks = sa.select(Requirement.__table__).order_by(Requirement.id).with_for_update()  # an edit waits, or is seen
+    before = {row.id: row for row in writer.execute(row_locks)}
     ids = {one.id for one in found}
     _refuse_foreign(writer, file_id, [row for key, row in before.items() if key in ids])
     gone = sorted(key for key, row in before.items() if row.file_id == file_id and key not in ids)

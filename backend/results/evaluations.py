@@ -193,8 +193,8 @@ class _Read:
 
     def _rows(self, position: int, chosen: thin.Indices, firsts: list[int]) -> Columns:
         """These evaluations of a stage, whose chunks begin with `firsts`; their indices are ordered."""
-        held = np.unique(np.searchsorted(firsts, chosen, side="right") - 1)
-        where = EvaluationChunk.first.in_([firsts[i] for i in held]) if len(held) <= _FEW else None
+        chunk_indices = np.unique(np.searchsorted(firsts, chosen, side="right") - 1)
+        where = EvaluationChunk.first.in_([firsts[i] for i in chunk_indices]) if len(chunk_indices) <= _FEW else None
         found = []
         for chunk in chunks(self.reader, self.run_id, position, *_SHOWN, where=where):
             first, last = np.searchsorted(chosen, [chunk.first, chunk.first + chunk.count])

@@ -36,16 +36,16 @@ def densities(reader: sa.Connection, run_id: int, of: Campaign) -> tuple[Limits,
 
 def violation(reader: sa.Connection, run_id: int) -> MostLikely:
     """The most likely of the stored violations; 404 if there is no such run."""
-    asked = campaign(reader, run_id)
-    limits, of = densities(reader, run_id, asked)
-    deciding = criteria(asked.document(), described(reader, run_id))[0]
+    run_campaign = campaign(reader, run_id)
+    limits, of = densities(reader, run_id, run_campaign)
+    deciding = criteria(run_campaign.document(), described(reader, run_id))[0]
     nominal = {path: triple[0] for path, triple in limits.items()}
     alike = of is None or not of.distinguishes
-    stored = (_counted if alike else _violating)(reader, run_id, asked)
-    return most_likely(asked.criterion.threshold, of, nominal, stored, deciding.unit)
+    stored = (_counted if alike else _violating)(reader, run_id, run_campaign)
+    return most_likely(run_campaign.criterion.threshold, of, nominal, stored, deciding.unit)
 
 
-def _counted(reader: sa.Connection, run_id: int, asked: Campaign) -> Iterator[Rows]:
+def _counted(reader: sa.Connection, run_id: int, run_campaign: Campaign) -> Iterator[Rows]:
     """Costs and status of every chunk, where no point is more likely than another; the points are not read."""
     for position in _positions(reader, run_id):
         for chunk in chunks(reader, run_id, position, *_COSTS):
@@ -53,9 +53,9 @@ def _counted(reader: sa.Connection, run_id: int, asked: Campaign) -> Iterator[Ro
             yield Rows(position, chunk.first, np.empty((chunk.count, 0)), costs, status)
 
 
-def _violating(reader: sa.Connection, run_id: int, asked: Campaign) -> Iterator[Rows]:
+def _violating(reader: sa.Connection, run_id: int, run_campaign: Campaign) -> Iterator[Rows]:
     """The chunks that have a violation, stage by stage; of the others only costs and status are read."""
-    drawn, threshold = noise.drawn(reader, run_id, asked), asked.criterion.threshold
+    drawn, threshold = noise.drawn(reader, run_id, run_campaign), run_campaign.criterion.threshold
     for position in _positions(reader, run_id):
         wanted = [chunk.first for chunk in chunks(reader, run_id, position, *_COSTS) if _violates(chunk, threshold)]
         where = EvaluationChunk.first.in_(wanted)

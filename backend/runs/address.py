@@ -65,7 +65,7 @@ def address_parts(
         labels = parsed(label) if label else None
     except ValueError as error:
         raise _refused([Problem("label", "", f"{error}")]) from None
-    given: Mapping[str, object] = {
+    query_parameters: Mapping[str, object] = {
         "labels": labels,
         "baseline": baseline,
         "reuse": reuse or None,
@@ -73,7 +73,7 @@ def address_parts(
         "group": group,
         "priority": priority,
     }
-    parts = {name: value for name, value in given.items() if value is not None}
+    parts = {name: value for name, value in query_parameters.items() if value is not None}
     try:
         RunSubmit.model_validate({"campaign": {}, **parts})
     except ValidationError as error:

@@ -153,8 +153,8 @@ def _supersede(writer: sa.Connection, group: str | None, visitor: Visitor, run_i
 
 def _noted(submission: Submission, resolved: Resolved) -> dict[str, object]:
     detail: dict[str, object] = {"campaign": resolved.campaign.digest, "name": submission.name}
-    given = {name: getattr(submission.request, name) for name in ("labels", "group", "baseline")}
-    return detail | {name: value for name, value in given.items() if value}
+    request_options = {name: getattr(submission.request, name) for name in ("labels", "group", "baseline")}
+    return detail | {name: value for name, value in request_options.items() if value}
 
 
 def _answer(reader: sa.Connection, run_id: int, at: float, resolved: Resolved | None = None) -> RunSubmitted:

@@ -62,8 +62,8 @@ class Outbox:
     def _still(self, writer: sa.Connection, ids: Sequence[int]) -> Sequence[int]:
         """Those of these runs that have ended, held until the transaction ends: one may have been queued again since it
         was read, and its end is yet to come."""
-        held = sa.select(Run.id).where(Run.id.in_(ids), Run.state.in_(ENDED)).order_by(Run.id).with_for_update()
-        return writer.scalars(held).all()
+        ended_runs = sa.select(Run.id).where(Run.id.in_(ids), Run.state.in_(ENDED)).order_by(Run.id).with_for_update()
+        return writer.scalars(ended_runs).all()
 
     def _body(self, reader: sa.Connection, run_id: int) -> str:
         """Never fails for one run, which would hold up all others."""

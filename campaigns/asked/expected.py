@@ -41,8 +41,8 @@ def expected(error: Mapping[str, Any], model: type[BaseModel]) -> str:
         many = context["min_length" if least else "max_length"]
         what = "character" if kind.startswith("string") else "entry"
         plural = {"character": "characters", "entry": "entries"}[what] if many != 1 else what
-        given = f", given {context['actual_length']}" if context.get("actual_length") is not None else ""
-        return f"expected at {'least' if least else 'most'} {many:,} {plural}{given}"
+        length_clause = f", given {context['actual_length']}" if context.get("actual_length") is not None else ""
+        return f"expected at {'least' if least else 'most'} {many:,} {plural}{length_clause}"
     if kind in ("literal_error", "enum"):
         return f"expected {context['expected']}"
     if kind == "string_pattern_mismatch":

@@ -28,6 +28,6 @@ def excessive(
     }
     total, most = math.fsum(bounds[path][1] for path in late), min(late.values(), default=math.inf)
     if len(late) > 1 and total > most * (1 + SLACK):
-        given = ", ".join(f"{path} {number(bounds[path][1])}" for path in late)
+        delays_text = ", ".join(f"{path} {number(bounds[path][1])}" for path in late)
         text = f"delays of guidance add up, to at most {most:g} periods: give smaller ones, or remove one"
-        yield Problem("scenario.faults", given, text)
+        yield Problem("scenario.faults", delays_text, text)

@@ -28,8 +28,8 @@ def broken(found: Iterable[tuple[str, str, ComponentEntry, Part]], bounds: Mappi
             # a required value that is missing is reported elsewhere
             if any(math.isnan(end) for ends in values.values() for end in ends) or _holds(order, values):
                 continue
-            given = ", ".join(f"{name} {_written(*ends)}" for name, ends in values.items())
-            yield Problem(f"{field}.parameters", given, f"{order} must hold for all values: {order.text}")
+            ranges_text = ", ".join(f"{name} {_written(*ends)}" for name, ends in values.items())
+            yield Problem(f"{field}.parameters", ranges_text, f"{order} must hold for all values: {order.text}")
 
 
 def _holds(order: OrderEntry, values: dict[str, Interval]) -> bool:

@@ -20,8 +20,8 @@ _TINY, _ACCURATE, _STEPS = 1e-300, 1e-15, 10_000
 
 def _each(function: Callable[[float], float], values: ArrayLike) -> Floats:
     """What a function of one number gives for each; `np.vectorize` takes half as long again."""
-    given = np.asarray(values, dtype=np.float64)
-    return np.fromiter(map(function, given.ravel().tolist()), np.float64, given.size).reshape(given.shape)
+    arguments = np.asarray(values, dtype=np.float64)
+    return np.fromiter(map(function, arguments.ravel().tolist()), np.float64, arguments.size).reshape(arguments.shape)
 
 
 def normal(z: ArrayLike) -> Floats:
@@ -31,9 +31,9 @@ def normal(z: ArrayLike) -> Floats:
 
 def normal_quantile(p: ArrayLike) -> Floats:
     """z of P(Z <= z) = p; infinite at 0 and 1."""
-    given = np.asarray(p, dtype=np.float64)
-    found, inside = np.array(np.copysign(np.inf, given - 0.5)), (given > 0.0) & (given < 1.0)
-    found[inside] = _each(_STANDARD.inv_cdf, given[inside])
+    probabilities = np.asarray(p, dtype=np.float64)
+    found, inside = np.array(np.copysign(np.inf, probabilities - 0.5)), (probabilities > 0.0) & (probabilities < 1.0)
+    found[inside] = _each(_STANDARD.inv_cdf, probabilities[inside])
     return found
 
 

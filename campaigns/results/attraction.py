@@ -164,7 +164,7 @@ class Attraction(Described):
     def facts(self) -> Facts:
         """What its statement says."""
         return Facts(
-            held=[(one.text, one.value, one.unit) for one in self.held],
+            references=[(one.text, one.value, one.unit) for one in self.held],
             model=max(degree(p.polynomial()) for p in self.flow),
             degree=self.degree,
             states=[(one.symbol, one.limit, one.unit) for one in self.states],

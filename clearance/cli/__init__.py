@@ -132,9 +132,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit; without arguments those of this process, in a child of it."""
     if arguments is not None:
         sys.exit(_written(arguments))
-    given = sys.argv[1:]
-    witness = None if given[:1] in ENDLESS else _witness.witnessed(INTERNAL)
-    code = _written(given)
+    process_arguments = sys.argv[1:]
+    witness = None if process_arguments[:1] in ENDLESS else _witness.witnessed(INTERNAL)
+    code = _written(process_arguments)
     if witness is not None:
         witness.report(code)
     sys.exit(code)

@@ -31,10 +31,10 @@ from clearance.cli._service import opened as opened_service
 Loaded = TypeVar("Loaded")
 
 
-def _with_secrets(given: str) -> str:
+def _with_secrets(option_url: str) -> str:
     """The database's URL, with what is in files; raises `WrongInputError`."""
     with refusing(ValueError):
-        return secrets_given.database(given, os.environ)
+        return secrets_given.database(option_url, os.environ)
 
 
 Data = Annotated[Path, typer.Option(help="Folder of the database.", envvar="CLEARANCE_DATA", file_okay=False)]

@@ -92,7 +92,7 @@ class Session:
         """The lines of a stream of events until it ends; none if there is no stream."""
         self.check_time()
         try:
-            given = min(SILENCE, self._left())
+            timeout = min(SILENCE, self._left())
             answer = await self.driver.send(self._request(call, SILENCE))
             try:
                 kind = answer.headers.get("content-type", "")
@@ -100,7 +100,7 @@ class Session:
                     async for line in self.driver.lines(answer):
                         yield line
                         self.check_time()
-                        if self._left() < given:  # silence would last beyond the limit: it is opened again with less
+                        if self._left() < timeout:  # silence would last beyond the limit: it is opened again with less
                             return
             finally:
                 await self.driver.close(answer)

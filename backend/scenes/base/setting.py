@@ -154,7 +154,7 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
         return _declared(reader, run_id, campaign)
     catalogue = described(reader, run_id)
     known = {} if catalogue is None else parameters(campaign, catalogue)
-    values = _given(campaign) | {path: nominal for path, (_, nominal) in known.items()}
+    values = _campaign_values(campaign) | {path: nominal for path, (_, nominal) in known.items()}
     scenario = campaign.given_scenario
     vehicle = None if catalogue is None else catalogue.component("vehicle", scenario.vehicle.component)
     criterion = None if catalogue is None else catalogue.component("criterion", campaign.criterion.component)
@@ -223,7 +223,7 @@ def _same(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
     }
 
 
-def _given(campaign: Campaign) -> dict[str, float]:
+def _campaign_values(campaign: Campaign) -> dict[str, float]:
     """The values that the campaign itself gives, by path, also for unknown components."""
     scenario = campaign.given_scenario
     groups = {"start": scenario.start, "goal": scenario.goal}

@@ -55,7 +55,7 @@ class Following(Part):
         """The camera position last reported by the browser."""
         self._place: Pose | None = None
         """An unnamed position set by the page, until the visitor moves the camera."""
-        self._told: deque[Floats] = deque(maxlen=REMEMBERED)
+        self._sent_eyes: deque[Floats] = deque(maxlen=REMEMBERED)
         self._heard = self._left = False
         self._lock = threading.Lock()
         self._time, self._due = 0.0, False
@@ -127,7 +127,7 @@ class Following(Part):
         return pose(camera, self._world.whole, self._flights.sight(self._time), self._aspect)
 
     def _remembered(self, found: Pose) -> Pose:
-        self._told.append(found[0])
+        self._sent_eyes.append(found[0])
         return found
 
     def _connected(self, client: viser.ClientHandle) -> None:
@@ -149,11 +149,11 @@ class Following(Part):
         eye, target = np.array(message.position), np.array(message.look_at)
         near = OWN * float(np.linalg.norm(eye - target))
         with self._lock:
-            if self._told and float(np.linalg.norm(eye - self._told[-1])) <= near:
+            if self._sent_eyes and float(np.linalg.norm(eye - self._sent_eyes[-1])) <= near:
                 # Wait as long again as the confirmation took: about one frame, and at most 30 per second.
                 now = time.monotonic()
                 self._next = min(self._next, max(now + min(now - self._last, PATIENCE), self._last + 0.9 * FRAME))
-            if any(float(np.linalg.norm(eye - position)) <= near for position in self._told):
+            if any(float(np.linalg.norm(eye - position)) <= near for position in self._sent_eyes):
                 self._heard = True
             elif self._heard and self.camera is not None:
                 self.camera, self._due, self._left = None, False, True

@@ -7,27 +7,27 @@ import threading
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-Asked = TypeVar("Asked")
+Request = TypeVar("Request")
 _log = logging.getLogger(__name__)
 
 
-class Latest(Generic[Asked]):
+class Latest(Generic[Request]):
     """One thread that processes the newest request; requests superseded while it works are dropped.
 
     Responses therefore cannot arrive out of order, and there is no backlog.
     """
 
-    def __init__(self, work: Callable[[Asked], None]) -> None:
+    def __init__(self, work: Callable[[Request], None]) -> None:
         self._work = work
         self._changed = threading.Condition()
-        self._asked: list[Asked] = []
+        self._request_slot: list[Request] = []
         self._stopped = False
         threading.Thread(target=self._loop, name="what-if", daemon=True).start()
 
-    def ask(self, request: Asked) -> None:
+    def ask(self, request: Request) -> None:
         """Process this next, replacing the waiting request."""
         with self._changed:
-            self._asked = [request]
+            self._request_slot = [request]
             self._changed.notify()
 
     def stop(self) -> None:
@@ -38,10 +38,10 @@ class Latest(Generic[Asked]):
     def _loop(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._asked or self._stopped)
+                self._changed.wait_for(lambda: self._request_slot or self._stopped)
                 if self._stopped:
                     return
-                request = self._asked.pop()
+                request = self._request_slot.pop()
             try:
                 self._work(request)
             except Exception:

@@ -55,7 +55,7 @@ class FlightRefusedError(LiveError):
 
 
 @dataclass
-class _Asked:
+class _OpenRequest:
     campaign: str
     limit: float
     sent: float = field(default_factory=time.monotonic)
@@ -126,7 +126,7 @@ class Live:
                 self._child = _Child(self._command, self._grace)
             child = self._child
             limit = self._limit if digest in child.simulated else self._first_limit
-            pending = child.ask(request, _Asked(digest, limit))
+            pending = child.ask(request, _OpenRequest(digest, limit))
         return child.wait(pending)
 
     def close(self) -> None:
@@ -151,7 +151,7 @@ class _Child:
         self.simulated: set[str] = set()
         self._command = command
         self._numbers = itertools.count(1)
-        self._asked: dict[int, _Asked] = {}
+        self._open_requests: dict[int, _OpenRequest] = {}
         self._lines: SimpleQueue[bytes | None] = SimpleQueue()
         """The requests to be written; None at the end."""
         self._left: set[int] = set()
@@ -164,14 +164,14 @@ class _Child:
         threading.Thread(target=self._run, name="live flights", daemon=True).start()
         self._started.wait()
 
-    def ask(self, request: Mapping[str, Any], pending: _Asked) -> _Asked:
+    def ask(self, request: Mapping[str, Any], pending: _OpenRequest) -> _OpenRequest:
         number = next(self._numbers)
         line = json.dumps({"id": number, **request}, allow_nan=False).encode() + b"\n"
         with self._lock:
             if self.over:
                 pending.answer.set_exception(self._failure(self._why))
                 return pending
-            self._asked[number] = pending
+            self._open_requests[number] = pending
             self._lines.put(line)
         return pending
 
@@ -184,7 +184,7 @@ class _Child:
         except (OSError, ValueError):  # it has ended
             self.end(_ENDED)
 
-    def wait(self, pending: _Asked) -> Any:
+    def wait(self, pending: _OpenRequest) -> Any:
         """The response; ends the child if the current request exceeds its time limit."""
         while True:
             remaining = self._remaining()
@@ -195,7 +195,7 @@ class _Child:
             except TimeoutError:
                 continue
 
-    def _exceeded(self, pending: _Asked) -> None:
+    def _exceeded(self, pending: _OpenRequest) -> None:
         """The time limit of the oldest request is exceeded. A process that still starts is not ended for that.
 
         It would never start where that takes longer than the limit.
@@ -206,8 +206,8 @@ class _Child:
         if time.monotonic() < pending.sent + pending.limit:
             return  # it is an older one, which its own thread gives up
         with self._lock:
-            left = {number for number, one in self._asked.items() if one is pending}
-            self._asked = {number: one for number, one in self._asked.items() if number not in left}
+            left = {number for number, one in self._open_requests.items() if one is pending}
+            self._open_requests = {number: one for number, one in self._open_requests.items() if number not in left}
             self._left |= left
         if left:
             pending.answer.set_exception(LiveError("the simulation process is still starting: ask again in a moment"))
@@ -217,7 +217,7 @@ class _Child:
         with self._lock:
             if not self.over:
                 self.over, self._why, self._failure = True, why, failure
-            pending, self._asked = list(self._asked.values()), {}
+            pending, self._open_requests = list(self._open_requests.values()), {}
             self._lines.put(None)
         if self._process is not None:
             if self._grace:
@@ -231,7 +231,7 @@ class _Child:
     def _remaining(self) -> float:
         """Remaining time of the oldest request; the child responds in order [s]."""
         with self._lock:
-            oldest = next(iter(self._asked.values()), None)
+            oldest = next(iter(self._open_requests.values()), None)
             return 0.05 if oldest is None else max(self._heard, oldest.sent) + oldest.limit - time.monotonic()
 
     def _run(self) -> None:
@@ -276,7 +276,7 @@ class _Child:
                 return True
             with self._lock:
                 self._heard = time.monotonic()
-                pending = self._asked.pop(message["id"], None)
+                pending = self._open_requests.pop(message["id"], None)
                 given_up = message["id"] in self._left
         except (ValueError, AttributeError, KeyError, TypeError):
             return False

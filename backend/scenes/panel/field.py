@@ -35,7 +35,7 @@ WIDTH = 1.6
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _FieldRequest:
     title: str
     parameters: Mapping[str, float]
     time: float
@@ -66,7 +66,7 @@ class FieldSlice(Part):
         self._drawn: tuple[Grid, Rgb] | None = None
         self._plane: Any = None
         self._lines: Any = None
-        self._latest: Latest[_Asked] = Latest(self._work)
+        self._latest: Latest[_FieldRequest] = Latest(self._work)
 
     def moved(self, time: float) -> None:
         self._time = time
@@ -103,9 +103,9 @@ class FieldSlice(Part):
             self._legend.content = tables.note("There is no flight yet; its field cannot be shown.")
             return
         flight = lead.flight
-        self._latest.ask(_Asked(lead.style.title, flight.parameters, self._time, self._palette, flight.seed))
+        self._latest.ask(_FieldRequest(lead.style.title, flight.parameters, self._time, self._palette, flight.seed))
 
-    def _work(self, request: _Asked) -> None:
+    def _work(self, request: _FieldRequest) -> None:
         setting, grid = self._setting, Grid.over(self._world.frame)
         drawn = np.concatenate([grid.places.reshape(-1, 2), np.zeros((grid.rows * grid.columns, 1))], axis=1)
         places = [(float(x), float(y)) for x, y, _ in setting.axes.drawn(drawn)]

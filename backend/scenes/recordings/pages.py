@@ -51,7 +51,7 @@ class Recorded:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _RecordingRequest:
     setting: setting.Setting
     cast: Cast
     caption: Caption
@@ -80,11 +80,11 @@ class Recordings:
             page = await self._capacity.run(account, lambda: self._made(request, dark), gone)
         return Recorded(page, request.tag, named(request.caption.run, request.caption.name, f"flight-{flight}.html"))
 
-    def _look(self, run_id: int, flight: str, dark: bool) -> _Asked:
+    def _look(self, run_id: int, flight: str, dark: bool) -> _RecordingRequest:
         with read(self._engine) as reader:
-            return _asked(reader, run_id, flight, dark)
+            return _recording_request(reader, run_id, flight, dark)
 
-    def _made(self, request: _Asked, dark: bool) -> str:
+    def _made(self, request: _RecordingRequest, dark: bool) -> str:
         page = self._recall(request.tag)  # created while this request waited
         if page is None:
             made = record(request.setting, request.cast, dark)
@@ -102,7 +102,7 @@ class Recordings:
             return self._kept.get(tag)
 
 
-def _asked(reader: sa.Connection, run_id: int, label: str, dark: bool) -> _Asked:
+def _recording_request(reader: sa.Connection, run_id: int, label: str, dark: bool) -> _RecordingRequest:
     run = summary(reader, run_id)
     row = results.stored(reader, run_id, label)
     if row is not None:
@@ -123,7 +123,7 @@ def _asked(reader: sa.Connection, run_id: int, label: str, dark: bool) -> _Asked
     described_by = published_digest(reader)
     parts = (*map(str, vars(caption).values()), label, str(dark), VERSION, viser.__version__, described_by)
     tag = hashlib.sha256("\n".join(parts).encode()).hexdigest()
-    return _Asked(setting.load(reader, run_id), cast, caption, f'W/"{tag}"')
+    return _RecordingRequest(setting.load(reader, run_id), cast, caption, f'W/"{tag}"')
 
 
 def _absent(run: str, label: str, stored: bool) -> RefusedError:

@@ -81,7 +81,9 @@ class _Stage:
         self._flights.chosen.restyle(0.0, title=cast.label)
         self._flights.stored()
         self._vectors = Vectors(server, setting, self._world, palette, self._flights)
-        self._told = {drawn: self._separation_label(drawn) for drawn in self._flights.every if drawn.flight is not None}
+        self._separation_tags = {
+            drawn: self._separation_label(drawn) for drawn in self._flights.every if drawn.flight is not None
+        }
         self._view = View(*pose("overview", self._world.whole, None))
         self._labels = Labels(self._tags, lambda: self._view)
         self.move(0.0)
@@ -101,14 +103,14 @@ class _Stage:
 
     def _tags(self, time: float) -> Iterator[Tag]:
         yield from self._flights.tags(time)
-        yield from self._told.values()
+        yield from self._separation_tags.values()
         yield from (self._vectors.tag,) if self._vectors.tag is not None else ()
         yield from self._world.tags()
 
     def move(self, time: float) -> None:
         self._flights.moved(time)
         self._vectors.moved(time)
-        for drawn, tag in list(self._told.items()):
+        for drawn, tag in list(self._separation_tags.items()):
             assert drawn.flight is not None
             position, _, separation = drawn.flight.at(time)
             ended = time > drawn.flight.time[-1] + 1e-9
@@ -116,7 +118,7 @@ class _Stage:
             up = self._world.frame.unit * (1.1 if drawn.style.layer else -0.7)
             place = position + np.array([0.0, 0.0, up])
             tag.node.text = text
-            self._told[drawn] = replace(tag, label=replace(tag.label, text=text, place=place))
+            self._separation_tags[drawn] = replace(tag, label=replace(tag.label, text=text, place=place))
         self._labels.moved(time)
 
     def _now(self, separation: float) -> str:

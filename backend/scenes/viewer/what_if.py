@@ -24,7 +24,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _WhatIfRequest:
     number: int
     parameters: dict[str, float]
     seed: int | None
@@ -38,7 +38,7 @@ class WhatIf(Part):
         self.seed: int | None = None
         """Requested noise seed; None for those of the campaign."""
         self._number = self._order = 0
-        self._latest: Latest[_Asked] = Latest(self._simulate)
+        self._latest: Latest[_WhatIfRequest] = Latest(self._simulate)
 
     @property
     def parameters(self) -> dict[str, float] | None:
@@ -81,12 +81,12 @@ class WhatIf(Part):
                 raise RefusedError(422, "unknown-parameter", f"{path} is given as {value!r}, and may be {bounds}")
         self._number += 1
         nominal = {path: one.nominal for path, one in known.items()}
-        self._latest.ask(_Asked(self._number, nominal | dict(parameters), seed))
+        self._latest.ask(_WhatIfRequest(self._number, nominal | dict(parameters), seed))
 
     def stop(self) -> None:
         self._latest.stop()
 
-    def _simulate(self, request: _Asked) -> None:
+    def _simulate(self, request: _WhatIfRequest) -> None:
         setting = self._setting
         try:
             answer = self._live.simulate(setting.document, setting.digest, request.parameters, ROWS, request.seed)

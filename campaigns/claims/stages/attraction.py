@@ -20,7 +20,7 @@ REASONS: dict[str, Spans] = {
 class Facts(NamedTuple):
     """What the statement of a certified region says."""
 
-    held: Sequence[tuple[str, float, str]]
+    references: Sequence[tuple[str, float, str]]
     """References held at the trim: words, value, unit."""
     model: int
     """Degree of the polynomial model."""
@@ -36,7 +36,7 @@ class Facts(NamedTuple):
 
 def proved(of: Facts) -> Spans:
     """The statement of a certified region: what is proved, then what is measured."""
-    about = joined(", ", [say(text, " ", number(value, unit)) for text, value, unit in of.held])
+    about = joined(", ", [say(text, " ", number(value, unit)) for text, value, unit in of.references])
     what = say(
         *(
             "proved for the polynomial model of degree ",

@@ -88,8 +88,8 @@ def named(
     was not compared with all violating findings."""
     clauses = []
     for k, labels in enumerate(findings):
-        told = [f"{label} (not confirmed)" if label in unconfirmed else label for label in labels]
-        name = " and ".join(told) or (NO_FINDING, MAY_BE)[unknown[k]]
+        finding_names = [f"{label} (not confirmed)" if label in unconfirmed else label for label in labels]
+        name = " and ".join(finding_names) or (NO_FINDING, MAY_BE)[unknown[k]]
         part = say("mode ", count(k + 1), " is ") if shares is None else say(percent(shares[k], 2), " from ")
         clauses.append(say(part, name))
     return say("of P(violation) " if shares is not None else "", _every(clauses))
@@ -158,12 +158,12 @@ NOISE = say(
 )
 
 
-def too_few(least: int, parameters: int, given: int) -> Spans:
+def too_few(least: int, parameters: int, budget: int) -> Spans:
     """The budget is too small."""
     many = f" uncertain {'parameter' if parameters == 1 else 'parameters'} needs at least "
-    return say(count(parameters), many, count(least, "least"), " evaluations here; ", count(given), " were given")
+    return say(count(parameters), many, count(least, "least"), " evaluations here; ", count(budget), " were given")
 
 
-def too_many(most: int, given: int) -> Spans:
+def too_many(most: int, parameters: int) -> Spans:
     """Too many parameters."""
-    return say("at most ", count(most, "most"), " uncertain parameters; the campaign has ", count(given))
+    return say("at most ", count(most, "most"), " uncertain parameters; the campaign has ", count(parameters))

@@ -101,7 +101,7 @@ def test_a_failure_is_reported_to_all_waiting_clients(live: Live) -> None:
 
     threads = [threading.Thread(target=ask, args=(does,), daemon=True) for does in (3, 0, 0)]
     threads[0].start()
-    until(lambda: live._child is not None and live._child._asked)
+    until(lambda: live._child is not None and live._child._open_requests)
     for thread in threads[1:]:
         thread.start()
     for thread in threads:

@@ -172,7 +172,7 @@ def test_a_stop_waits_for_no_preview(service: Service) -> None:
 
     thread = threading.Thread(target=ask, daemon=True)
     thread.start()
-    until(lambda: service.app.state.previews.live._child and service.app.state.previews.live._child._asked)
+    until(lambda: service.app.state.previews.live._child and service.app.state.previews.live._child._open_requests)
     service.stop()
     thread.join(10)
     assert len(statement) == 1

@@ -83,11 +83,11 @@ it('improvements of a stage that is not known do not restart the request that wi
   const news = { 4: fresh([5], [3]) }
   cache.setQueryData(key, { criteria: [], stages: [], failures: [] })
   cache.setQueryData([...key, 'points'], { criteria: [], stages: [], failures: [] })
-  const asked: ((answer: object) => void)[] = []
-  const request = cache.fetchQuery({ queryKey: key, queryFn: () => new Promise<object>((resolve) => asked.push(resolve)) })
+  const requests: ((answer: object) => void)[] = []
+  const request = cache.fetchQuery({ queryKey: key, queryFn: () => new Promise<object>((resolve) => requests.push(resolve)) })
   putImprovements(cache, 'R-0001', news)
   expect(cache.getQueryState(key)?.isInvalidated).toBe(false)
-  asked[0]?.({ criteria: [], stages: [], failures: [] })
+  requests[0]?.({ criteria: [], stages: [], failures: [] })
   await request
   putImprovements(cache, 'R-0001', news)
   expect(cache.getQueryState(key)?.isInvalidated).toBe(true)

@@ -50,7 +50,7 @@ export function operationsIn(document: OpenApi | undefined): Passage[] {
 export function passagesWith(passages: readonly Passage[], text: string, most = 6): Place[] {
   const words = text.trim().split(/\s+/).filter((word) => word.length > 1).map(stem)
   if (words.length === 0) return []
-  const all = (given: string): boolean => words.every((word) => word.test(given))
+  const all = (passage: string): boolean => words.every((word) => word.test(passage))
   return passages
     .map((passage) => {
       const those = passage.texts.filter(all)

@@ -6,12 +6,12 @@ export function useNear<T extends HTMLElement>(): [RefObject<T | null>, boolean]
   const element = useRef<T>(null)
   const [near, setNear] = useState(false)
   useEffect(() => {
-    const held = element.current
-    if (!held || near) return
+    const target = element.current
+    if (!target || near) return
     const observer = new IntersectionObserver(([entry]) => entry?.isIntersecting && setNear(true), {
       rootMargin: '200px',
     })
-    observer.observe(held)
+    observer.observe(target)
     return () => observer.disconnect()
   }, [near])
   return [element, near]

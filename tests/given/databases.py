@@ -29,6 +29,12 @@ AT_NIGHT = pytest.mark.parametrize(
 POSTGRESQL = pytest.mark.parametrize("database", KINDS[1:], indirect=True)
 
 
+def as_of(writer: sa.Connection, revision: str) -> None:
+    """Make the database one of an earlier revision, whose data the caller writes: with the columns that were there."""
+    writer.execute(sa.text("alter table runs add column cancel boolean"))
+    writer.execute(sa.text(f"update alembic_version set version_num = '{revision}'"))
+
+
 @contextmanager
 def on_postgresql() -> Iterator[Fresh]:
     """Copies a migrated database, and drops unused ones, each of which has 8 MB."""

@@ -19,7 +19,7 @@ from backend.db.tables import CampaignRow, Requirement, Run, RunRequirement, Sig
 from backend.requirements import matrix
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import question
-from tests.given.databases import KINDS
+from tests.given.databases import KINDS, as_of
 from tests.given.finished_runs import Work
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
@@ -51,7 +51,7 @@ def test_stored_questions_are_those_of_this_version(service: Service, client: ht
     with service.engine.begin() as writer:
         for table in (CampaignRow, RunRequirement):
             writer.execute(sa.update(table).values(question="of an earlier version"))
-        writer.execute(sa.text("update alembic_version set version_num = '0031'"))
+        as_of(writer, "0031")
     migrate(service.engine.url.render_as_string(hide_password=False))
     with read(service.engine) as reader:
         rows = reader.execute(sa.select(CampaignRow.question, CampaignRow.document)).all()
@@ -74,7 +74,7 @@ def test_the_lowest_value_of_a_stored_run_without_a_verdict_is_that_of_every_sta
             writer.execute(sa.update(Stage).where(Stage.kind == kind, Stage.run_id < 3).values(best=cost))
         writer.execute(sa.update(Run).values(worst_cost=0.8, worst_method="direct", state="cancelled"))
         writer.execute(sa.update(Run).where(Run.id == 2).values(verdict="cleared", state="done"))
-        writer.execute(sa.text("update alembic_version set version_num = '0032'"))
+        as_of(writer, "0032")
     migrate(service.engine.url.render_as_string(hide_password=False))
     with read(service.engine) as reader:
         rows = reader.execute(sa.select(Run.worst_cost, Run.worst_method).order_by(Run.id)).all()

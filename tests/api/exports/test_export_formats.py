@@ -45,7 +45,7 @@ print(json.dumps({
 
 def test_one_file_is_listed_served_and_described(tmp_path: Path) -> None:
     source = tmp_path / "source"
-    for folder in ("backend", "campaigns"):
+    for folder in ("backend", "campaigns", "tools"):
         shutil.copytree(REPOSITORY / folder, source / folder)
     (source / "backend" / "exports" / "formats" / "name_txt.py").write_text(TEXT, encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(source)}

@@ -82,7 +82,7 @@ it('improvements of a stage that is not known do not restart the request that wi
   const key = ['evaluations', 'R-0001']
   const news = { 4: fresh([5], [3]) }
   cache.setQueryData(key, { criteria: [], stages: [], failures: [] })
-  cache.setQueryData([...key, 'points'], { criteria: [], stages: [], failures: [] })
+  cache.setQueryData([...key, 'points', true], { criteria: [], stages: [], failures: [] })
   const requests: ((answer: object) => void)[] = []
   const request = cache.fetchQuery({ queryKey: key, queryFn: () => new Promise<object>((resolve) => requests.push(resolve)) })
   putImprovements(cache, 'R-0001', news)
@@ -91,5 +91,5 @@ it('improvements of a stage that is not known do not restart the request that wi
   await request
   putImprovements(cache, 'R-0001', news)
   expect(cache.getQueryState(key)?.isInvalidated).toBe(true)
-  expect(cache.getQueryState([...key, 'points'])?.isInvalidated).toBe(false)
+  expect(cache.getQueryState([...key, 'points', true])?.isInvalidated).toBe(false)
 })

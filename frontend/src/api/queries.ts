@@ -125,9 +125,13 @@ export const caseInstalledQuery = (id: string) =>
 export const evaluationsQuery = (id: string) =>
   queryOptions({ queryKey: ['evaluations', id], queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2 } })) })
 
-/** With an even selection of all evaluations, which takes a megabyte of a long search. */
-export const pointsQuery = (id: string) =>
-  queryOptions({ queryKey: ['evaluations', id, 'points'], queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2000 } })) })
+/** With an even selection of all evaluations, which takes a megabyte of a long search; those of a run that is over change no more. */
+export const pointsQuery = ({ id, state }: Pick<RunSummary, 'id' | 'state'>) =>
+  queryOptions({
+    queryKey: ['evaluations', id, 'points', isLive({ state })],
+    queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2000 } })),
+    ...(!isLive({ state }) && { staleTime: 300_000 }),
+  })
 
 /** Computed at every request, so it is read once after the run has ended. */
 export const coverageQuery = (id: string) =>

@@ -1,18 +1,28 @@
 // Polls at an interval while a page is visible. The query's own interval would restart with every event that the stream
 // writes into the cache, and never elapse.
-import { useEffect, useEffectEvent, useRef } from 'react'
+import { useEffect, useEffectEvent, useState } from 'react'
 
-/** Asks at this interval, never before the last answer has come: an answer that takes longer must not be asked for again. */
-export function usePolling(ask: () => unknown, interval: number, on: boolean): void {
-  const asks = useRef(false)
-  const tick = useEffectEvent(() => {
-    if (document.hidden || asks.current) return
+/** After which a request without an answer is made again [ms]. */
+const LOST = 60_000
+
+/** What asks, but not while an answer is under way: one that takes longer than the interval would never come. */
+export function inTurn(): (ask: () => unknown) => void {
+  let begun = Number.NEGATIVE_INFINITY
+  return (ask) => {
+    const now = performance.now()
+    if (now - begun < LOST) return
+    begun = now
     const answered = () => {
-      asks.current = false
+      if (begun === now) begun = Number.NEGATIVE_INFINITY
     }
-    asks.current = true
-    void Promise.resolve(ask()).then(answered, answered)
-  })
+    void new Promise((resolve) => resolve(ask())).then(answered, answered)
+  }
+}
+
+/** Asks at this interval. */
+export function usePolling(ask: () => unknown, interval: number, on: boolean): void {
+  const [turn] = useState(inTurn)
+  const tick = useEffectEvent(() => document.hidden || turn(ask))
   useEffect(() => {
     if (!on) return
     const timer = setInterval(tick, interval)

@@ -233,9 +233,12 @@ def _fields(of: Any) -> str:
 
 class _Cached(CPUDispatcher):
     _cache: Any
-    stamp: Stamping
+    stamp: Stamping | None = None
+    """None in another process to which numba sent the function: it is compiled there, and not stored."""
 
     def compile(self, sig: Any) -> Any:
+        if self.stamp is None:
+            return super().compile(sig)
         with compiling(self.py_func) as missed:
             if not isinstance(self._cache, _Cache):  # now, when all is defined that it refers to
                 self._cache = _Cache(self.py_func, "function", self.targetoptions, self.stamp)

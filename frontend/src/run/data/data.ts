@@ -129,7 +129,7 @@ function useMissed(run: RunDetail, { data, refetch }: UseQueryResult<Evaluations
   const missed = useRef(0)
   usePolling(
     () => {
-      const more = missed.current !== missedOf(run) || data?.stages.some(({ further }) => Object.values(further).some((values) => values.at(-1) === null))
+      const more = missed.current !== missedOf(run) || data?.stages.some(({ cost, further }) => (cost.at(-1) ?? null) !== null && Object.values(further).some((values) => values.at(-1) === null))
       missed.current = missedOf(run)
       return more ? refetch() : undefined
     },

@@ -29,7 +29,7 @@ interface Props {
 /** Reading and drawing all evaluations takes a fifth of the page's time: only where they are seen. */
 export function SpaceSection({ data, whatIf }: Props) {
   const [holder, near] = useNear<HTMLDivElement>()
-  const printed = usePrinted(data.run.id)
+  const printed = usePrinted(data.run)
   return (
     <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>
       {(near || printed) && <Space data={data} whatIf={whatIf} onPick={whatIf && whatIf.change} />}
@@ -39,7 +39,7 @@ export function SpaceSection({ data, whatIf }: Props) {
 
 /** The card, once the evaluations that it draws are there. */
 function Space(props: Omit<ComponentProps<typeof SpaceCard>, 'evaluations'>) {
-  const { data: evaluations, error, refetch } = useQuery(pointsQuery(props.data.run.id))
+  const { data: evaluations, error, refetch } = useQuery(pointsQuery(props.data.run))
   useEffect(() => void SpaceCard.preload(), [])
   if (evaluations)
     return (
@@ -56,14 +56,14 @@ function Space(props: Omit<ComponentProps<typeof SpaceCard>, 'evaluations'>) {
 
 /** Whether the page is being printed. What is printed must be there by then, so it is read when a print may be about to begin:
  * the pointer on its way to the browser's menu or to that of the page, the first key of a shortcut; with a finger at once. */
-function usePrinted(id: string): boolean {
+function usePrinted({ id, state }: RunData['run']): boolean {
   const cache = useQueryClient()
   const calm = useCalm()
   const [printed, setPrinted] = useState(false)
   useEffect(() => {
     const prepare = () => {
       void SpaceCard.preload()
-      void cache.prefetchQuery(pointsQuery(id))
+      void cache.prefetchQuery(pointsQuery({ id, state }))
     }
     const pressed = ({ ctrlKey, metaKey, altKey, key }: KeyboardEvent) => (ctrlKey || metaKey || altKey || key === 'F10') && prepare()
     const { documentElement: page } = document
@@ -76,7 +76,7 @@ function usePrinted(id: string): boolean {
       removeEventListener('contextmenu', prepare)
       removeEventListener('keydown', pressed)
     }
-  }, [cache, id, calm])
+  }, [cache, id, state, calm])
   useWindowEvent('beforeprint', () => flushSync(() => setPrinted(true)))
   return printed
 }
@@ -89,7 +89,7 @@ export function LiveSpace({ data }: { data: RunData }) {
   const navigate = useNavigate()
   const cache = useQueryClient()
   const [holder, near] = useNear<HTMLDivElement>()
-  usePolling(() => cache.refetchQueries({ queryKey: pointsQuery(data.run.id).queryKey }), OFTEN, near)
+  usePolling(() => cache.refetchQueries({ queryKey: pointsQuery(data.run).queryKey }), OFTEN, near)
   const flies = hasScenario(data.campaign)
   return (
     <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>

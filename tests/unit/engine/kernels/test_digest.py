@@ -7,6 +7,7 @@ import enum
 import json
 import math
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -449,3 +450,10 @@ def test_copies_of_the_package_in_other_folders_share_what_is_compiled(tmp_path:
     changed = ran(other, cache)
     assert changed["compiled"] == [1, 1, 0]
     assert changed["loop"] == changed["callback"] == 4.0 - 6.25
+
+
+def test_a_function_that_is_sent_to_another_process_is_compiled_there() -> None:
+    sent = pickle.dumps(cached(loaded("def f(x): return x + 1.0")))
+    receive = [sys.executable, "-c", "import pickle, sys; print(pickle.load(sys.stdin.buffer)(1.0))"]
+    received = subprocess.run(receive, cwd=REPOSITORY, input=sent, capture_output=True, check=False)
+    assert received.stdout == b"2.0\n", received.stderr.decode()

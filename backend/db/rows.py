@@ -137,17 +137,16 @@ def trace_row(trace: Trace) -> TraceRow:
 
 def own_question() -> sa.ColumnElement[bool]:
     """Whether a stage evaluates the question of its campaign."""
-    return Stage.kind.in_(own_kinds())
+    return Stage.kind.in_(_kinds())
 
 
 def lowered(connection: sa.Connection, run_id: int, kind: str, method: str | None, cost: float) -> None:
     """A stage of the kind has evaluated a cost; `method` is that of a search."""
-    if kind not in own_kinds():
+    if kind not in _kinds():
         return
     lower = sa.or_(Run.worst_cost.is_(None), Run.worst_cost > cost)
     connection.execute(sa.update(Run).where(Run.id == run_id, lower).values(worst_cost=cost, worst_method=method))
 
 
-def own_kinds() -> list[str]:
-    """The kinds of stages that evaluate the question of their campaign."""
+def _kinds() -> list[str]:
     return [stage.kind for stage in declared().values() if stage.against]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
-from backend.db.rows import as_array, as_columns, chunks, own_kinds
+from backend.db.rows import as_array, as_columns, chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.http.written import finite_all
 from backend.results import noise
@@ -151,7 +151,6 @@ class _Read:
         return EvaluationSeries(
             position=stage.position,
             kind=stage.kind,
-            own=stage.kind in own_kinds(),
             method=stage.method,
             started=stage.started,
             total=stage.evaluations + stage.counted,

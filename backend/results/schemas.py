@@ -25,8 +25,6 @@ class EvaluationSeries(Schema):
 
     position: int
     kind: str
-    own: bool
-    """Whether the stage evaluates the question of the campaign: its lowest value counts for the run."""
     method: str | None
     started: Instant | None
     """When the stage started; another time than before once the run was reset and begins again."""

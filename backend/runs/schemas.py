@@ -95,6 +95,13 @@ class StageProgress(Schema):
         stage = declared().get(self.kind)
         return self.kind.capitalize() if stage is None else stage.title
 
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def own(self) -> bool:
+        """Whether it evaluates the question of the campaign, so that its lowest value counts for the run."""
+        stage = declared().get(self.kind)
+        return stage is not None and stage.against
+
 
 class StageDetail(StageProgress):
     """A stage with its result."""

@@ -77,6 +77,8 @@ class StageProgress(Answer):
     finished: AwareDatetime | None = None
     title: str | None = None
     """The title of its kind; also for a kind of another version that this installation lacks."""
+    own: bool | None = None
+    """Whether it evaluates the question of the campaign, so that its lowest value counts for the run."""
 
 
 class Baseline(Answer):

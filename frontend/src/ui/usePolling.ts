@@ -5,7 +5,7 @@ import { useEffect, useEffectEvent, useState } from 'react'
 /** After which a request without an answer is made again [ms]. */
 const LOST = 60_000
 
-/** What asks, but not while an answer is under way: one that takes longer than the interval would never come. */
+/** Calls `ask` unless its last answer is still due: a request that takes longer than the interval would be restarted for ever. */
 export function inTurn(): (ask: () => unknown) => void {
   let begun = Number.NEGATIVE_INFINITY
   return (ask) => {

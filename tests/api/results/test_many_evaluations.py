@@ -117,7 +117,7 @@ def test_no_more_than_a_few_chunks_are_in_memory(service: Service, client: httpx
     assert peak < 8 * chunk < 0.2 * total * chunk / count, peak
 
 
-def test_a_series_says_whether_its_lowest_value_counts_for_the_run(service: Service, client: httpx.Client) -> None:
+def test_a_stage_says_whether_its_lowest_value_counts_for_the_run(service: Service, client: httpx.Client) -> None:
     """As stored with the run: each stage in its turn evaluates less than all before it."""
     run, random = submit(client), np.random.default_rng(6)
     work = Work(service, [StagePlan(kind, "direct" if kind == "search" else None, 1) for kind in declared()])
@@ -127,6 +127,6 @@ def test_a_series_says_whether_its_lowest_value_counts_for_the_run(service: Serv
         cost = np.array([[10.0 - position]])
         work.store.append(position, 0, Columns(random.random((1, 2)), cost, np.zeros(1, np.uint8), np.ones(1), {}))
         counts[kind] = client.get(f"/api/v1/runs/{run}").json()["worst_cost"] == cost[0, 0]
-    shown = client.get(f"/api/v1/runs/{run}/evaluations").json()["stages"]
+    shown = client.get(f"/api/v1/runs/{run}").json()["stages"]
     assert {stage["kind"]: stage["own"] for stage in shown} == counts
     assert set(counts.values()) == {False, True}

@@ -78,13 +78,13 @@ it('speaks of a flight only of a vehicle that moves in space', () => {
 })
 
 it('the lowest value is that of every stage that asks the question of the campaign', () => {
-  const series = (kind: string, method: string | null, cost: (number | null)[]) =>
-    ({ kind, own: kind !== 'baseline', method, cost, parameters: { 'vehicle.m': cost.map((_, k) => k) }, further: {} })
-  const stages = [series('nominal', null, [0.9]), series('baseline', null, [0.1]), series('search', 'direct', [0.8, null]), series('certify', null, [0.7, 0.2])]
+  const series = (position: number, method: string | null, cost: (number | null)[]) =>
+    ({ position, method, cost, parameters: { 'vehicle.m': cost.map((_, k) => k) }, further: {} })
+  const stages = [series(0, null, [0.9]), series(1, null, [0.1]), series(2, 'direct', [0.8, null]), series(3, null, [0.7, 0.2])]
+  const working = (['nominal', 'baseline', 'search', 'certify'] as const).map((kind, position) => ({ ...progress({ position, own: kind !== 'baseline' }), kind, best: [0.9, 0.1, 0.8, 0.2][position] ?? null }))
   const evaluations = { stages } as unknown as Evaluations
-  expect(bestOf({ evaluations, run: run({ worst_cost: 0.2 }) })).toMatchObject({ cost: 0.2, method: null, parameters: { 'vehicle.m': 1 } })
-  expect(bestOf({ evaluations, run: run({ worst_cost: 0.7 }) })?.cost).toBe(0.2) // read before the evaluations
-  const working = (['nominal', 'baseline', 'search', 'certify'] as const).map((kind, position) => ({ ...progress({ position }), kind, best: [0.9, 0.1, 0.8, 0.2][position] ?? null }))
+  expect(bestOf({ evaluations, run: run({ worst_cost: 0.2, stages: working }) })).toMatchObject({ cost: 0.2, method: null, parameters: { 'vehicle.m': 1 } })
+  expect(bestOf({ evaluations, run: run({ worst_cost: 0.7, stages: working }) })?.cost).toBe(0.2) // read before the evaluations
   expect(leaderOf(run({ worst_cost: 0.2, stages: working }))?.kind).toBe('certify')
 })
 

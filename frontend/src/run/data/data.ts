@@ -238,9 +238,10 @@ export interface Best {
 /** The lowest value so far with its parameters, if known, of the stages that ask the question of the campaign. */
 export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'>): Best | null {
   let best: Best | null = null
-  for (const series of evaluations?.stages ?? []) {
+  const own = new Set(run.stages.filter((stage) => stage.own).map((stage) => stage.position))
+  for (const series of evaluations?.stages.filter(({ position }) => own.has(position)) ?? []) {
     series.cost.forEach((cost, i) => {
-      if (!series.own || cost === null || (best && cost >= best.cost)) return
+      if (cost === null || (best && cost >= best.cost)) return
       const parameters = Object.fromEntries(Object.entries(series.parameters).map(([path, v]) => [path, v[i] ?? 0]))
       const further = Object.entries(series.further).map(([name, v]) => [name, v[i] ?? null] as const)
       const values = { [run.criteria[0]?.name ?? '']: cost, ...Object.fromEntries(further) }
@@ -255,10 +256,9 @@ export const valuesOf = (trace: TraceInfo | undefined): Record<string, number | 
   trace?.meta.values ?? {}
 
 /** The stage that has the lowest value so far. */
-export function leaderOf(run: Pick<RunDetail, 'stages' | 'worst_cost'>): StageProgress | null {
-  const lowest = run.worst_cost ?? Number.POSITIVE_INFINITY
-  const best = (stage: StageProgress) => stage.best ?? Number.NEGATIVE_INFINITY
-  return run.stages.filter((stage) => best(stage) >= lowest).sort((a, b) => best(a) - best(b))[0] ?? null
+export function leaderOf(run: Pick<RunDetail, 'stages'>): StageProgress | null {
+  const best = (stage: StageProgress) => stage.best ?? Number.POSITIVE_INFINITY
+  return run.stages.filter((stage) => stage.own && stage.best !== null).sort((a, b) => best(a) - best(b))[0] ?? null
 }
 
 /** Whether the independent sample drew it: searches draw no noise for each evaluation. */

@@ -55,7 +55,8 @@ function Space(props: Omit<ComponentProps<typeof SpaceCard>, 'evaluations'>) {
 }
 
 /** Whether the page is being printed. What is printed must be there by then, so it is read when a print may be about to begin:
- * the pointer on its way to the browser's menu or to that of the page, the first key of a shortcut; with a finger at once. */
+ * the pointer leaves for the browser's menu, the page's menu opens, or the first key of a shortcut is pressed; on a touch screen
+ * once the page is calm. */
 function usePrinted({ id, state }: RunData['run']): boolean {
   const cache = useQueryClient()
   const calm = useCalm()

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Locator, Request, expect
+from playwright.sync_api import Browser, Locator, Page, Request, Response, expect
 
 from campaigns.claims.coverage import NO_PROOF
 from campaigns.claims.spans import words
 from tests.e2e.browser import PATIENCE, Visit, space_of, visiting
 from tests.e2e.looking import LOOKS, api, within
 from tests.e2e.stored import served
+from tests.faults.processes import until
 from tests.given.finished_runs import Work
 from tests.given.reported_runs import finish_fully
 from tests.given.runs_with_failures import FLYING, INSIDE, lose
@@ -95,27 +96,37 @@ def test_all_evaluations_are_drawn(visit: Visit, card: Locator) -> None:
 def test_evaluations_are_read_where_they_are_drawn_or_when_a_print_may_begin(visit: Visit, by: str) -> None:
     page = visit.page
     every: list[str] = []
+    come: list[str] = []
 
     def note(request: Request) -> None:
         every.append(request.url)
 
+    def received(response: Response) -> None:
+        come.append(response.url)
+
     page.on("request", note)
+    page.on("response", received)
     try:
         page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # where a load begins that is of the same address
         visit.go("/runs/R-0001")
         expect(page.locator("#provenance")).to_be_attached()
         assert not [url for url in every if POINTS in url]
-        with page.expect_response(re.compile(re.escape(POINTS))):
-            if by == "menu":
-                page.locator("html").dispatch_event("mouseleave")  # the pointer, on its way to the menu
-            else:
-                page.keyboard.press("Control")
+        until(lambda: begun(page, by) or any(POINTS in url for url in come), "the evaluations", PATIENCE / 1e3)
         page.evaluate("dispatchEvent(new Event('beforeprint'))")
         expect(page.locator("#space").get_by_test_id("kept")).to_have_text(ALL)
         page.keyboard.press("Control")
         assert len([url for url in every if POINTS in url]) == 1
     finally:
         page.remove_listener("request", note)
+        page.remove_listener("response", received)
+
+
+def begun(page: Page, by: str) -> None:
+    """What comes before a print, also where a page that was only just drawn does not listen yet."""
+    if by == "menu":
+        page.locator("html").dispatch_event("mouseleave")  # the pointer, on its way to the menu
+    else:
+        page.keyboard.press("Control")
 
 
 def test_evaluations_that_cannot_be_read_can_be_read_again(visit: Visit) -> None:

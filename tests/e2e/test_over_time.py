@@ -61,6 +61,7 @@ def row(page: Page, text: str) -> Any:
 
 def test_other_runs_with_the_same_input(visit: Visit) -> None:
     visit.go("/runs/R-0001")
+    visit.near("#related")
     card = visit.page.locator("#related")
     expect(card.locator("tbody tr")).to_have_count(2)
     other = card.locator("tbody tr").first

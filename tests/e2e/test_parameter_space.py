@@ -121,6 +121,19 @@ def test_evaluations_are_read_where_they_are_drawn_or_when_a_print_may_begin(vis
         page.remove_listener("response", received)
 
 
+def test_what_is_read_near_the_window_has_been_read_when_a_print_begins(visit: Visit) -> None:
+    page = visit.page
+    page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # where a load begins that is of the same address
+    visit.go("/runs/R-0001")
+    expect(page.locator("#provenance")).to_be_attached()
+    waiting = page.locator("main").get_by_text(re.compile("^(Loading|Reading) .* …$"))
+    expect(page.locator("#coverage")).to_contain_text("Loading")
+    expect(page.locator("#related")).to_contain_text("Loading")
+    until(lambda: begun(page, "menu") or page.locator("#coverage").get_by_test_id("radius").count(), "coverage", 60)
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    expect(waiting).to_have_count(0)
+
+
 def begun(page: Page, by: str) -> None:
     """What comes before a print, also where a page that was only just drawn does not listen yet."""
     if by == "menu":

@@ -8,6 +8,7 @@ import { Failed } from '../page/Trouble'
 import { ButtonLink } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { hiddenHead, Table } from '../ui/Table'
+import { useNearOrPrint } from '../ui/useNear'
 import { CodeCell, DateCell, outcomeColumns } from './cells'
 import { differenceOf } from './difference'
 import { layout } from '../ui/styles'
@@ -16,7 +17,8 @@ const relatedQuery = (run: string, state: string) =>
   queryOptions({ queryKey: ['related', run, state], queryFn: () => getRelated(run) })
 
 export function RelatedCard({ run }: { run: RunDetail }) {
-  const { data, error, refetch } = useQuery(relatedQuery(run.id, run.state))
+  const [card, near] = useNearOrPrint<HTMLElement>()
+  const { data, error, refetch } = useQuery({ ...relatedQuery(run.id, run.state), enabled: near })
   const rows = data?.runs ?? []
   return (
     <Card
@@ -24,6 +26,7 @@ export function RelatedCard({ run }: { run: RunDetail }) {
       note="The same campaign, or one that differs only in the seed or the code"
       className={layout.c12}
       id="related"
+      ref={card}
       flush={rows.length > 0}
       right={
         <ButtonLink small icon={IconChartDots} to="/trends" search={{ campaign: run.campaign_digest }}>Trend</ButtonLink>

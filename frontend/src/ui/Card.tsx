@@ -1,6 +1,6 @@
 // A card with its heading, and small elements of cards.
 import { clsx } from 'clsx'
-import { type ReactNode, useEffect, useRef, useState } from 'react'
+import { type ReactNode, type Ref, useEffect, useRef, useState } from 'react'
 import { field } from '../format/numbers'
 import { badges, buttons, cards, tables } from './styles'
 import styles from './ui.module.css'
@@ -16,13 +16,14 @@ interface CardProps {
   inner?: boolean
   className?: string
   id?: string
+  ref?: Ref<HTMLElement>
   children: ReactNode
 }
 
-export function Card({ title, note, right, footer, flush, inner, className, id, children }: CardProps) {
+export function Card({ title, note, right, footer, flush, inner, className, id, ref, children }: CardProps) {
   const Heading = inner ? 'h3' : 'h2'
   return (
-    <section className={clsx(cards.card, className)} id={id}>
+    <section className={clsx(cards.card, className)} id={id} ref={ref}>
       {title !== undefined && (
         <div className={cards.h}>
           <Heading>{title}</Heading>

@@ -1,7 +1,7 @@
-// A thumbnail of a finding: its plan view, loaded when near the window.
+// A thumbnail of a finding: its plan view, loaded near the window or for a print.
 import { useQuery } from '@tanstack/react-query'
 import { sketchQuery } from '../../api/queries'
-import { useNear } from '../../ui/useNear'
+import { useNearOrPrint } from '../../ui/useNear'
 import { aboveOf } from '../flight/flown'
 import { PlanPicture } from '../flight/PlanPicture'
 import styles from './findings.module.css'
@@ -16,7 +16,7 @@ interface ModePictureProps {
 }
 
 export function ModePicture({ run, name, stored }: ModePictureProps) {
-  const [holder, near] = useNear<HTMLDivElement>()
+  const [holder, near] = useNearOrPrint<HTMLDivElement>()
   const nominal = useQuery({ ...sketchQuery(run, 'nominal'), enabled: near && stored }).data
   const flight = useQuery({ ...sketchQuery(run, name), enabled: near && stored }).data
   const above = flight ? aboveOf(flight) : null

@@ -13,6 +13,7 @@ import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { Spans } from '../../ui/Spans'
 import { Table } from '../../ui/Table'
+import { useNearOrPrint } from '../../ui/useNear'
 import type { RunData } from '../data/data'
 import { type Knob, keyOf, knobsOf, type Moved, requestOf } from './moved'
 import { fields } from '../../ui/styles'
@@ -31,14 +32,16 @@ export function ReweightCard({ data }: { data: RunData }) {
   const [moved, setMoved] = useState<Moved>({})
   const knobs = useMemo(() => knobsOf(data), [data])
   const [body] = useDebouncedValue(useMemo(() => requestOf(knobs, moved, campaign), [knobs, moved, campaign]), PAUSE)
-  const stated = useQuery(reweightedQuery(run.id, STATED))
-  const under = useQuery(reweightedQuery(run.id, body))
+  const [card, near] = useNearOrPrint<HTMLElement>()
+  const stated = useQuery({ ...reweightedQuery(run.id, STATED), enabled: near })
+  const under = useQuery({ ...reweightedQuery(run.id, body), enabled: near })
   const changed = Object.keys(moved).length > 0
   return (
     <Card
       title="Other distributions"
       note="The stored draws re-weighted, nothing is simulated"
       id="reweight"
+      ref={card}
       right={
         <Button small disabled={!changed} onClick={() => setMoved({})}>
           Back to the stated ones

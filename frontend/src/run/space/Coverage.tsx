@@ -1,5 +1,5 @@
 // How much of the box the evaluations cover: the largest empty ball, bins of pairs of parameters, the volume in which the
-// slopes seen leave a violation possible. No proof, which the card states. It is read when it comes near the window.
+// slopes seen leave a violation possible. No proof, which the card states. It is read near the window or for a print.
 import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { coverageQuery } from '../../api/queries'
@@ -12,7 +12,7 @@ import { Card, Progress, Stat } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { Spans } from '../../ui/Spans'
 import { Table } from '../../ui/Table'
-import { useNear } from '../../ui/useNear'
+import { useNearOrPrint } from '../../ui/useNear'
 import type { RunData, UncertainParameter } from '../data/data'
 import { layout } from '../../ui/styles'
 import runStyles from '../run.module.css'
@@ -24,7 +24,7 @@ const SHOWN = 6
 type Shown = Pick<RunData, 'parameters'>
 
 export function CoverageSection({ data }: { data: RunData }) {
-  const [holder, near] = useNear<HTMLDivElement>()
+  const [holder, near] = useNearOrPrint<HTMLDivElement>()
   const { data: coverage, error, refetch } = useQuery({ ...coverageQuery(data.run.id), enabled: near })
   return (
     <div className={layout.c12} id="coverage" style={{ minHeight: 260 }} ref={holder}>

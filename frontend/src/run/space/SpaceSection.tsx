@@ -3,15 +3,14 @@
 import { useQuery, useQueryClient } from '@tanstack/react-query'
 import { useNavigate } from '@tanstack/react-router'
 import { useWindowEvent } from '@mantine/hooks'
-import { type ComponentProps, useEffect, useState } from 'react'
+import { type ComponentProps, useCallback, useEffect, useState } from 'react'
 import { flushSync } from 'react-dom'
 import { hasScenario } from '../../api/campaign'
 import { pointsQuery } from '../../api/queries'
 import { later, Part } from '../../page/later'
 import { Failed } from '../../page/Trouble'
 import { Card } from '../../ui/Card'
-import { useCalm } from '../../ui/useCalm'
-import { useNear } from '../../ui/useNear'
+import { useBeforePrint, useNear } from '../../ui/useNear'
 import { usePolling } from '../../ui/usePolling'
 import type { RunData } from '../data/data'
 import { written } from '../flight/whatif'
@@ -54,30 +53,15 @@ function Space(props: Omit<ComponentProps<typeof SpaceCard>, 'evaluations'>) {
   )
 }
 
-/** Whether the page is being printed. What is printed must be there by then, so it is read when a print may be about to begin:
- * the pointer leaves for the browser's menu, the page's menu opens, or the first key of a shortcut is pressed; on a touch screen
- * once the page is calm. */
+/** Whether the page is being printed; the evaluations are read before. */
 function usePrinted({ id, state }: RunData['run']): boolean {
   const cache = useQueryClient()
-  const calm = useCalm()
   const [printed, setPrinted] = useState(false)
-  useEffect(() => {
-    const prepare = () => {
-      void SpaceCard.preload()
-      void cache.prefetchQuery(pointsQuery({ id, state }))
-    }
-    const pressed = ({ ctrlKey, metaKey, altKey, key }: KeyboardEvent) => (ctrlKey || metaKey || altKey || key === 'F10') && prepare()
-    const { documentElement: page } = document
-    if (calm && matchMedia('(hover: none)').matches) prepare()
-    page.addEventListener('mouseleave', prepare)
-    addEventListener('contextmenu', prepare)
-    addEventListener('keydown', pressed)
-    return () => {
-      page.removeEventListener('mouseleave', prepare)
-      removeEventListener('contextmenu', prepare)
-      removeEventListener('keydown', pressed)
-    }
-  }, [cache, id, state, calm])
+  const prepare = useCallback(() => {
+    void SpaceCard.preload()
+    void cache.prefetchQuery(pointsQuery({ id, state }))
+  }, [cache, id, state])
+  useBeforePrint(prepare)
   useWindowEvent('beforeprint', () => flushSync(() => setPrinted(true)))
   return printed
 }

@@ -10,13 +10,13 @@ import { decimalsFor, fixed, NONE, signed } from '../../format/numbers'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { Table } from '../../ui/Table'
-import { useNear } from '../../ui/useNear'
+import { useNearOrPrint } from '../../ui/useNear'
 import { type RunData, searchesOf } from '../data/data'
 import { cards, lists, tables } from '../../ui/styles'
 
 /** A warning if this campaign differs from the shipped one in more than budgets. The library is large: read when needed. */
 function Changed({ campaign }: { campaign: Campaign }) {
-  const [holder, near] = useNear<HTMLDivElement>()
+  const [holder, near] = useNearOrPrint<HTMLDivElement>()
   const { data } = useQuery({ ...libraryQuery, enabled: near })
   const part = ({ scenario, uncertain }: Campaign) => JSON.stringify([scenario, uncertain])
   const shipped = data?.map((item) => asCampaign(item.document)).find((item) => item.name === campaign.name)

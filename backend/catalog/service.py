@@ -65,8 +65,14 @@ def required(reader: sa.Connection) -> Catalogue:
 
 def library_campaigns(reader: sa.Connection) -> list[LibraryCampaign]:
     """All shipped campaigns, with the problems that prevent this installation from running them."""
-    catalogue = published(reader)
-    return [_library_campaign(name, catalogue) for name in library()]
+    return list(_library(_stored(reader)))
+
+
+@functools.lru_cache(maxsize=4)
+def _library(text: str | None) -> tuple[LibraryCampaign, ...]:
+    """Cached: each is checked against the whole catalogue, and every form reads all of them."""
+    catalogue = None if text is None else _read(text)
+    return tuple(_library_campaign(name, catalogue) for name in library())
 
 
 def library_campaign(reader: sa.Connection, name: str) -> LibraryCampaign:

@@ -25,6 +25,7 @@ from backend.db import beside, revision, workers
 from backend.db.damage import damage
 from backend.db.engine import connect, connected, file_uri, now, read
 from backend.db.private import create_private
+from backend.db.tables import Base
 from campaigns.refusals import Refusal
 
 _ENDINGS = ("", *beside.ENDINGS, "-journal")
@@ -87,12 +88,13 @@ def restore(url: str, file: Path) -> Restored:
 
     Runs that were active when the backup was made go on from what it has. Sessions, login links and unused invitations
     of then are deleted: they may have been ended since. Raises `BackupError`: the file is damaged, or
-    of a newer version, or a service or worker uses the database. Nothing is changed then.
+    of a newer version, or a service or worker uses the database, or others have tables in it. Nothing is changed then.
     """
     if not file.is_file():
         raise BackupError(f"there is no file {file}")
     if not url.startswith("sqlite"):
         _refuse_used(url)
+        _refuse_shared(url)
         _replace_tables(url, file)
         return _prepared(connect(url))
     _refuse_unusable(file)
@@ -203,6 +205,18 @@ def _refuse_used(url: str) -> None:
         live = workers.live(connection) if known else []
     if live:
         raise BackupError(f"the database is in use by {', '.join(live)}: stop the service and all workers first")
+
+
+def _refuse_shared(url: str) -> None:
+    """A restore would drop the tables of others too. Those of a later version are not known, and dropped."""
+    with connected(url) as engine, read(engine) as connection:
+        later = (revision.stored(connection) or "") > revision.newest()
+        others = set(sa.inspect(connection).get_table_names()) - Base.metadata.tables.keys() - revision.FORMER_TABLES
+    if others and not later:
+        raise BackupError(
+            f"a restore would drop tables that are not Clearance's: {', '.join(sorted(others))}. Move them, or restore "
+            "into a new database"
+        )
 
 
 def _set_aside(target: Path) -> Path | None:

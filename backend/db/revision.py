@@ -8,6 +8,8 @@ import sqlalchemy as sa
 
 VERSIONS = Path(__file__).parent / "migrations" / "versions"
 """Each file begins with the number of its revision."""
+FORMER_TABLES = frozenset({"alembic_version", "idempotency_keys"})
+"""Alembic's, and those that only earlier revisions have."""
 
 
 def known() -> frozenset[str]:

@@ -22,7 +22,7 @@ from backend.db.damage import damage
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.migrate import config
 from backend.db.queue import LostLease, Queue, submit
-from backend.db.tables import Run
+from backend.db.tables import Base, Run
 from campaigns.stages.plan import most
 from clearance.cli import WRONG_INPUT, invoke
 from tests.audited import audited
@@ -368,11 +368,34 @@ def test_a_backup_of_before_an_update_is_restored_after_it(emptied: str, tmp_pat
     with engine.begin() as connection:
         connection.exec_driver_sql("delete from tokens")
         connection.exec_driver_sql("create table of_a_later_version (run integer references runs (id))")
+        connection.exec_driver_sql("update alembic_version set version_num = '9999'")
     assert restore(emptied, file).tokens == ["ci"]
     with engine.begin() as connection:
         assert revision.stored(connection) == earlier
         assert not sa.inspect(connection).has_table("of_a_later_version")
     migrate(emptied)
+    engine.dispose()
+
+
+def test_tables_of_others_are_not_dropped_by_a_restore(emptied: str, tmp_path: Path) -> None:
+    engine, file = connect(emptied), tmp_path / "backup"
+    migrate(emptied)
+    backup(emptied, file)
+    with engine.begin() as connection:
+        connection.exec_driver_sql("create table payroll (id integer)")
+    with pytest.raises(BackupError, match="payroll"):
+        restore(emptied, file)
+    assert sa.inspect(engine).has_table("payroll")
+    engine.dispose()
+
+
+def test_the_tables_of_every_revision_are_known_as_clearances() -> None:
+    engine, names = sa.create_engine("sqlite://", poolclass=sa.StaticPool), set[str]()
+    for each in sorted(revision.known()):
+        with engine.begin() as connection:
+            command.upgrade(config(connection), each)
+            names |= set(sa.inspect(connection).get_table_names())
+    assert names == Base.metadata.tables.keys() | revision.FORMER_TABLES
     engine.dispose()
 
 

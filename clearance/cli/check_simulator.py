@@ -145,6 +145,7 @@ def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns, str]
     from worker.engine.stages.parts import noise
     from worker.engine.stages.parts.base import drive
     from worker.engine.stages.parts.context import Context
+    from worker.engine.systems import optional
     from worker.engine.systems.base import CampaignUnusable
     from worker.running.opening import opened as simulators
     from worker.running.runs.store import MemoryStore
@@ -157,7 +158,7 @@ def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns, str]
         ) from None
     evaluate = InProcess(problem)
     try:
-        problem.system.warm()
+        optional.warm(problem.system)
         chosen = noise.points(problem, points)
         columns = drive(
             Context(campaign, problem, evaluate, MemoryStore()), 0, noise.measuring(problem, chosen), 2**62
@@ -166,7 +167,7 @@ def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns, str]
         return noise.measured(columns, points, problem), columns, problem.system.digest
     finally:
         evaluate.close()
-        problem.system.close()
+        optional.close(problem.system)
 
 
 def _declared(entry: SimulatorEntry) -> None:

@@ -7,7 +7,7 @@ one does not; 3 if there is nothing to compare. The comparison is `worker.runnin
 from __future__ import annotations
 
 import json
-from contextlib import closing
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -156,10 +156,12 @@ class Again:
 def evaluated_again(run: str, recorded: Recorded, problem: Problem, names: Sequence[str], blocks: int = 0) -> Again:
     """Evaluate the cases of these names again, all findings without names or blocks, so many blocks of its sample, and
     close the problem."""
+    from worker.engine.systems import optional
     from worker.running.runs.reflown import reflown
     from worker.running.runs.replay import UnknownCase, agrees, cases, replayed
 
-    with closing(problem.system):
+    with ExitStack() as ending:
+        ending.callback(optional.close, problem.system)
         others, elsewhere = _compared(recorded, problem)
         try:
             found = replayed(problem, cases(recorded, problem, names)) if names or not blocks else []

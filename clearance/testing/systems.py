@@ -16,7 +16,8 @@ from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.engine.problem.problem import Problem
-from worker.engine.systems.base import Floats, Slotted
+from worker.engine.systems import optional
+from worker.engine.systems.base import Floats, Slotted, indices
 from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.evidence.scopes.terms import terms
 from worker.running.opening import opened
@@ -50,7 +51,7 @@ class SystemContract:
     def teardown_class(cls) -> None:
         """Called by pytest after the last test."""
         if cls._opened is not None:
-            cls._opened.system.close()
+            optional.close(cls._opened.system)
             cls._opened = None
 
     def vectors(self) -> Floats:
@@ -64,7 +65,7 @@ class SystemContract:
         assert len(set(paths)) == len(paths) <= len(system.nominal)
         assert [p.nominal for p in system.parameters] == system.nominal[: len(paths)].tolist()
         assert all(p.low <= p.nominal <= p.high and p.text for p in system.parameters)
-        assert list(system.names) == paths
+        assert list(indices(system.parameters)) == paths
 
     def test_the_first_result_decides_and_is_worse_when_low(self) -> None:
         system, vectors = self.opened().system, self.vectors()
@@ -103,8 +104,8 @@ class SystemContract:
         batch, _ = system.evaluate(vectors[:2])
         confirmed = system.confirm(vectors[:2], [None, None])
         assert [c.cost for c in confirmed] == batch.costs[:, 0].tolist()
-        kinds = {"half_step", "integrator"} if system.settings.integrator else {"again"}
-        for case, other in zip(confirmed, system.compare(vectors[:2], [None, None]), strict=True):
+        kinds = {"half_step", "integrator"} if optional.settings(system).integrator else {"again"}
+        for case, other in zip(confirmed, optional.compare(system, vectors[:2], [None, None]), strict=True):
             assert {c.kind for c in case.comparisons} == kinds
             assert all(_near(c.cost, case.cost) for c in case.comparisons)
             assert other == case.comparisons[-1]
@@ -114,12 +115,12 @@ class SystemContract:
         system = self.opened().system
         trace, shows = system.trace("nominal", {}), terms(system).shows
         assert (trace is None) == (not shows) or not isinstance(system, ClosedLoop)  # a simulator may declare a trace
-        assert (system.encounter(trace) is None) == (not shows)
+        assert (optional.encounter(system, trace) is None) == (not shows)
 
     def test_it_is_a_closed_loop_with_a_text_to_show_or_has_calls(self) -> None:
         system = self.opened().system
         assert isinstance(system, ClosedLoop) != isinstance(system, Slotted)
-        assert isinstance(system, ClosedLoop) == bool(system.settings.integrator)
+        assert isinstance(system, ClosedLoop) == bool(optional.settings(system).integrator)
         assert not isinstance(system, ClosedLoop) or "def closed_loop" in system.source.read_text(encoding="utf-8")
 
     def test_its_words_claim_an_integrator_only_where_there_is_one(self) -> None:
@@ -128,7 +129,7 @@ class SystemContract:
         scope = [words(of.scope.what), words(of.scope.settings), of.scope.version]
         texts = json.dumps([vars(of.words), *scope, of.caveat])
         flown = [word for word in ("integrat", "step", "flight", "horizon") if word in texts]
-        assert bool(flown) == bool(system.settings.integrator)
+        assert bool(flown) == bool(optional.settings(system).integrator)
         assert len(system.digest) >= 16
 
 

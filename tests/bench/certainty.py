@@ -37,6 +37,7 @@ from campaigns.stages.plan import most
 from tests.bench import stored
 from tests.faults.processes import until, worker
 from worker.engine.problem.evaluate import InProcess
+from worker.engine.systems import optional
 from worker.running.opening import opened
 from worker.running.runs.runner import execute
 
@@ -58,7 +59,7 @@ def case(name: str, samples: int) -> Campaign:
 def bare(campaign: Campaign) -> float:
     """Flights a second of the kernel alone, on points of the sample's own generator."""
     problem = opened.problem(campaign)
-    problem.system.warm()
+    optional.warm(problem.system)
     evaluate = InProcess(problem)
     points = uniform(2, 0, 0, BARE, problem.dimension)
     evaluate(points[:4096])
@@ -66,7 +67,7 @@ def bare(campaign: Campaign) -> float:
     evaluate(points)
     taken = time.perf_counter() - began
     evaluate.close()
-    problem.system.close()
+    optional.close(problem.system)
     return BARE / taken
 
 
@@ -150,7 +151,7 @@ def rate() -> dict[str, Any]:
     """Of case 5."""
     campaign = case("uav_aca", RATE)
     problem = opened.problem(campaign)
-    problem.system.warm()
+    optional.warm(problem.system)
     evaluate = InProcess(problem)
     points = uniform(3, 0, 0, RATE, problem.dimension)
     evaluate(points[:256])

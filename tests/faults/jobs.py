@@ -24,6 +24,7 @@ from tests import results
 from tests.faults.cases import columns
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.store import Store
+from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable
 from worker.running.opening import opened
 from worker.running.runs import provenance
@@ -65,7 +66,7 @@ def flying(campaign: Campaign, store: Store) -> Verdict:
     compiled = campaign.name.endswith("compiled")
     problem = Problem(campaign, opened.closed_loop(campaign, compiled=compiled, lanes=1))
     if compiled:
-        problem.system.warm()
+        optional.warm(problem.system)
     records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
     provenance.begin(store, problem.system, campaign, records)
     if records[0].state != "done":

@@ -21,6 +21,7 @@ from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import drive, once
 from worker.engine.stages.parts.context import Context
+from worker.engine.systems import optional
 from worker.engine.systems.base import Floats
 from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.descriptor import read
@@ -48,7 +49,7 @@ def carry_out(database: str, claim: Claim, folder: Path, count: int) -> None:
     try:
         drive(Context(problem.campaign, problem, InProcess(problem), store), 0, once(points(count), ""), 1000)
     finally:
-        problem.system.close()
+        optional.close(problem.system)
         engine.dispose()
 
 

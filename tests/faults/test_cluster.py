@@ -31,6 +31,7 @@ from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.stages import certify
 from worker.engine.stages.parts.context import Context
+from worker.engine.systems import optional
 from worker.engine.systems.base import Floats
 from worker.engine.systems.simulators.cluster import pool as pool_module
 from worker.engine.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
@@ -241,7 +242,7 @@ def sampled(gate: Gate) -> CertifyResult:
     try:
         return certify.run(Context(of, problem, InProcess(problem), store), 0).result
     finally:
-        problem.system.close()
+        optional.close(problem.system)
 
 
 def test_a_counted_sample_has_the_bits_of_local_slots_though_a_node_is_killed(

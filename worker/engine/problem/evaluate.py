@@ -13,6 +13,7 @@ import numpy as np
 
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
+from worker.engine.systems import optional
 from worker.engine.systems.base import Floats, Seeds
 from worker.engine.systems.threads import usual_threads
 
@@ -31,11 +32,11 @@ class InProcess:
 
     def __init__(self, problem: Problem, threads: int | None = None) -> None:
         self.problem = problem
-        self.threads = (threads or usual_threads()) if problem.system.settings.lanes else 1
+        self.threads = (threads or usual_threads()) if optional.settings(problem.system).lanes else 1
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="simulate") if self.threads > 1 else None
 
     def __call__(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, dict[int, str]]:
-        block = self.problem.system.settings.lanes or 1
+        block = optional.settings(self.problem.system).lanes or 1
         if self._pool is None or len(points) <= block:
             return self.problem.evaluate(points, seeds)
         blocks = -(-len(points) // block)

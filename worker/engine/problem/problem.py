@@ -16,7 +16,8 @@ from campaigns.claims.say import Part, symbol
 from campaigns.symbols import labels
 from worker.engine.problem.distributions import Distributions, Range
 from worker.engine.search.base import Batch
-from worker.engine.systems.base import Floats, Realised, Reasons, Result, Seeds, System
+from worker.engine.systems import optional
+from worker.engine.systems.base import Floats, Realised, Reasons, Result, Seeds, System, indices
 
 
 class Problem:
@@ -53,7 +54,7 @@ class Problem:
     @property
     def realisations(self) -> Realised:
         """The realisations of the system's noise that every evaluation simulates."""
-        return self.system.realisations
+        return optional.realisations(self.system)
 
     @cached_property
     def nominal_point(self) -> Floats:
@@ -88,7 +89,7 @@ class Problem:
     @cached_property
     def paths(self) -> dict[str, int]:
         """The index in a vector of every parameter of the system, by path."""
-        return self.system.names
+        return indices(self.system.parameters)
 
     def evaluate(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         """Evaluate points (m, n) in this thread; the batch, and the reasons by row of failed or excluded evaluations.
@@ -118,7 +119,7 @@ class Problem:
 
 
 def _ranges(campaign: Campaign, system: System) -> tuple[Range, ...]:
-    ranges, at = [], system.names
+    ranges, at = [], indices(system.parameters)
     for path, uncertain in campaign.uncertain.items():
         nominal = float(system.nominal[at[path]])
         ranges.append(Range(path, at[path], *uncertain.interval(nominal), nominal, uncertain.distribution))

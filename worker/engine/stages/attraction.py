@@ -29,6 +29,7 @@ from campaigns.stages.attraction import AttractionResult
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.stages.parts.outcome import Outcome, Stage
+from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable, Floats, PolynomialLoop
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ NO_MODEL = "the system declares no polynomial model about trim; leave attraction
 
 def run(context: Context, position: int) -> Outcome[AttractionResult]:
     """Find the region, check it, measure it, and state what follows."""
-    loop, request = context.problem.system.about_trim(), context.campaign.stages.attraction
+    loop, request = optional.about_trim(context.problem.system), context.campaign.stages.attraction
     assert loop is not None
     assert request is not None
     states = zip(loop.states, loop.trim, loop.limits, strict=True)
@@ -105,7 +106,7 @@ def wrong(problem: Problem) -> Sequence[Wrong]:
     if problem.campaign.stages.attraction is None:
         return ()
     try:
-        loop = problem.system.about_trim()
+        loop = optional.about_trim(problem.system)
     except CampaignUnusable as error:
         return error.problems
     return () if loop is not None else [Wrong("stages.attraction", "no polynomial model", NO_MODEL)]

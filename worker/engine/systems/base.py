@@ -1,7 +1,8 @@
 """The interfaces of systems that a campaign can evaluate: parameters in, result values and reasons out.
 
-Problem, stages, verdicts and runs use only these. `System` is what every system has, the closed loop of components
-included; `Slotted` what simulators add, those of other packages too. `worker.evidence.scopes` describes them in claims.
+Problem, stages, verdicts and runs use only these. `System` is what every system has, `ComponentLoop` what the closed
+loop of components adds, `Slotted` what simulators add. A package's own simulator may define members of both, which
+`worker.engine.systems.optional` reads of any system. `worker.evidence.scopes` describes systems in claims.
 """
 
 from __future__ import annotations
@@ -106,7 +107,8 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Confirmed:
-    """A case evaluated again as in the campaign, and by every independent means that the system has."""
+    """A case evaluated again as in the campaign, and by every independent means that the system has, the strongest
+    last."""
 
     cost: float | None
     comparisons: tuple[Comparison, ...]
@@ -164,7 +166,7 @@ class Evaluated(NamedTuple):
 
 
 class System(ABC):
-    """A system that a campaign can evaluate: what every system has, then what has a default.
+    """A system that a campaign can evaluate: what every system has.
 
     A *vector* is one set of all parameters (size,), in their units and in the order of `parameters`; a system may
     append further numbers, which `nominal` then includes. *Costs* are results where lower is worse: a result that is
@@ -206,15 +208,6 @@ class System(ABC):
         When cancelled, it returns the results until then: fewer than m.
         """
 
-    @abstractmethod
-    def compare(
-        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
-    ) -> list[Comparison]:
-        """Evaluate vectors (m, size), all of which have a cost, by the strongest independent means only.
-
-        When cancelled, it returns the results until then: fewer than m.
-        """
-
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
         """Time histories of one case; None for a system without traces.
 
@@ -223,24 +216,31 @@ class System(ABC):
         """
         return None
 
-    @property
-    def names(self) -> dict[str, int]:
-        """The index of each parameter in a vector, by path."""
-        return {p.path: k for k, p in enumerate(self.parameters)}
 
-    # Optional.
+class ComponentLoop(System):
+    """What the closed loop of components adds to a system."""
 
-    settings: Settings = Settings()
-    realisations: Realised = Realised()
+    settings: Settings
+    realisations: Realised
     """The noise realisations of every evaluation."""
 
+    @abstractmethod
+    def compare(
+        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Stopping = lambda: False
+    ) -> list[Comparison]:
+        """Evaluate vectors (m, size), all of which have a cost, by the strongest independent means only.
+
+        When cancelled, it returns the results until then: fewer than m.
+        """
+
+    @abstractmethod
     def encounter(self, nominal: Trace | None) -> Shown | None:
         """Evidence that the encounter took place in the nominal case with this trace; None if there is none.
 
         It may run evaluations, such as the nominal case without avoidance.
         """
-        return None
 
+    @abstractmethod
     def beyond(
         self, names: Sequence[str], vectors: Floats, seeds: Sequence[int | None], below: float, cancelled: Stopping
     ) -> Beyond | None:
@@ -249,18 +249,15 @@ class System(ABC):
 
         seeds: those of vectors with their own noise.
         """
-        return None
 
+    @abstractmethod
     def about_trim(self) -> PolynomialLoop | None:
         """The closed loop about its trim; None if it has no polynomial model. Raises `CampaignUnusable` without a
         trim."""
-        return None
 
-    def warm(self) -> None:  # noqa: B027  optional
+    @abstractmethod
+    def warm(self) -> None:
         """Prepare the first evaluation, such as by compiling, so that this time is not counted as evaluation time."""
-
-    def close(self) -> None:  # noqa: B027  optional
-        """Release resources such as processes and files."""
 
 
 class Slotted(System):
@@ -270,6 +267,12 @@ class Slotted(System):
     """What evaluates on other machines; empty: this process or others of its machine."""
     campaign_command: str = ""
     """The command line that the campaign file gave; empty: the system is one of this installation."""
+    settings: Settings = Settings()
+
+    @property
+    def names(self) -> dict[str, int]:
+        """The index of each parameter in a vector, by path."""
+        return indices(self.parameters)
 
     @property
     def slots(self) -> int:
@@ -293,6 +296,12 @@ class Slotted(System):
         """The same system with one call for each evaluation; itself if that is what it does."""
         return self
 
+    def warm(self) -> None:
+        """Prepare the first evaluation, such as by connecting to other machines."""
+
+    def close(self) -> None:
+        """Release resources such as processes and files."""
+
 
 def slotted(system: System) -> Slotted:
     """The system as one of calls. A package's own that derives from `System` alone gets the defaults of `Slotted` for
@@ -306,6 +315,11 @@ def slotted(system: System) -> Slotted:
 def slots(system: System) -> int:
     """How many evaluations run side by side in slots; 0 for a system without slots."""
     return system.slots if isinstance(system, Slotted) else 0
+
+
+def indices(parameters: Sequence[Parameter]) -> dict[str, int]:
+    """The index of each parameter in a vector, by path."""
+    return {p.path: k for k, p in enumerate(parameters)}
 
 
 def in_own_sign(results: Sequence[Result], costs: Floats) -> Floats:

@@ -50,7 +50,7 @@ class Recorded(System):
     def _never(self, *_: object, **__: object) -> NoReturn:
         raise TypeError("a recorded system evaluates nothing")
 
-    evaluate = confirm = compare = _never
+    evaluate = confirm = _never
 
 
 def systems(campaign: Campaign, catalogue: Catalogue, versions: Versions, scope: str) -> Iterator[Recorded]:

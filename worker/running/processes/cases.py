@@ -40,7 +40,8 @@ from campaigns.asked.problem import Problem
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from campaigns.stored.replies import CaseReply
-from worker.engine.systems.base import CampaignUnusable, NoResult, NoTrace, System, Trace, slotted
+from worker.engine.systems import optional
+from worker.engine.systems.base import CampaignUnusable, NoResult, NoTrace, System, Trace, indices, slotted
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.pooled import Pooled
 from worker.engine.systems.simulators.simulated import Simulated
@@ -114,7 +115,7 @@ def _response(request: Mapping[str, Any], systems: Systems) -> Mapping[str, obje
 def close(systems: Systems) -> None:
     """End the processes of the simulators."""
     for one in systems.values():
-        one.system.close()
+        optional.close(one.system)
     systems.clear()
 
 
@@ -201,9 +202,9 @@ class _Found:
 def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     """The evaluation with its trace, or without one if there is none, and how long it took [s]."""
     began, why = time.monotonic(), ""
-    vector = system.nominal.copy()
+    vector, at = system.nominal.copy(), indices(system.parameters)
     for path, value in values.items():
-        vector[system.names[path]] = value
+        vector[at[path]] = value
     parameters = {p.path: float(v) for p, v in zip(system.parameters, vector, strict=False)}
     try:
         trace = system.trace("case", values)

@@ -19,6 +19,7 @@ from campaigns.stored.records import StageRecord
 from campaigns.versions import Processor, Versions
 from worker.engine.kernels.numba_internals import processor_features
 from worker.engine.stages.parts.store import Store
+from worker.engine.systems import optional
 from worker.engine.systems.base import System, slotted
 from worker.running.runs import identity
 from worker.running.runs.added import added
@@ -40,7 +41,7 @@ def begin(store: Store, system: System, campaign: Campaign, records: Sequence[St
 
 def versions(campaign: Campaign, system: System) -> Versions:
     """The versions of the code and packages that a run of the campaign uses, the processor, the system."""
-    settings = system.settings
+    settings = optional.settings(system)
     called = None if settings.integrator else slotted(system)
     system_values = {
         "clearance": version("clearance"),

@@ -10,6 +10,7 @@ import mmap
 import os
 import struct
 
+from worker.engine.systems import optional
 from worker.engine.systems.base import Slotted, System
 from worker.engine.systems.simulators.called import Called
 
@@ -79,7 +80,7 @@ def opened(file: int) -> None:
 def longest(system: System) -> float:
     """Time that one evaluation of a system may take [s]: 0 for a closed loop, whose steps are counted; infinite where
     nothing limits it."""
-    seeds = max(1, len(system.realisations.seeds))
+    seeds = max(1, len(optional.realisations(system).seeds))
     if isinstance(system, Called):
         return seeds * system.request.calls * (1 + system.request.retries) * longest(system.inner)
     return seeds * float(getattr(system, "longest", math.inf if isinstance(system, Slotted) else 0.0))

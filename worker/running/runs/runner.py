@@ -24,6 +24,7 @@ from worker.engine.stages.parts.base import all_columns
 from worker.engine.stages.parts.context import Cancelled, Context, ReplayMismatch, Tally
 from worker.engine.stages.parts.noise import exclusions, flaky
 from worker.engine.stages.parts.store import Store
+from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable
 from worker.evidence.verdicts.conclude import conclude
 from worker.evidence.verdicts.evidence import Evidence
@@ -55,7 +56,7 @@ def execute(
     """
     problem = problem or opened.problem(campaign)
     pulse.own.allow(pulse.longest(problem.system))
-    problem.system.warm()
+    optional.warm(problem.system)
     repeated.check(campaign, problem)
     if wrong := [one for stage in stages().values() for one in stage.wrong(problem)]:
         raise CampaignUnusable(wrong)
@@ -75,7 +76,7 @@ def execute(
         return verdict
     finally:
         evaluate.close()
-        problem.system.close()
+        optional.close(problem.system)
 
 
 def assist(campaign: Campaign, store: Store, cancelled: Callable[[], bool] = lambda: False) -> None:
@@ -87,7 +88,7 @@ def assist(campaign: Campaign, store: Store, cancelled: Callable[[], bool] = lam
     evaluate = InProcess(problem)
     try:
         pulse.own.allow(pulse.longest(problem.system))
-        problem.system.warm()
+        optional.warm(problem.system)
         store = cast(Store, unchanged.Assisted(store, problem))
         records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
         store.record_versions(versions(campaign, problem.system), identity.code(campaign))
@@ -101,7 +102,7 @@ def assist(campaign: Campaign, store: Store, cancelled: Callable[[], bool] = lam
                 share(context, position)
     finally:
         evaluate.close()
-        problem.system.close()
+        optional.close(problem.system)
 
 
 def _carry_out(context: Context, position: int, record: StageRecord) -> None:

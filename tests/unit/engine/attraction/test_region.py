@@ -19,13 +19,14 @@ from tests.bench.attraction.truth import VAN_DER_POL, area_of_limit_cycle
 from worker.engine.attraction import region
 from worker.engine.attraction.rounding import projected
 from worker.engine.attraction.simulated import Simulation, difference, measured
+from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable, PolynomialLoop
 from worker.running.opening import opened
 
 
 @cache
 def loop_of(name: str) -> PolynomialLoop:
-    found = opened.problem(load_file(library()[name])).system.about_trim()
+    found = optional.about_trim(opened.system(load_file(library()[name])))
     assert found is not None
     return found
 
@@ -116,7 +117,7 @@ def test_without_integral_gains_there_is_no_trim() -> None:
     document = load_file(library()["pioneer_moving"]).document()
     document["scenario"]["controller"]["parameters"]["K_4"] = 0.0
     with pytest.raises(CampaignUnusable, match="K_3"):
-        opened.problem(load_document(document)).system.about_trim()
+        optional.about_trim(opened.system(load_document(document)))
 
 
 def test_a_projected_gram_matrix_gives_the_polynomial_exactly() -> None:

@@ -12,6 +12,7 @@ import pytest
 from campaigns.results.validate import Beyond
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign
+from worker.engine.systems import optional
 from worker.engine.systems.closed_loop import onward
 
 HORIZON, STEP, KNOWN = 9.0, 0.02, 0.9
@@ -35,7 +36,7 @@ def beyond(component: str, **parameters: Any) -> Beyond:
     )  # fmt: skip
     problem = Problem(made, compiled=False)
     vectors = problem.vectors(problem.nominal_point[None, :])
-    found = problem.system.beyond(["nominal"], vectors, [None], KNOWN, lambda: False)
+    found = optional.beyond(problem.system, ["nominal"], vectors, [None], KNOWN, lambda: False)
     assert found is not None
     assert found.flights == 1
     return found

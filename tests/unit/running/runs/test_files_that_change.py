@@ -15,6 +15,7 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.stored.records import Ahead, Columns
 from worker.engine.problem.problem import Problem
+from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.declared import unchanged as simulated
 from worker.engine.systems.simulators.declared.folder import FOLDERS
@@ -115,7 +116,7 @@ def test_files_that_only_look_changed_do_not_matter(file: Path) -> None:
 def problem(file: Path) -> Iterator[Problem]:
     found = opened.problem(campaign())
     yield found
-    found.system.close()
+    optional.close(found.system)
 
 
 def test_a_change_between_the_opening_and_the_first_evaluation_is_one(problem: Problem, file: Path) -> None:

@@ -18,6 +18,7 @@ from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validat
 from worker.engine.stages.parts import noise, repeated
 from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.stages.parts.repeated import Case
+from worker.engine.systems import optional
 from worker.engine.systems.base import Comparison, Confirmed, Floats
 
 
@@ -40,7 +41,7 @@ def reference(context: Context, subjects: Sequence[Case]) -> list[Comparison]:
     """Every case, all with a cost, by the strongest independent means. Raises `Cancelled`."""
     if not subjects:
         return []
-    found = context.problem.system.compare(*_vectors_and_seeds(context, subjects), context.cancelled)
+    found = optional.compare(context.problem.system, *_vectors_and_seeds(context, subjects), context.cancelled)
     if len(found) < len(subjects):
         raise Cancelled
     return found

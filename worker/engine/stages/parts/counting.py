@@ -24,6 +24,7 @@ from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
 from worker.engine.stages.parts.context import Cancelled, Context, Tally
+from worker.engine.systems import optional
 from worker.engine.systems.base import Floats, Seeds, System, slots
 
 STREAM = 2**24
@@ -199,7 +200,7 @@ class Counting:
     def _room(self) -> int:
         """Evaluations in about half the time between two writes."""
         system = self.context.problem.system
-        least = max(LANES * (system.settings.lanes or 0), SLOTS * slots(system), 1)
+        least = max(LANES * (optional.settings(system).lanes or 0), SLOTS * slots(system), 1)
         return least if system.cost is None else max(least, int(SAVED / system.cost / 2))
 
     def _add(self, block: Block) -> Block:

@@ -24,6 +24,7 @@ from worker.engine.stages.parts.context import (
     Tally,
     Through,
 )
+from worker.engine.systems import optional
 from worker.engine.systems.base import Floats, Seeds, System
 
 FLUSH_SECONDS = 0.2
@@ -144,7 +145,7 @@ class Driver:
     def _piece(self) -> int:
         """Points per call, so that cancellation is checked and results are stored at the interval for storing."""
         system = self.context.problem.system
-        least = FULL_BLOCKS * (system.settings.lanes or 0) or 1
+        least = FULL_BLOCKS * (optional.settings(system).lanes or 0) or 1
         return (
             least if system.cost is None else int(np.clip(FLUSH_SECONDS / system.cost, least, FULL_BLOCKS * FLUSH_ROWS))
         )

@@ -20,13 +20,14 @@ from campaigns.stored.records import Trace
 from worker.engine.stages.parts.base import all_columns
 from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.stages.parts.seeds import drawn
+from worker.engine.systems import optional
 
 
 def encounter(
     context: Context, position: int, nominal: Trace | None, findings: Sequence[Finding], curves: Iterable[Curve]
 ) -> Encounter:
     """The evidence of the run. curves: all slices, through the nominal point and the findings."""
-    shown = context.problem.system.encounter(nominal)
+    shown = optional.encounter(context.problem.system, nominal)
     spread = _spread(context, position)
     return Encounter(
         closest=ClosestApproach() if shown is None else shown.closest,
@@ -53,7 +54,7 @@ def _beyond(context: Context, findings: Sequence[Finding], lowest: float) -> Bey
         realised += [int(own[at][i]) if i < len(own.get(at, ())) else None for i in succeeded]
     below = lowest - ROUNDING * max(abs(lowest), abs(problem.threshold))
     vectors = problem.vectors(np.array(points))
-    found = problem.system.beyond(names, vectors, realised, below, context.cancelled)
+    found = optional.beyond(problem.system, names, vectors, realised, below, context.cancelled)
     if context.cancelled():
         raise Cancelled
     return found

@@ -15,6 +15,7 @@ from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import stream
 from worker.engine.stages.parts.context import Asking, Context, Through
+from worker.engine.systems import optional
 from worker.engine.systems.base import Floats, slotted
 
 STREAM = 2**23
@@ -52,7 +53,7 @@ def measuring(problem: Problem, chosen: Floats) -> Asking[str]:
         yield Through(chosen, fresh)
     finally:
         if fresh is not problem.system:
-            fresh.close()
+            optional.close(fresh)
     return ends.MEASURED
 
 

@@ -14,6 +14,7 @@ from worker.engine.search.base import Batch
 from worker.engine.systems.base import (
     CampaignUnusable,
     Comparison,
+    ComponentLoop,
     Confirmed,
     Floats,
     Parameter,
@@ -23,7 +24,6 @@ from worker.engine.systems.base import (
     Settings,
     Shown,
     Stopping,
-    System,
 )
 from worker.engine.systems.closed_loop import about_trim, beyond, confirm, encounter, refused
 from worker.engine.systems.closed_loop.assemble import LANES
@@ -33,7 +33,7 @@ from worker.engine.systems.closed_loop.realisations import Realisations
 from worker.engine.systems.closed_loop.trace import trace
 
 
-class ClosedLoop(Flights, System):
+class ClosedLoop(Flights, ComponentLoop):
     """The closed loop of one campaign's scenario; repeatable to the bit on the same kind of machine."""
 
     realisations: Realisations

@@ -13,7 +13,7 @@ import numpy as np
 from campaigns.catalogue import SimulatorEntry
 from campaigns.results.base import OK
 from campaigns.results.scene import Scene
-from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Slotted, System
+from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Slotted, System, indices
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
@@ -60,9 +60,9 @@ class Simulated(Slotted):
 
     def _vector(self, values: Mapping[str, float]) -> Floats:
         """The nominal vector with these values by path; raises KeyError."""
-        vector = self.nominal.copy()
+        vector, at = self.nominal.copy(), indices(self.parameters)
         for path, value in values.items():
-            vector[self.names[path]] = value
+            vector[at[path]] = value
         return vector
 
     def _by_path(self, vector: Floats) -> dict[str, float]:

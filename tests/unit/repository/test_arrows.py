@@ -101,24 +101,13 @@ MAY: dict[str, tuple[str, ...]] = {
     # The slots know programs and JSON, nothing of campaigns; what excludes a case is of the standard library alone.
     "worker.engine.systems.simulators.slots": ("worker.engine.systems.simulators.declared.excluded",),
     "worker.engine.problem": (
-        *(
-            "worker.engine.systems.base",
-            "worker.engine.systems.optional",
-            "worker.engine.systems.threads",
-            "worker.engine.search",
-            "campaigns",
-        ),
+        *("worker.engine.systems.base", "worker.engine.systems.optional", "worker.engine.systems.threads"),
+        *("worker.engine.search", "campaigns"),
     ),
     "worker.engine.reference": ("worker.engine.kernels", "worker.engine.systems"),
     "worker.engine.stages": (
-        *(
-            "worker.engine.problem",
-            "worker.engine.systems.base",
-            "worker.engine.systems.optional",
-            "worker.engine.search",
-            "worker.engine.rare",
-        ),
-        *("worker.engine.attraction", "campaigns"),
+        *("worker.engine.problem", "worker.engine.systems.base", "worker.engine.systems.optional"),
+        *("worker.engine.search", "worker.engine.rare", "worker.engine.attraction", "campaigns"),
     ),
     # What may change a claim.
     "worker.evidence.scopes": ("worker.engine.systems", "campaigns"),

@@ -35,6 +35,7 @@ from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
+from campaigns.checked.check import simulation_problems
 from campaigns.checked.snapshot import values_changed
 from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.results import Finding, StageResult, Verdict
@@ -87,15 +88,19 @@ class RunStore:
 
     @_transaction
     def describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
-        """Store the component descriptions of this installation; raises `OtherCode` if the run used others.
+        """Store the component descriptions of this installation; raises `OtherCode` if the run used others, or if the
+        campaign can be run with those of its submission, but not with these.
 
         The catalogue at submission may have been published by another worker.
         """
         begun = connection.scalar(sa.select(Stage.position).where(Stage.run_id == self._run).limit(1))
+        snapshot = snapshots.of_run(connection, self._run)
         if begun is None:
+            missing = simulation_problems(campaign, catalogue)
+            if missing and snapshot is not None and not simulation_problems(campaign, snapshot):
+                raise OtherCode("; ".join(map(str, missing)))
             fenced(connection, self.claim, snapshot=snapshots.store(connection, campaign, catalogue))
             return
-        snapshot = snapshots.of_run(connection, self._run)
         others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue)
         if others:
             raise OtherCode("; ".join(others))

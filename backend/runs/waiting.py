@@ -13,6 +13,7 @@ from backend.db.engine import now
 from backend.db.queue import waiting_order
 from backend.db.space import VARIABLE
 from backend.db.tables import Run, Worker
+from backend.db.waiting import BEGUN
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs.schemas import RunDoing
 from campaigns.claims.numbers import count
@@ -39,9 +40,8 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]
     """
     if not run_ids:
         return {}
-    query = sa.select(Run.id, Run.needs, Run.not_before, Run.evaluations).where(
-        Run.id.in_(run_ids), Run.state == RunState.QUEUED
-    )
+    shown = (Run.id, Run.needs, Run.not_before, Run.evaluations, BEGUN.label("begun"))
+    query = sa.select(*shown).where(Run.id.in_(run_ids), Run.state == RunState.QUEUED)
     queued = reader.execute(query).all()
     if not queued:
         return {}
@@ -83,7 +83,7 @@ def _of(row: Any, live: Sequence[Any], at: float, position: int | None, refused:
     same = [worker for worker in able if worker.installation not in refused]
     if not same:
         differs = list(refused.values())[-1]
-        return Waits(_other_code(differs, row.evaluations), differs)
+        return Waits(_other_code(differs, row.evaluations), differs) if row.begun else Waits(_unknown(differs))
     willing = [worker for worker in same if not worker.draining]
     if not willing:
         return Waits(_draining(len(same)))
@@ -124,9 +124,16 @@ def no_worker(last: float | None, at: float) -> str:
 
 def _other_code(differs: str, evaluations: int) -> str:
     return (
-        f"Other code began it than the running workers have: {differs}. Start a worker of the version that began it, "
-        f"and it continues; or begin it again, without its {count(evaluations)} evaluations; or continue it as a new "
-        "run, with those that are still valid, if any."
+        f"Other code began it than the running workers have: {differs}. A worker of the version that began it "
+        "continues it, if it still runs or the database was not updated since; or begin it again, without its "
+        f"{count(evaluations)} evaluations; or continue it as a new run, with those that are still valid, if any."
+    )
+
+
+def _unknown(differs: str) -> str:
+    return (
+        f"It was submitted for another version than the running workers have: {differs}. Start a worker of the version "
+        "of the service, and it begins; or cancel it."
     )
 
 

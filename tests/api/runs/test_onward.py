@@ -48,14 +48,33 @@ def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Se
     found = one(client, run)
     assert (found["state"], found["other_code"], found["evaluations"]) == ("queued", DIFFERS, 100)
     assert found["waits"] == (
-        f"Other code began it than the running workers have: {DIFFERS}. Start a worker of the version that began it, "
-        "and it continues; or begin it again, without its 100 evaluations; or continue it as a new run, with "
-        "those that are still valid, if any."
+        f"Other code began it than the running workers have: {DIFFERS}. A worker of the version that began it "
+        "continues it, if it still runs or the database was not updated since; or begin it again, without its 100 "
+        "evaluations; or continue it as a new run, with those that are still valid, if any."
     )
     arrive(service, "old", OLD)
     found = one(client, run)
     assert found["other_code"] is None
     assert found["waits"] == SOON
+    for way in ("restart", "continuation"):
+        refused = client.post(f"/api/v1/runs/{run}/{way}")
+        assert (refused.status_code, refused.json()["type"]) == (409, "urn:clearance:problem:not-waiting")
+    assert stored(service) == (1, 1)
+
+
+def test_what_was_submitted_for_another_version_waits_for_it(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    claim = Queue(service.engine).claim("new", (), HERE)
+    assert claim is not None
+    Queue(service.engine).refuse(claim, HERE, DIFFERS)
+    arrive(service, "new", HERE)
+    found = one(client, run)
+    assert (found["state"], found["other_code"]) == ("queued", None)
+    assert DIFFERS in found["waits"]
+    for way in ("restart", "continuation"):
+        assert client.post(f"/api/v1/runs/{run}/{way}").json()["type"] == "urn:clearance:problem:not-waiting"
+    arrive(service, "newest", OLD)
+    assert one(client, run)["waits"] == SOON
 
 
 def test_begun_again_it_has_nothing_of_before(service: Service, client: httpx.Client) -> None:

@@ -23,6 +23,7 @@ from tests.given.reported_runs import PLAN, finish_fully, missing
 from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE, campaign
 from tests.given.submissions import submit
+from worker.running.runs import begun
 
 ASKED = Campaign.model_validate(campaign())
 Change = Callable[[dict[str, Any]], None]
@@ -154,7 +155,7 @@ def test_the_worker_that_starts_a_run_records_the_meaning_of_its_components(
     service: Service, client: httpx.Client
 ) -> None:
     submit(client)
-    later = altered(lambda d: entry(d, "unicycle")["parameters"][1].update(default=0.2))
+    later = altered(lambda d: entry(d, "unicycle")["parameters"][1].update(default=0.055))
     claim = Queue(service.engine).claim("w1")
     assert claim is not None
     store = RunStore(service.engine, claim)
@@ -163,10 +164,29 @@ def test_the_worker_that_starts_a_run_records_the_meaning_of_its_components(
     assert told["catalogue"] == snapshot(ASKED, later).model_dump(mode="json")
     store.plan(PLAN)
     store.append(2, 0, search(0, 10))
-    with pytest.raises(OtherCode, match=r"vehicle\.J was 0\.2 kg m2, here it is 0\.05"):
+    with pytest.raises(OtherCode, match=r"vehicle\.J was 0\.055 kg m2, here it is 0\.05"):
         store.describe(ASKED, CATALOGUE)
     store.describe(ASKED, later)
     assert client.get("/api/v1/runs/R-0001/components").json()["digest"] == told["digest"]
+
+
+def test_a_worker_without_what_the_campaign_was_submitted_with_leaves_it_to_others(
+    service: Service, client: httpx.Client
+) -> None:
+    submit(client)
+    before = client.get("/api/v1/runs/R-0001/components").json()
+    claim = Queue(service.engine).claim("w1")
+    assert claim is not None
+    earlier = altered(lambda d: d["components"].remove(entry(d, "circle")))
+    with pytest.raises(OtherCode, match="circle"):
+        RunStore(service.engine, claim).describe(ASKED, earlier)
+    assert client.get("/api/v1/runs/R-0001/components").json() == before
+
+
+def test_a_campaign_that_the_service_could_read_and_this_version_cannot_is_left_to_others() -> None:
+    document = ASKED.document()
+    with pytest.raises(OtherCode, match="novel"):
+        begun.readable({**document, "scenario": {**document["scenario"], "novel": 1}}, "run 1", None)
 
 
 OTHERWISE: dict[str, tuple[Change, str | None]] = {

@@ -29,6 +29,7 @@ from campaigns.identity.identity import UNSTORED, Identity, changes
 from campaigns.looks import ObstacleLook
 from campaigns.results.scene import Scene
 from campaigns.runs import run_name
+from campaigns.stages.plan import plan
 
 NOMINAL, WORST = "nominal", "F1"
 
@@ -217,7 +218,7 @@ def _same(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
         "document": campaign.document(),
         "threshold": campaign.criterion.threshold,
         "uncertain": _uncertain(campaign, {} if catalogue is None else parameters(campaign, catalogue)),
-        "methods": _methods(campaign, catalogue),
+        "methods": searches(campaign, catalogue),
         "drawn": looks(reader, run_id),
         "identity": identity.of_run(reader, run_id) or UNSTORED,
     }
@@ -280,7 +281,8 @@ def _uncertain(campaign: Campaign, known: Mapping[str, tuple[ParameterEntry, flo
     ]
 
 
-def _methods(campaign: Campaign, catalogue: Catalogue | None) -> list[tuple[int, str, str]]:
+def searches(campaign: Campaign, catalogue: Catalogue | None) -> list[tuple[int, str, str]]:
+    """Position, name and title of each search stage."""
     titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods}
-    first = 1 + (campaign.stages.sensitivity is not None)
-    return [(first + i, s.method, titles.get(s.method, s.method)) for i, s in enumerate(campaign.stages.search)]
+    positions = [(k, stage.method or "") for k, stage in enumerate(plan(campaign)) if stage.kind == "search"]
+    return [(k, method, titles.get(method, method)) for k, method in positions]

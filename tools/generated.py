@@ -16,6 +16,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from campaigns import Campaign
+from campaigns.asked.spec import Repeats
+from campaigns.asked.stages import Certify, Findings
 from campaigns.rules import LIMITS, RULES
 from tools import bench_tables, image_packages, openapi
 from worker.engine.search.base import Method
@@ -43,13 +46,15 @@ def _looks() -> str:
 
 
 def _rules() -> str:
-    """The limits of `campaigns.rules` by name, and the checks in their order."""
+    """The limits of `campaigns.rules` by name, the checks in their order, and what a campaign means that leaves a field
+    out."""
     checks = [
         {"code": rule.code, "title": rule.title, "requires": rule.requires, "intended": rule.intended} for rule in RULES
     ]
     limits = {name.lower(): limit.value for name, limit in LIMITS.items()}
-    lines = ",\n".join(f"  {json.dumps(check)}" for check in checks)
-    return f'{{\n "limits": {json.dumps(limits)},\n "checks": [\n{lines}\n ]\n}}\n'
+    fields = ((Campaign, "confidence"), (Certify, "samples"), (Repeats, "count"), (Findings, "at_most"))
+    defaults = {name: model.model_fields[name].default for model, name in fields}
+    return json.dumps({"limits": limits, "checks": checks, "defaults": defaults}, indent=1) + "\n"
 
 
 def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -1,4 +1,5 @@
 // The side panel: name, tags and criterion of the run, and its estimated effort.
+import { DEFAULTS } from '../api/rules'
 import { TagsInput } from '@mantine/core'
 import { Fragment } from 'react'
 import type { Campaign, Raw } from '../api/campaign'
@@ -77,7 +78,7 @@ interface EstimateProps {
 export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
   const samples = samplesOf(campaign, catalogue)
   const unbounded = Object.values(campaign.uncertain).some((u) => u.distribution?.kind === 'normal')
-  const confidence = numberOf(campaign.confidence) ?? 0.95
+  const confidence = numberOf(campaign.confidence) ?? DEFAULTS.confidence
   const target = numberOf(campaign.target_probability)
   // With no violation among n independent samples, the Clopper-Pearson bound is 1 - (1 - confidence)^(1/n).
   const bound = samples && samples >= 1 ? 1 - (1 - confidence) ** (1 / samples) : null
@@ -120,7 +121,7 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
 
 /** The size of the sample for the statistical statement: that of certify, else of a random search. */
 function samplesOf({ stages }: Campaign, { methods }: Catalogue): number | null {
-  if (stages.certify) return numberOf(stages.certify.samples ?? 3000)
+  if (stages.certify) return numberOf(stages.certify.samples ?? DEFAULTS.samples)
   const random = new Set(methods.filter(({ kind }) => kind === 'random').map(({ name }) => name))
   const plain = stages.search.find(
     ({ method, options }) =>

@@ -1,5 +1,6 @@
 // The settings of a campaign that belong to no component: location, unit, description. Names and limits are those of the
 // service, which reports errors next to the field.
+import { DEFAULTS } from '../../api/rules'
 import { type Campaign, type Raw, read } from '../../api/campaign'
 
 export interface Setting {
@@ -53,7 +54,7 @@ export const STAGES: Group[] = [
     digest: ({ stages: { certify } }) =>
       certify
         ? [
-            words(certify.samples ?? 3000, 'random samples'),
+            words(certify.samples ?? DEFAULTS.samples, 'random samples'),
             certify.keep === 'lowest' && 'the lowest stored',
             certify.until === 'target' && 'until the target',
             certify.grid && 'full grid',
@@ -159,7 +160,7 @@ export const STAGES: Group[] = [
   },
   {
     title: 'Findings',
-    digest: ({ stages: { findings } }) => `at most ${findings?.at_most ?? 8} distinct worst cases`,
+    digest: ({ stages: { findings } }) => `at most ${findings?.at_most ?? DEFAULTS.at_most} distinct worst cases`,
     settings: [
       { at: ['stages', 'findings', 'at_most'], label: 'Findings at most', text: 'Maximum number of distinct worst cases' },
       {

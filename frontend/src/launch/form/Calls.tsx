@@ -1,4 +1,5 @@
 // How often a simulator is called for each evaluation, and how often a call that failed is tried again.
+import { DEFAULTS } from '../../api/rules'
 import type { Campaign, Raw } from '../../api/campaign'
 import { Choice, NumberField } from '../fields/Field'
 import { Fold } from '../fields/Fold'
@@ -14,7 +15,7 @@ const LOW = 0.1
 export function callsOf(campaign: Campaign): string {
   const { repeats, retries } = campaign.simulator ?? {}
   const calls = repeats
-    ? `${repeats.count ?? 5} calls for every evaluation, ${HOW[repeats.combine ?? 'worst'] ?? repeats.combine ?? ''}`
+    ? `${repeats.count ?? DEFAULTS.count} calls for every evaluation, ${HOW[repeats.combine ?? 'worst'] ?? repeats.combine ?? ''}`
     : 'one call for every evaluation'
   return `${calls}${retries ? `; a failed call is tried again ${retries === 1 ? 'once' : `up to ${retries} times`}` : ''}`
 }
@@ -40,7 +41,7 @@ export function Calls({ campaign, set }: FormProps) {
           title="Repeats"
           label="Calls of the simulator for every evaluation"
           text="Calls for every evaluation, for a simulator that does not repeat; empty: one"
-          value={repeats ? (repeats.count ?? 5) : null}
+          value={repeats ? (repeats.count ?? DEFAULTS.count) : null}
           onChange={calls}
           optional
           placeholder="1"

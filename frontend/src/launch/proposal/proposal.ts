@@ -1,4 +1,5 @@
 // What a campaign asks for a proposal, and the searches that a proposal states. Nothing here needs the service.
+import { DEFAULTS } from '../../api/rules'
 import type { ProposalRequest } from '../../api/calls'
 import type { Campaign, Json, SearchStage } from '../../api/campaign'
 import type { Catalogue, Proposal } from '../../client'
@@ -18,7 +19,7 @@ export function minutesOf(text: string): number | null {
 export function requestOf(campaign: Campaign, minutes: number | null): ProposalRequest | null {
   const { name, repeats } = campaign.simulator ?? {}
   const parameters = Object.keys(campaign.uncertain).length
-  const calls = repeats ? numberOf(repeats.count ?? 5) : 1
+  const calls = repeats ? numberOf(repeats.count ?? DEFAULTS.count) : 1
   if (!name || minutes === null || parameters < 1 || parameters > MOST.parameters) return null
   if (calls === null || !Number.isInteger(calls) || calls < 1 || calls > MOST.calls) return null
   return { simulator: name, parameters, patience: 60 * minutes, calls }

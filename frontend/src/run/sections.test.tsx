@@ -6,6 +6,7 @@ import type { EstimateResult, SensitivityResult } from '../client'
 import type { RunData } from './data/data'
 import { factsOf } from './facts'
 import type { Page } from './section'
+import type { Added } from './section'
 import { SECTIONS } from './sections'
 
 // Reads the theme of the document, which there is none of here.
@@ -84,5 +85,14 @@ it('has no two sections under one anchor', () => {
   for (const more of [{}, flown, { ...flown, stages: [sensitivity(2)] }, { ...flown, stages: [sensitivity(3), stage(validated())] }]) {
     const ids = SECTIONS.flatMap((one) => one.tab(page(more))?.id ?? [])
     expect(new Set(ids).size).toBe(ids.length)
+  }
+})
+
+test('the section of every file is on the page, where its file says', () => {
+  const added = Object.values(import.meta.glob<Added>('./stages/*.tsx', { eager: true, import: 'added' }))
+  expect(added.length).toBeGreaterThan(0)
+  for (const { after, section } of added) {
+    const at = SECTIONS.indexOf(section)
+    expect(SECTIONS.slice(0, at).map(({ id }) => id)).toContain(after)
   }
 })

@@ -231,9 +231,10 @@ const OWN: readonly Section[] = [
   section({ id: 'notes', of: ({ data }) => data.run, title: 'Notes', card: (_, run) => <Notes run={run} className={layout.c6} /> }),
 ]
 
+/** The section of each file behind the last with the id that it names, or at the end if there is none. */
 export const SECTIONS: readonly Section[] = OWN.flatMap((one) => [
   one,
-  ...ADDED.flatMap(({ after, section }) => (OWN.findLast(({ id }) => id === after) === one ? section : [])),
+  ...ADDED.flatMap(({ after, section }) => ((OWN.findLast(({ id }) => id === after) ?? OWN.at(-1)) === one ? section : [])),
 ])
 
 /** The nominal case and the chosen one as tables, and the what-if. */

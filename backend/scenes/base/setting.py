@@ -284,5 +284,5 @@ def _uncertain(campaign: Campaign, known: Mapping[str, tuple[ParameterEntry, flo
 def searches(campaign: Campaign, catalogue: Catalogue | None) -> list[tuple[int, str, str]]:
     """Position, name and title of each search stage."""
     titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods}
-    positions = [(k, stage.method or "") for k, stage in enumerate(plan(campaign)) if stage.kind == "search"]
-    return [(k, method, titles.get(method, method)) for k, method in positions]
+    planned = enumerate(plan(campaign))
+    return [(k, stage.method, titles.get(stage.method, stage.method)) for k, stage in planned if stage.method]

@@ -88,7 +88,7 @@ it('has no two sections under one anchor', () => {
   }
 })
 
-test('the section of every file is on the page, where its file says', () => {
+it('the section of every file is on the page, where its file says', () => {
   const added = Object.values(import.meta.glob<Added>('./stages/*.tsx', { eager: true, import: 'added' }))
   expect(added.length).toBeGreaterThan(0)
   for (const { after, section } of added) {

@@ -22,7 +22,7 @@ who requested what. No guarantee of its own.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Generator
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -49,11 +49,13 @@ from worker.engine.search.methods import (
     sqp,
     turbo,
 )
-from worker.engine.search.parts.descent import End, Settings, descend
+from worker.engine.search.parts.descent import Settings, descend
 from worker.engine.search.parts.explored import Explored
 from worker.engine.search.parts.portfolio_record import Record
+from worker.engine.search.parts.running import Running
+from worker.engine.search.parts.shared import Shared
 from worker.engine.search.parts.trend import Trend
-from worker.engine.search.parts.turns import Member, taking_turns
+from worker.engine.search.parts.turns import taking_turns
 
 OPENING, AMID_FAILURES = 150, 60
 """Evaluations per parameter at most until the first descent has ended and the other members begin: a curved valley of
@@ -85,9 +87,6 @@ ACROSS, EVERY, MOVED = 4, 50, 0.05
 which the next ones come, if some parameter of that point has moved by so much of its range since."""
 LOW, EARLY = 3, 95
 """Parameters up to which MLSL leads first, and alone; evaluations per parameter until which it does."""
-FAILING = 0.1
-"""Fraction of the evaluations of MLSL or the first descent that may fail: local searches end or crawl where others go
-on."""
 COUNTED = 25
 """Evaluations per parameter that count as a search, which the witness makes next there."""
 SMALL = 6
@@ -121,99 +120,6 @@ def search(space: Space, options: Options) -> Parallel:
     return (yield from taking_turns(space, team.members, team.turn, team.tell, PENDING))
 
 
-class Running(Member):
-    """A running search: whether it stays apart, and what it has found."""
-
-    def __init__(self, name: str, search: Parallel | None, space: Space, apart: bool = False) -> None:
-        super().__init__(name, space.dimension, search)
-        self.apart = apart
-        self.stale = 0
-        """Evaluations since its last improvement."""
-        self.failed = 0
-        self.credit = 0.0
-        self.begun = False
-
-    def begin(self, search: Parallel) -> None:
-        """Run this search from now on."""
-        self.search, self.begun = search, False
-
-    @property
-    def failing(self) -> bool:
-        """Whether more of its evaluations fail than a local search can do with."""
-        return self.failed > FAILING * self.used
-
-    def ready(self) -> bool:
-        """Whether it requests points."""
-        if not self.begun:
-            self.begun = True
-            return self.advance(None)
-        return self.search is not None
-
-    def tell(self, batch: Batch, values: Floats) -> None:
-        """Pass the values of the points that it requested."""
-        self.used += len(values)
-        self.failed += int(np.count_nonzero(np.isinf(values)))
-        lowest = float(values.min())
-        self.stale = 0 if lowest < self.lowest else self.stale + len(values)
-        self.lowest = min(self.lowest, lowest)
-        self.advance(batch)
-
-
-@dataclass
-class Shared:
-    """What the leading members know together: all points of the first part, and ever the lowest ones."""
-
-    space: Space
-    explored: Explored
-    record: Record
-    stale: int = 0
-    """Evaluations since the last improvement."""
-    lowest: float = np.inf
-    best: Floats | None = None
-    opened: bool = False
-    """Whether the first descent has ended."""
-    trend: Trend | None = None
-    """Up to `SMALL` parameters."""
-
-    def see(self, points: Floats, values: Floats) -> None:
-        """Points (m, n) of a leading member with their values (m,), infinite where failed."""
-        low = int(np.argmin(values))
-        self.stale += len(points)
-        if values[low] < self.lowest:
-            self.stale, self.lowest, self.best = 0, float(values[low]), points[low].copy()
-        self.record.see(points, values)
-        if self.trend:
-            self.trend.see(points, values)
-
-    def report(self, minimum: Minimum) -> None:
-        """Where a descent ended; no later one begins at a low point there, or where it began."""
-        self.space.report(minimum)
-        if minimum.start is not None:
-            self.left(minimum.start, minimum.point)
-
-    def left(self, start: Floats, end: Floats) -> None:
-        """A descent has explored these two places (n,)."""
-        for point in (start, end):
-            self.explored.visit(point)
-            self.record.take(point)
-        self.opened = True
-
-    def archived(self, descent: Generator[Floats, Batch, End]) -> Generator[Floats, Batch, End]:
-        """A descent, whose points the model knows from then on; not beyond those that it can use."""
-        try:
-            points = next(descent)
-            while True:
-                batch = yield points
-                if len(self.explored.points) < MODELLED * self.space.dimension:
-                    self.explored.add(points.copy(), batch.ranked())
-                points = descent.send(batch)
-        except StopIteration as end:
-            reached: End = end.value
-            return reached
-        finally:
-            descent.close()
-
-
 class Team:
     """All members, and the rules by which they take turns."""
 
@@ -221,7 +127,7 @@ class Team:
         n = space.dimension
         self.space, self.costly = space, options.seconds >= COSTLY
         trend = Trend(n) if n <= SMALL else None
-        self.shared = Shared(space, Explored(space, options.at_once), Record(n), trend=trend)
+        self.shared = Shared(space, Explored(space, options.at_once), Record(n), MODELLED * n, trend=trend)
         self.descents = self._member(sqp.method, descents(self.shared, self._own(), self._broad))
         descent = lq_cma_es.Descent()
         self.model = self._member(lq_cma_es.method, modelled(self.shared, self._own(), options.at_once, descent))

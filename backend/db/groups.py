@@ -7,6 +7,7 @@ same index, and `backend.db.labels` leaves them out.
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import NamedTuple
 
 import sqlalchemy as sa
 
@@ -15,7 +16,6 @@ from backend.db.tables import Run, RunLabel
 from campaigns.runs import RunState, run_name
 
 GROUP, SUCCESSOR = "@group", "@superseded"
-_FIELDS = {GROUP: "group", SUCCESSOR: "superseded_by"}
 LIVE = (RunState.QUEUED, RunState.RUNNING)
 """A run that is being cancelled already is superseded by none."""
 
@@ -44,10 +44,19 @@ def active(reader: sa.Connection, group: str, run_id: int) -> list[tuple[int, st
     return [(row.id, row.owner) for row in reader.execute(of.where(*mine).order_by(Run.id))]
 
 
-def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, dict[str, str]]:
-    """`group` and `superseded_by` of these runs, as far as they have them."""
-    found = labels.stored(reader, run_ids, RunLabel.key.in_(_FIELDS))
-    return {run_id: {_FIELDS[key]: value for key, value in own.items()} for run_id, own in found.items()}
+class Labelled(NamedTuple):
+    """What the rows of a run in `run_labels` have for the fields of its summary."""
+
+    labels: dict[str, str]
+    group: str | None
+    superseded_by: str | None
+
+
+def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Labelled]:
+    """Labels, group and successor of each of these runs."""
+    rows = labels.stored(reader, run_ids)
+    found = {run_id: rows.get(run_id, {}) for run_id in run_ids}
+    return {run_id: Labelled(own, own.pop(GROUP, None), own.pop(SUCCESSOR, None)) for run_id, own in found.items()}
 
 
 def superseded(reader: sa.Connection, run_id: int) -> list[int]:

@@ -23,11 +23,13 @@ def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, dict[s
     return stored(reader, run_ids, GIVEN)
 
 
-def stored(reader: sa.Connection, run_ids: Collection[int], which: sa.ColumnElement[bool]) -> dict[int, dict[str, str]]:
-    """Those rows of these runs, as values by key."""
+def stored(
+    reader: sa.Connection, run_ids: Collection[int], *which: sa.ColumnElement[bool]
+) -> dict[int, dict[str, str]]:
+    """The rows of these runs that fulfil the conditions, as values by key."""
     found: dict[int, dict[str, str]] = {}
     if run_ids:
-        rows = sa.select(RunLabel.run_id, RunLabel.key, RunLabel.value).where(RunLabel.run_id.in_(run_ids), which)
+        rows = sa.select(RunLabel.run_id, RunLabel.key, RunLabel.value).where(RunLabel.run_id.in_(run_ids), *which)
         for run_id, key, value in reader.execute(rows.order_by(RunLabel.key)):
             found.setdefault(run_id, {})[key] = value
     return found

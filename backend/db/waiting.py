@@ -70,4 +70,4 @@ def waits(writer: sa.Connection, run_id: int) -> bool:
 
 
 def _group(reader: sa.Connection, run_id: int) -> str | None:
-    return groups.of_runs(reader, [run_id]).get(run_id, {}).get("group")
+    return groups.of_runs(reader, [run_id])[run_id].group

@@ -12,6 +12,7 @@ from backend.reports import numbers, pdf
 from backend.reports.schemas import Report, ReportFile, ReportPage
 from backend.runs import listing
 from backend.runs.filters import Filters
+from backend.runs.order import NEWEST
 from backend.runs.schemas import RunSummary
 from backend.signoffs.standing import UNSIGNED, Signed, signatures
 from campaigns.runs import ENDED, run_number
@@ -20,7 +21,7 @@ from campaigns.runs import ENDED, run_number
 def page(reader: sa.Connection, q: str, cursor: str | None, limit: int) -> ReportPage:
     """One page, newest first. The digest of each run's results is computed from the stored results."""
     words, note = numbers.searched(reader, q)
-    found = listing.page(reader, Filters(q=words, state=list(ENDED)), "-created", cursor, limit, pins=False)
+    found = listing.page(reader, Filters(q=words, state=list(ENDED)), NEWEST, cursor, limit, pins=False)
     unavailable = None if pdf.browser() is not None else pdf.MISSING
     signed = signatures(reader, [run_number(run.id) or 0 for run in found.items])
     items = [_report(reader, run, unavailable, signed) for run in found.items]

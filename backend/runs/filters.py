@@ -18,7 +18,7 @@ from backend.db import labels
 from backend.db.tables import CampaignRow, Run
 from backend.http.errors import RefusedError
 from backend.http.schema import Finite
-from backend.runs.order import Sort
+from backend.runs.order import NEWEST, Sort
 from campaigns import Problem
 from campaigns.labels import pair
 from campaigns.results.verdict import VerdictWord
@@ -100,7 +100,7 @@ class Filters:
 class Listed(Filters):
     """The filters of the list, its order, and the page of it."""
 
-    sort: Annotated[Sort, Query(description="With a minus: largest first.")] = "-created"
+    sort: Annotated[Sort, Query(description="With a minus: largest first.")] = NEWEST
     cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the previous page.")] = None
     limit: Annotated[int, Query(ge=1, le=200, description="Maximum number of runs on a page.")] = 50
 

@@ -11,23 +11,24 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.catalog.service import published
-from backend.db import groups, labels
+from backend.db import groups
 from backend.db.engine import read
 from backend.db.tables import CampaignRow, Run, Stage
 from backend.runs import counts, identity, sampled, waiting
 from backend.runs.filters import Filters, unindexed
-from backend.runs.order import Order, Sort
+from backend.runs.order import VALUES, Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import HELD, RunState, StageState, run_name
 
-_PLAIN = tuple(name for name in RunSummary.model_fields if name in Run.__table__.columns and name not in counts.NAMES)
-"""The fields of a summary that are columns of the run."""
+_OF_CAMPAIGN = {f"campaign_{column.name}": column for column in CampaignRow.__table__.columns}
+_COLUMNS = _OF_CAMPAIGN | VALUES | dict(Run.__table__.columns.items())
+_PLAIN = tuple(name for name in RunSummary.model_fields if name in _COLUMNS and name not in counts.NAMES)
+"""The fields of a summary that are columns of the run or of its campaign, or values by which the list is sorted."""
 
 _SUMMARIES = (
     sa.select(
-        *(getattr(Run, column) for column in _PLAIN),
-        CampaignRow.name.label("campaign_name"),
+        *(_COLUMNS[name].label(name) for name in _PLAIN),
         *(CampaignRow.document["criterion"][key].as_string().label(key) for key in ("component", "result")),
         *(Run.summary[key].as_string().label(key) for key in ("quantity", "unit")),
         *counts.COLUMNS,
@@ -73,8 +74,7 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     working = _working(reader, [row.id for row in rows if row.state in HELD])
     units = _units(reader) if any(row.unit is None for row in rows) else {}
     excluded = counts.excluded(reader, [row.id for row in rows])
-    labelled = labels.of_runs(reader, [row.id for row in rows])
-    grouped = groups.of_runs(reader, [row.id for row in rows])
+    labelled = groups.of_runs(reader, [row.id for row in rows])
     waits = waiting.reasons(reader, [row.id for row in rows if row.state == RunState.QUEUED])
     doing = waiting.doing(reader, [row.id for row in rows if row.state == RunState.RUNNING])
     return [
@@ -84,9 +84,7 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
             counts.of(row, excluded.get(row.id, 0))
             | {"stage": working.get(row.id), "doing": doing.get(row.id)}
             | waits.get(row.id, waiting.Waits(None))._asdict()
-            | {"labels": labelled.get(row.id, {})}
-            | {"group": None, "superseded_by": None}
-            | grouped.get(row.id, {}),
+            | labelled[row.id]._asdict(),
         )
         for row in rows
     ]
@@ -96,12 +94,10 @@ def _summary(row: Any, units: Units, others: dict[str, Any]) -> RunSummary:
     """others: the fields that are not of the run's own row."""
     values = dict(zip(_PLAIN, row, strict=False)) | others
     quantity, unit = units.get((row.simulator, row.result if row.simulator else row.component), ("", ""))
-    margin = None if row.worst_cost is None or row.threshold is None else row.worst_cost - row.threshold
     own, code = identity.with_digest(row)
     values |= {"code": code, "unidentified": list(own.unidentified) if own else []}
-    values |= {"not_sampled": sampled.of(row), "bound_source": sampled.bound_source(row, row.upper_bound)}
-    values["continues"] = None if row.continues is None else run_name(row.continues)
-    values |= {"id": run_name(row.id), "campaign_name": row.campaign_name, "margin": margin}
+    values |= sampled.of(row)._asdict()
+    values |= {"id": run_name(row.id), "continues": None if row.continues is None else run_name(row.continues)}
     values |= {"quantity": row.quantity or quantity, "unit": unit if row.unit is None else row.unit}
     return RunSummary.model_validate(values)
 

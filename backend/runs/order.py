@@ -21,7 +21,7 @@ from backend.http.schema import LARGEST_WHOLE, unstorable_text
 from campaigns import Problem
 
 _CAMPAIGN = sa.select(CampaignRow.name).where(CampaignRow.digest == Run.campaign_digest).scalar_subquery()
-_VALUES: dict[str, sa.ColumnElement[Any]] = {
+VALUES: dict[str, sa.ColumnElement[Any]] = {
     "created": sa.type_coerce(Run.id, sa.Integer),  # run numbers follow the time of creation
     "started": sa.type_coerce(Run.started, sa.Double),
     "finished": sa.type_coerce(Run.finished, sa.Double),
@@ -44,8 +44,9 @@ _VALUES: dict[str, sa.ColumnElement[Any]] = {
 if TYPE_CHECKING:
     Sort = str
 else:
-    Sort = Literal[tuple(f"{down}{name}" for name in _VALUES for down in ("", "-"))]
-    """One of `_VALUES`; with a minus, downwards."""
+    Sort = Literal[tuple(f"{down}{name}" for name in VALUES for down in ("", "-"))]
+    """One of `VALUES`; with a minus, downwards."""
+NEWEST: Sort = "-created"
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class Order:
 
     @property
     def value(self) -> sa.ColumnElement[Any]:
-        return _VALUES[self.sort.lstrip("-")]
+        return VALUES[self.sort.lstrip("-")]
 
     @property
     def columns(self) -> list[sa.ColumnElement[Any]]:

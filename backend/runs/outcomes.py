@@ -95,18 +95,18 @@ def _outcome(row: Any) -> Outcome:
     values = {name: getattr(row, name) for name in _PLAIN}
     values |= {name: getattr(row, name) if done else None for name in _NUMBERS}
     known = values["worst_cost"] is not None and row.threshold is not None
-    own = identity.of_row(row)
+    own, sample = identity.of_row(row), sampled.of(row)
     return Outcome(
         **values,
         id=run_name(row.id),
         margin=values["worst_cost"] - row.threshold if known else None,
-        bound_source=sampled.bound_source(row, values["upper_bound"]),
+        bound_source=sample.bound_source if done else None,
         quantity=row.quantity or "",
         unit=row.unit or "",
         code=None if own is None else own.digest,
         unidentified=[] if own is None else list(own.unidentified),
         clearance=row.clearance,
-        not_sampled=sampled.of(row),
+        not_sampled=sample.not_sampled,
         campaign_name=row.campaign_name,
         seed=_seed(row.seed),
         removed=row.removed is not None,

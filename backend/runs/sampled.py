@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from functools import lru_cache
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import sqlalchemy as sa
 
@@ -27,19 +27,25 @@ COLUMNS = (
     Run.summary["statistics", "samples"].as_integer().label("samples"),
     STATED.label("stated"),
 )
-"""The columns that `of` needs besides state and verdict. A check of a cleared run does not fail, and in a violated one
-never that of the sample alone; reading the checks takes half the time of a row."""
+"""The columns that `of` needs besides state, verdict and bound. A check of a cleared run does not fail, and in a
+violated one never that of the sample alone; reading the checks takes half the time of a row."""
 
 
-def of(row: Any) -> bool:
+class Sampled(NamedTuple):
+    """Fields of the same names of a summary and of an outcome."""
+
+    not_sampled: bool
+    bound_source: BoundSource | None
+
+
+def of(row: Any) -> Sampled:
     drawn = row.samples or 0 if row.source == "certify" else 0
-    return row.state == RunState.DONE and not_sampled(row.verdict, _failing(row.checks), drawn)
+    lacks = row.state == RunState.DONE and not_sampled(row.verdict, _failing(row.checks), drawn)
+    return Sampled(lacks, None if row.upper_bound is None else _source(row))
 
 
-def bound_source(row: Any, bound: float | None) -> BoundSource | None:
-    """The sample that gives this bound; a verdict that names none is older than the certify stage."""
-    if bound is None:
-        return None
+def _source(row: Any) -> BoundSource:
+    """The sample that gives the bound; a verdict that names none is older than the certify stage."""
     if row.source == "certify":
         return "certify_stated" if row.stated else "certify"
     return "search"

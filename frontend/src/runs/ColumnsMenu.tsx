@@ -1,26 +1,25 @@
 // Selects the columns of the list. Their order is fixed; the run column is always shown.
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
-import { COLUMNS } from './columns'
-import type { ColumnKey } from './columnKeys'
+import { type Column, COLUMNS, columnsOf } from './columns'
 import { Button } from '../ui/Button'
 import { Menu, Pick, Picks } from '../ui/Menu'
 
 interface ColumnsMenuProps {
-  cols: ColumnKey[] | undefined
-  /** The default columns. */
-  usual: readonly ColumnKey[]
-  onChange: (cols: ColumnKey[] | undefined) => void
+  cols: string[] | undefined
+  /** Whether the list shows removed runs. */
+  removed: boolean
+  onChange: (cols: string[] | undefined) => void
 }
 
-export function ColumnsMenu({ cols, usual, onChange }: ColumnsMenuProps) {
-  const shown = cols ?? usual
-  const toggle = (key: ColumnKey, on: boolean) =>
-    onChange(COLUMNS.map((column) => column.key).filter((k) => (k === key ? on : shown.includes(k))))
+export function ColumnsMenu({ cols, removed, onChange }: ColumnsMenuProps) {
+  const shown = columnsOf(cols, removed)
+  const toggle = (toggled: Column, on: boolean) =>
+    onChange(COLUMNS.filter((column) => (column === toggled ? on : shown.includes(column))).map(({ key }) => key))
   return (
     <Menu name="Columns" value={null} on={cols !== undefined} icon={<IconAdjustmentsHorizontal className="i" aria-hidden />}>
       <Picks label="Columns">
         {COLUMNS.map((column) => (
-          <Pick key={column.key} on={shown.includes(column.key)} onChange={(on) => toggle(column.key, on)}>
+          <Pick key={column.key} on={shown.includes(column)} onChange={(on) => toggle(column, on)}>
             {column.name}
           </Pick>
         ))}

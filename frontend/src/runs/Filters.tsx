@@ -8,7 +8,6 @@ import { MethodName } from '../ui/MethodMark'
 import { SearchBox } from '../ui/SearchBox'
 import { lookOf, OutcomeIcon } from '../ui/VerdictBadge'
 import { ColumnsMenu } from './ColumnsMenu'
-import { USUAL, USUAL_REMOVED } from './columnKeys'
 import { DateMenu } from './DateMenu'
 import { FilterMenu } from '../ui/FilterMenu'
 import { CLEARED, isNarrowed, type RunsSearch, SHOWS, type Show } from './search'
@@ -58,7 +57,7 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
           <TextButton className="small" onClick={() => onChange(CLEARED)}>Clear all</TextButton>
         )}
         <span className={clsx(layout.row, layout.atend)}>
-          <ColumnsMenu cols={search.cols} usual={search.removed ? USUAL_REMOVED : USUAL} onChange={(cols) => onChange({ cols })} />
+          <ColumnsMenu cols={search.cols} removed={search.removed === true} onChange={(cols) => onChange({ cols })} />
         </span>
       </div>
     </>

@@ -7,8 +7,8 @@ import type { RunSummary } from '../client'
 import { count, decimalsFor, duration, fixed } from '../format/numbers'
 import { age } from '../format/time'
 import { Progress } from '../ui/Card'
-import { RunName } from './cells'
-import type { CellContext, Column } from './columns'
+import { type CellContext, RunName } from './cells'
+import { type Column, COLUMNS } from './columns'
 import { fields, layout } from '../ui/styles'
 import styles from './runs.module.css'
 
@@ -51,7 +51,7 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
         </label>
       </td>
       <td>
-        <RunName run={run} campaign={!columns.some((column) => column.key === 'campaign')} />
+        <RunName run={run} asides={COLUMNS.flatMap((column) => (!columns.includes(column) && column.aside?.(run)) || [])} />
       </td>
       {columns.map((column) => {
         if (!run.verdict && column.result)

@@ -6,10 +6,8 @@ import type { RunSummary } from '../client'
 import { useHotkeys } from '../ui/useHotkeys'
 import { useNow } from '../ui/useNow'
 import { useWidth } from '../ui/useWidth'
-import { type Column, COLUMNS, type Common, REMOVAL } from './columns'
-import { type ColumnKey, type SortKey, USUAL, USUAL_REMOVED, WIDE_ONLY } from './columnKeys'
+import { columnsOf, type Common, REMOVAL, type Sort, type SortKey } from './columns'
 import { RunRow } from './RunRow'
-import type { Sort } from './search'
 import { useRows } from './useRows'
 import { cards, fields, layout, tables } from '../ui/styles'
 import styles from './runs.module.css'
@@ -23,7 +21,7 @@ interface RunTableProps {
   runs: RunSummary[]
   /** Total number of runs, loaded or not. */
   total: number
-  cols: ColumnKey[] | undefined
+  cols: string[] | undefined
   sort: Sort
   onSort: (sort: Sort) => void
   /** These three stay the same between renderings, so that only rows that changed are rendered. */
@@ -43,7 +41,7 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, mark
   const body = useRef<HTMLTableSectionElement>(null)
   const { first, end, reveal } = useRows(body, ROW, runs.length)
   const [chosen, setChosen] = useKeys(runs, reveal, marked, onMark)
-  const columns = useMemo(() => columnsOf(cols, width, removed), [cols, width, removed])
+  const columns = useMemo(() => [...columnsOf(cols, removed, width), ...(removed ? [REMOVAL] : [])], [cols, width, removed])
   const common = commonOf(runs)
   const others = columns.reduce((sum, column) => sum + column.width, MARK)
   const least = others + (others + NAME > width ? SHORT : NAME)
@@ -80,7 +78,7 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, mark
                   down={column.down}
                   num={column.num}
                   inset={column.inset}
-                  under={column.under?.(common)}
+                  under={column.under(common)}
                 >
                   {column.head(common)}
                 </Head>
@@ -140,13 +138,6 @@ function useKeys(
   })
   return [chosen, setChosen]
 }
-
-function columnsOf(cols: ColumnKey[] | undefined, width: number, removed: boolean): readonly Column[] {
-  if (removed) return [...listed(cols ?? USUAL_REMOVED), REMOVAL]
-  return listed(cols ?? USUAL.filter((key) => width >= (WIDE_ONLY[key] ?? 0)))
-}
-
-const listed = (keys: readonly string[]): Column[] => COLUMNS.filter((column) => keys.includes(column.key))
 
 function commonOf(runs: RunSummary[]): Common {
   const quantities = new Set(runs.map((run) => run.quantity))

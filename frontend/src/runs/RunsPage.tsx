@@ -10,6 +10,7 @@ import { runsQuery } from '../api/queries'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { sortOf, statedOf } from './columns'
 import { Filters } from './Filters'
 import { Marked } from './Marked'
 import { NoRuns } from './NoRuns'
@@ -26,7 +27,7 @@ export function RunsPage() {
   useTitle('Runs')
   const search = useSearch({ from: '/runs' })
   const navigate = useNavigate({ from: '/runs' })
-  const query = useInfiniteQuery(runsQuery(filterOf(search)))
+  const query = useInfiniteQuery(runsQuery(filterOf(search, statedOf(sortOf(search.sort)))))
   const cache = useQueryClient()
   usePolling(() => refreshRuns(cache), PERIOD, useStreamStatus() !== 'open')
   const set = useCallback(
@@ -66,8 +67,8 @@ export function RunsPage() {
               runs={runs}
               total={(search.show ? counts[search.show] : counts.total) ?? runs.length}
               cols={search.cols}
-              sort={search.sort ?? '-created'}
-              onSort={(sort) => set({ sort: sort === '-created' ? undefined : sort })}
+              sort={sortOf(search.sort)}
+              onSort={(sort) => set({ sort: statedOf(sort) })}
               onTag={onTag}
               onLabel={onLabel}
               marked={marked}

@@ -13,9 +13,9 @@ it('reads what it knows and leaves out the rest', () => {
     campaign: ['x', 'y'],
     days: 7,
     sort: '-bound',
-    cols: ['worst', 'tags'],
+    cols: ['tags', 'worst', 'x'],
   })
-  expect(readSearch({ q: '', show: 'odd', tag: [], days: 3, since: '2026-13-40', until: 'x', pinned: 1, sort: 'colour' })).toEqual({})
+  expect(readSearch({ q: '', show: 'odd', tag: [], days: 3, since: '2026-13-40', until: 'x', pinned: 1 })).toEqual({})
 })
 
 it('reads labels and leaves out what is none', () => {
@@ -32,7 +32,7 @@ it('keeps a choice of no columns at all', () => {
 
 it('asks the service for the same', () => {
   expect(filterOf({})).toEqual({})
-  expect(filterOf({ q: 'a', show: 'violated', tag: ['t'], owner: ['o'], pinned: true, removed: true, sort: 'name' })).toEqual({
+  expect(filterOf({ q: 'a', show: 'violated', tag: ['t'], owner: ['o'], pinned: true, removed: true }, 'name')).toEqual({
     removed: true,
     q: 'a',
     verdict: ['violated'],
@@ -48,8 +48,8 @@ it('asks the service for the same', () => {
 it('takes days from midnight to midnight', () => {
   const noon = new Date(2026, 10, 20, 12).getTime()
   const at = (day: number) => new Date(2026, 10, day).getTime() / 1000
-  expect(filterOf({ days: 1 }, noon)).toEqual({ since: at(20) })
-  expect(filterOf({ days: 7 }, noon)).toEqual({ since: at(14) })
+  expect(filterOf({ days: 1 }, undefined, noon)).toEqual({ since: at(20) })
+  expect(filterOf({ days: 7 }, undefined, noon)).toEqual({ since: at(14) })
   expect(filterOf({ since: '2026-11-03', until: '2026-11-03' })).toEqual({ since: at(3), until: at(4) })
 })
 

@@ -1,12 +1,10 @@
 // The state of the run list in the address.
 import type { RunFilter } from '../api/calls'
-import { COLUMN_KEYS, type ColumnKey, type SortKey, SORTS } from './columnKeys'
+import type { Sort } from './columns'
 import { flag, pairs, text, words } from '../format/query'
 
 export const SHOWS = ['cleared', 'violated', 'inconclusive', 'running', 'queued', 'failed', 'cancelled'] as const
 export type Show = (typeof SHOWS)[number]
-
-export type Sort = SortKey | `-${SortKey}`
 
 export const DAYS = [1, 7, 30] as const
 export type Days = (typeof DAYS)[number]
@@ -28,8 +26,9 @@ export interface RunsSearch {
   pinned?: true
   /** Removed runs instead of listed ones. */
   removed?: true
-  sort?: Sort
-  cols?: ColumnKey[]
+  /** What `columns.tsx` knows of them is shown. */
+  sort?: string
+  cols?: string[]
   /** Initial focus: the search box, if requested from another page. */
   focus?: 'search'
 }
@@ -40,24 +39,16 @@ export const CLEARED = Object.fromEntries(NARROWING.map((key) => [key, undefined
 
 export const isNarrowed = (search: RunsSearch): boolean => NARROWING.some((key) => search[key] !== undefined)
 
-const isSort = (value: string | undefined): value is Sort =>
-  value !== undefined && SORTS.some((sort) => value === sort || value === `-${sort}`)
-
 function date(value: unknown): string | undefined {
   const found = text(value)
   return found && /^\d{4}-\d\d-\d\d$/.test(found) && !Number.isNaN(Date.parse(found)) ? found : undefined
 }
 
-/** The columns in their fixed order, independent of the address. */
-function columns(value: unknown): ColumnKey[] | undefined {
-  if (typeof value !== 'string') return undefined
-  const keys = value.split(',')
-  return COLUMN_KEYS.filter((key) => keys.includes(key))
-}
+const columns = (value: unknown): string[] | undefined =>
+  typeof value === 'string' ? value.split(',').filter(Boolean) : undefined
 
 /** Parses the address; unknown values are ignored. */
 export function readSearch(search: Record<string, unknown>): RunsSearch {
-  const sort = text(search.sort)
   const found: RunsSearch = {
     q: text(search.q),
     show: SHOWS.find((word) => word === search.show),
@@ -72,7 +63,7 @@ export function readSearch(search: Record<string, unknown>): RunsSearch {
     pinned: flag(search.pinned),
     removed: flag(search.removed),
     focus: search.focus === 'search' ? 'search' : undefined,
-    sort: isSort(sort) ? sort : undefined,
+    sort: text(search.sort),
     cols: Array.isArray(search.cols) ? columns(search.cols.join()) : columns(search.cols),
   }
   return Object.fromEntries(Object.entries(found).filter(([, value]) => value !== undefined))
@@ -88,8 +79,8 @@ function midnight(day: string | Date, later = 0): number {
   return at.getTime() / 1000
 }
 
-export function filterOf(search: RunsSearch, now = Date.now()): RunFilter {
-  const { show, days, since, until, q, sort, campaign, tag, owner, method, label, pinned, removed } = search
+export function filterOf(search: RunsSearch, sort?: Sort, now = Date.now()): RunFilter {
+  const { show, days, since, until, q, campaign, tag, owner, method, label, pinned, removed } = search
   const filter: RunFilter = { q, sort, campaign, tag, owner, method, label, pinned, removed }
   if (days) filter.since = midnight(new Date(now - (days - 1) * DAY))
   if (since) filter.since = midnight(since)

@@ -12,7 +12,6 @@ from backend.reports.plot import Axes
 from backend.reports.record import Record
 from campaigns.claims import numbers
 from campaigns.claims.spans import Spans
-from campaigns.results import SearchResult
 from campaigns.results.attraction import Section, TrimState
 from campaigns.results.sample import Sample
 from campaigns.results.slices import Curve
@@ -71,7 +70,7 @@ def _holds(record: Record, values: list[float]) -> bool:
 
 def _series(record: Record) -> list[tuple[str, str, list[plot.Point]]]:
     """The convergence history of every search: colour, title, points."""
-    titles = {stage.position: result.title for stage, result in record.results(SearchResult)}
+    titles = {position: result.title for position, result in record.searched.items()}
     found = []
     for series in record.evaluations.stages:
         if series.method is not None:
@@ -171,7 +170,7 @@ def sample(record: Record) -> Sample | None:
     """The independent sample behind the statistical statement: that of certify, else of the first random search."""
     if record.certificate is not None:
         return record.certificate.sample
-    searched = [result.sample for _, result in record.results(SearchResult)]
+    searched = [result.sample for result in record.searched.values()]
     return next((s for s in searched if s is not None and s.upper_bound is not None), None)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeVar
 
 import sqlalchemy as sa
 from markupsafe import Markup
@@ -30,13 +29,12 @@ from backend.signoffs.schemas import Signoffs
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ParameterEntry
 from campaigns.checked.check import parameters
-from campaigns.results import StageResult, TraceHead
+from campaigns.results import SearchResult, StageResult, TraceHead, ValidateResult
 from campaigns.results.likelihood import MostLikely
 from campaigns.results.sample import Certificate
 from campaigns.results.unsearched import certificate_of
 from campaigns.symbols import labels
 
-R = TypeVar("R", bound=StageResult)
 MOST_ROWS = 1200
 """Maximum number of points of a flight in a figure."""
 FURTHER = ("#7b5ba6", "#0072b2", "#857c00")
@@ -95,12 +93,15 @@ class Record:
         """The sample of the certify stage, and where its seed came from."""
         return certificate_of(self.every)
 
-    def results(self, kind: type[R]) -> list[tuple[StageDetail, R]]:
-        return [(stage, stage.result) for stage in self.stages if isinstance(stage.result, kind)]
+    @property
+    def searched(self) -> dict[int, SearchResult]:
+        """What the methods found, by the position of their stages."""
+        return {s.position: s.result for s in self.stages if isinstance(s.result, SearchResult)}
 
-    def result(self, kind: type[R]) -> R | None:
-        found = self.results(kind)
-        return found[0][1] if found else None
+    @property
+    def validated(self) -> ValidateResult | None:
+        """What was confirmed by independent means."""
+        return next((result for result in self.every if isinstance(result, ValidateResult)), None)
 
     def entry(self, path: str) -> ParameterEntry | None:
         found = self.known.get(path)

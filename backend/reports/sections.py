@@ -19,7 +19,7 @@ from campaigns.claims.likelihood import lines
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
-from campaigns.results import SearchResult, ValidateResult, verdicts
+from campaigns.results import verdicts
 from campaigns.results.regression import Standing as Outcome
 from campaigns.results.unsearched import unsearched
 from campaigns.results.validate import Compared
@@ -124,7 +124,7 @@ def _bare(part: Part | Simulator) -> list[Row]:
 
 
 def methods(record: Record) -> list[Row]:
-    validated, ended = record.result(ValidateResult), {s.position: r for s, r in record.results(SearchResult)}
+    validated, ended = record.validated, record.searched
     compared = {} if validated is None else {row.position: row for row in validated.comparison}
     begun = [stage for stage in record.stages if stage.method is not None]
     bests = [stage.best for stage in begun]

@@ -22,7 +22,7 @@ from backend.reports.record import Record, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
 from campaigns.identity.identity import Identity
-from campaigns.results import TraceHead, ValidateResult
+from campaigns.results import TraceHead
 from campaigns.results.verdict import headline
 from campaigns.runs import RunState
 from campaigns.stages.plan import most
@@ -120,7 +120,7 @@ def _context(record: Record) -> dict[str, object]:
         "findings": sections.findings(record),
         "likely": sections.likely(record),
         "since": sections.since(record),
-        "validation": record.result(ValidateResult),
+        "validation": record.validated,
         "cases": validated.cases(record),
         "again": validated.again(record),
         "encounter": validated.encounter(record),

@@ -13,7 +13,7 @@ from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import joined, number, say, symbol
 from campaigns.claims.spans import Spans
-from campaigns.results import ValidateResult, verdicts
+from campaigns.results import verdicts
 from campaigns.results.finding import ClosestApproach, Neighbours, Validation
 from campaigns.results.validate import Beyond, Encounter, Later, Unseen
 
@@ -27,7 +27,7 @@ _AT = {
 
 
 def cases(record: Record) -> list[Row]:
-    validated = record.result(ValidateResult)
+    validated = record.validated
     nominal = None if validated is None else validated.nominal
     found = [nominal, *(finding.validation for finding in record.findings)]
     return [_case(case) for case in found if case is not None]
@@ -68,7 +68,7 @@ def _neighbours(flown: Neighbours) -> str:
 
 def again(record: Record) -> list[Spans]:
     """The repeated violations and random evaluations, and their differences."""
-    result = record.result(ValidateResult)
+    result = record.validated
     if result is None:
         return []
     measured = [result.repeatability for result in record.every if result.repeatability is not None]
@@ -92,7 +92,7 @@ def again(record: Record) -> list[Spans]:
 
 def encounter(record: Record) -> list[tuple[Markup, Markup]]:
     """The evidence that avoidance was exercised, as (quantity, result); empty if it was not examined."""
-    validated, of = record.result(ValidateResult), record.of
+    validated, of = record.validated, record.of
     shown = None if validated is None else validated.encounter
     if shown is None:
         return []

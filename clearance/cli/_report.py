@@ -17,8 +17,8 @@ from campaigns.claims.numbers import NONE, beside, count, limit, number, signed
 from campaigns.claims.say import listed, sentence
 from campaigns.claims.spans import words
 from campaigns.identity.identity import identity_of, simulator_of
-from campaigns.results import SearchResult, StageResult, ValidateResult, Verdict, verdicts
-from campaigns.results.base import OK
+from campaigns.results import StageResult, Verdict, verdicts
+from campaigns.results.base import OK, Described
 from campaigns.results.regression import Regression, Standing
 from campaigns.results.unsearched import certificate_of, unsearched
 from campaigns.results.verdict import Counts, NominalCost
@@ -28,7 +28,7 @@ from clearance.cli._ended import changes, code, sureness
 from clearance.local.failures import lines as failures
 from clearance.local.likelihood import Likelihoods, likelihoods
 from clearance.local.progress import named
-from clearance.local.summary import made
+from clearance.local.summary import confirmed, made, searched
 from worker.running.runs.store import MemoryStore
 
 if TYPE_CHECKING:
@@ -96,15 +96,15 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
     for position, record in enumerate(store.stages):
         columns = store.evaluations(position)
         ok = None if columns is None else columns.costs[columns.status == OK, 0]
-        result = record.result
         table.add_row(
             named(record.plan.kind, record.plan.method),
             "" if ok is None or not len(ok) else number(float(ok.min())),
             *map(count, made(store, position)),
             f"{record.seconds:.2f}",
-            _ended(result),
+            _ended(record.result),
         )
-        for minimum in result.minima if isinstance(result, SearchResult) and result.kind == "local" else []:
+        search = searched(store, position)
+        for minimum in search.minima if search is not None and search.kind == "local" else []:
             at = escape(f"at {_values(minimum.parameters)}")
             cells = (number(minimum.cost), count(minimum.evaluations), "", "", "", at)
             table.add_row(escape(f"  from {_values(minimum.start or {})}"), *cells, style="dim")
@@ -120,11 +120,11 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
 
 def _shared(store: MemoryStore, position: int) -> int:
     """Evaluations of a local search that several of its descents count, as each requested the same point."""
-    result = store.stages[position].result
-    if not isinstance(result, SearchResult) or result.kind != "local" or result.ended is None:
+    search = searched(store, position)
+    if search is None or search.kind != "local" or search.stop is None:
         return 0
-    every = sum(minimum.evaluations for minimum in result.minima)
-    return max(0, every - made(store, position)[0]) if result.ended.kind == "rule" else 0
+    every = sum(minimum.evaluations for minimum in search.minima)
+    return max(0, every - made(store, position)[0]) if search.stop.kind == "rule" else 0
 
 
 def _ended(result: StageResult | None) -> str:
@@ -132,21 +132,16 @@ def _ended(result: StageResult | None) -> str:
         return result.ended.text
     if result is not None and result.repeatability is not None:
         return result.repeatability.text
-    return result.text if isinstance(result, ValidateResult) else ""
+    return result.text if isinstance(result, Described) else ""
 
 
 def _stated(store: MemoryStore) -> list[str]:
     """The sentences of an estimate of P(violation), of which findings its modes are, and of a region of attraction."""
     results = [stage.result for stage in store.stages if stage.result is not None]
-    validated = _validated(store)
+    validated = confirmed(store)
     modes = None if validated is None else validated.modes
     parts = (*(result.estimation for result in results), modes, *(result.attraction for result in results))
     return [words(sentence(part.statement)) for part in parts if part is not None]
-
-
-def _validated(store: MemoryStore) -> ValidateResult | None:
-    result = store.stages[-1].result
-    return result if isinstance(result, ValidateResult) else None
 
 
 def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
@@ -157,7 +152,7 @@ def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
         table.add_column(escape(heading), justify="right")
     table.add_column("Best is in")
     table.add_column("Findings")
-    validated = _validated(store)
+    validated = confirmed(store)
     for row in [] if validated is None else validated.comparison:
         table.add_row(
             row.title,
@@ -170,8 +165,8 @@ def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
             row.basin or "not in a finding",
             f"{len(row.findings)}: {', '.join(row.findings)}" if row.findings else "0",
         )
-        search = store.stages[row.position].result
-        for member in search.members if isinstance(search, SearchResult) else []:
+        search = searched(store, row.position)
+        for member in [] if search is None else search.members:
             best = "" if member.best is None else number(member.best)
             cells = (best, count(member.evaluations), "", "", "", "", "", "")
             table.add_row(f"  {member.title}{', apart' if member.apart else ''}", *cells, style="dim")
@@ -203,7 +198,7 @@ def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table
         "" if at_nominal.margin is None else signed(at_nominal.margin),
         *(signed(f.granted - threshold) for f in store.findings),
     )
-    validated = _validated(store)
+    validated = confirmed(store)
     nominal_case = None if validated is None else validated.nominal
     table.add_row(
         "validation", verdicts.validated(nominal_case), *(verdicts.validated(f.validation) for f in store.findings)
@@ -242,7 +237,7 @@ def _changes(regression: Regression) -> Table:
 
 def _again(store: MemoryStore) -> list[str]:
     """Sentences on what the validate stage simulated again besides the findings."""
-    validated = _validated(store)
+    validated = confirmed(store)
     parts = () if validated is None else (validated.violations, validated.spot_checks)
     return [f"{part.text[:1].upper()}{part.text[1:]}." for part in parts if part is not None]
 
@@ -260,7 +255,7 @@ def _how_found(store: MemoryStore) -> list[str]:
                 "refined from another, or evaluated in another stage"
             )
         lines.append(f"{finding.label}: {how}")
-    validated = _validated(store)
+    validated = confirmed(store)
     gathered = None if validated is None else validated.findings
     if gathered is not None and gathered.left_out:
         lines.append(f"{count(gathered.left_out)} local minima no worse than the nominal case are omitted")

@@ -22,7 +22,7 @@ def summary(
 ) -> dict[str, object]:
     """The content of `--json` and result.json; likely: computed already."""
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
-    validated = store.stages[-1].result
+    validated = confirmed(store)
     parts = verdict.model_dump(mode="json")
     likely = likely or likelihoods(campaign, store, verdict.unit)
     return {
@@ -32,9 +32,7 @@ def summary(
         "nominal": parts["nominal"],
         "worst": None if verdict.worst is None else verdict.worst.model_dump(exclude={"finding"}),
         "stages": [_stage(store, position) for position in range(len(store.stages))],
-        "comparison": [row.model_dump() for row in validated.comparison]
-        if isinstance(validated, ValidateResult)
-        else [],
+        "comparison": [] if validated is None else [row.model_dump() for row in validated.comparison],
         "evaluations": parts["evaluations"],
         "checks": [check.model_dump() for check in verdicts.described(verdict.checks, failed)],
         "statistics": parts["statistics"],
@@ -50,6 +48,18 @@ def summary(
         }
         | {k: parts["provenance"][k] for k in ("components", "simulator", "command") if k in parts["provenance"]},
     }
+
+
+def confirmed(store: MemoryStore) -> ValidateResult | None:
+    """What the run confirmed at its end; None if it did not come to that."""
+    result = store.stages[-1].result
+    return result if isinstance(result, ValidateResult) else None
+
+
+def searched(store: MemoryStore, position: int) -> SearchResult | None:
+    """What the method of a stage found; None for any other stage."""
+    result = store.stages[position].result
+    return result if isinstance(result, SearchResult) else None
 
 
 def made(store: MemoryStore, position: int) -> tuple[int, int, int]:
@@ -74,7 +84,7 @@ def _stage(store: MemoryStore, position: int) -> dict[str, object]:
     best = None
     if columns is not None and status.count(OK):
         best = float(columns.costs[columns.status == OK, 0].min())
-    stop = None if result is None else result.ended
+    stop, search = None if result is None else result.ended, searched(store, position)
     return {
         "kind": record.plan.kind,
         "method": record.plan.method,
@@ -82,5 +92,5 @@ def _stage(store: MemoryStore, position: int) -> dict[str, object]:
         **dict(zip(("evaluations", "failed", "excluded"), made(store, position), strict=True)),
         "seconds": record.seconds,
         "stop": None if stop is None else stop.text,
-        "minima": [m.model_dump() for m in result.minima] if isinstance(result, SearchResult) else [],
+        "minima": [] if search is None else [minimum.model_dump() for minimum in search.minima],
     }

@@ -1,23 +1,15 @@
-// The result of a stage, by its kind or by what it has: the API's results are a union whose members `stage` distinguishes.
+// The result of a stage by what it has, of whatever kind it is.
 import type { Sample, StageDetail } from '../client'
 import { STATED_SEED } from '../format/counts'
 
 type Result = NonNullable<StageDetail['result']>
-type Kind = Result['stage']
-type ResultOf<K extends Kind> = Extract<Result, { stage: K }>
-
-const isOf = <K extends Kind>(result: Result, kind: K): result is ResultOf<K> => result.stage === kind
-
-/** The result of a stage of that kind; null if there is none yet or the stage is of another kind. */
-export function resultOf<K extends Kind>(stage: Pick<StageDetail, 'result'> | undefined, kind: K): ResultOf<K> | null {
-  const result = stage?.result ?? null
-  return result !== null && isOf(result, kind) ? result : null
-}
-
 type Having<P extends string, R = Result> = R extends unknown ? (P extends keyof R ? R : never) : never
 
 /** A result with slices through the nominal point. */
 export type SlicesResult = Having<'curves'>
+
+/** A result with the minima at which its descents ended. */
+export type MinimaResult = Having<'minima'>
 
 /** A result with an estimate of P(violation). */
 export type EstimationResult = Having<'alarms'>
@@ -27,16 +19,18 @@ export type AttractionOfResult = Having<'contradicting'>
 
 const has = <P extends string>(result: Result, property: P): result is Having<P> => property in result
 
-/** The first result that has this property, of whatever kind of stage; null if there is none yet. */
-export function resultWith<P extends string>(stages: readonly Pick<StageDetail, 'result'>[], property: P): Having<P> | null {
-  for (const { result } of stages) if (result && has(result, property)) return result
-  return null
-}
+/** The results that have this property, of whatever kinds of stages. */
+export const resultsWith = <P extends string>(stages: readonly Pick<StageDetail, 'result'>[], property: P): Having<P>[] =>
+  stages.flatMap(({ result }) => (result && has(result, property) ? [result] : []))
+
+/** The first of them; null if there is none yet. */
+export const resultWith = <P extends string>(stages: readonly Pick<StageDetail, 'result'>[], property: P): Having<P> | null =>
+  resultsWith(stages, property)[0] ?? null
 
 /** The random samples of a run: that of its certificate first, then those of its random searches. */
 const samples = (stages: readonly Pick<StageDetail, 'result'>[]): Sample[] => [
   ...[resultWith(stages, 'grid')?.sample ?? []].flat(),
-  ...stages.flatMap(({ result }) => (result && has(result, 'sample') && result.sample) || []),
+  ...resultsWith(stages, 'sample').flatMap(({ sample }) => sample ?? []),
 ]
 
 /** The independent sample of a run: the first that bounds P(violation). */

@@ -1,8 +1,8 @@
 // What a run has to show, and how much room that needs: the conditions of the sections of its page.
 import { hasScenario } from '../api/campaign'
-import { resultOf, resultWith, randomSample, type SlicesResult } from '../api/stages'
-import type { Blocks, GridResult, Sample, SearchResult, ValidateResult } from '../client'
-import { type Best, bestOf, hasSpace, type RunData, stageOf } from './data/data'
+import { type MinimaResult, randomSample, resultsWith, resultWith, type SlicesResult } from '../api/stages'
+import type { Blocks, GridResult, Sample, ValidateResult } from '../client'
+import { type Best, bestOf, hasSpace, type RunData } from './data/data'
 import { hasView } from './flight/declared'
 import { overTime } from './flight/flown'
 
@@ -25,7 +25,7 @@ export interface Facts {
   blocks: Blocks | null
   validation: ValidateResult | null
   /** The searches that found minima from their starts; null if none did. */
-  minima: { position: number; search: SearchResult }[] | null
+  minima: { position: number; search: MinimaResult }[] | null
   /** Whether a search has a Pareto front. */
   front: boolean
   /** Whether a search has evaluated. */
@@ -53,11 +53,10 @@ export function factsOf(data: RunData): Facts {
   const lowest = findings.length > 0 ? null : bestOf(data)
   const shown = flown || findings.length > 0 || lowest !== null
   const sensitivity = resultWith(data.stages, 'curves')
-  const searches = data.stages.flatMap((stage) => {
-    const search = resultOf(stage, 'search')
-    return search ? [{ position: stage.position, search }] : []
+  const minima = data.stages.flatMap((stage) => {
+    const search = resultWith([stage], 'minima')
+    return search && search.minima.length > 0 ? [{ position: stage.position, search }] : []
   })
-  const minima = searches.filter(({ search }) => search.minima.length > 0)
   return {
     flies,
     drawn: hasView(data),
@@ -68,9 +67,9 @@ export function factsOf(data: RunData): Facts {
     sensitivity,
     grid: resultWith(data.stages, 'grid')?.grid ?? null,
     blocks: resultWith(data.stages, 'blocks')?.blocks ?? null,
-    validation: resultOf(stageOf(data, 'validate'), 'validate'),
+    validation: resultWith(data.stages, 'comparison'),
     minima: minima.length > 0 ? minima : null,
-    front: searches.some(({ search }) => search.front?.length),
+    front: resultsWith(data.stages, 'front').some(({ front }) => front?.length),
     searched: run.stages.some((stage) => stage.method !== null && stage.evaluations > 0),
     methods: run.stages.filter((stage) => stage.method !== null).length,
     sample: randomSample(data.stages),

@@ -79,7 +79,7 @@ const OWN: readonly Section[] = [
     of: ({ data }) => data.findings.length > 0,
     title: 'Findings',
     count: ({ data }) => data.findings.length,
-    card: ({ data, validation }) => <FindingsCard data={data} result={validation} className={layout.c12} />,
+    card: ({ data, validation }) => <FindingsCard data={data} gathered={validation?.findings} className={layout.c12} />,
   }),
   section({
     id: 'separation',
@@ -95,7 +95,7 @@ const OWN: readonly Section[] = [
     title: 'Sensitivity',
     count: (_, { curves }) => curves.length,
     card: ({ data, validation }, result) => (
-      <Sensitivity data={data} result={result} validation={validation} className={clsx(layout.c5, layout.wide)} height={226} />
+      <Sensitivity data={data} result={result} gathered={validation?.findings} className={clsx(layout.c5, layout.wide)} height={226} />
     ),
   }),
   section({
@@ -116,7 +116,7 @@ const OWN: readonly Section[] = [
     title: 'Sensitivity',
     count: (_, { curves }) => curves.length,
     card: ({ data, validation, raised }, result) => (
-      <Sensitivity data={data} result={result} validation={validation} className={raised ? layout.c12 : layout.c8} height={150} />
+      <Sensitivity data={data} result={result} gathered={validation?.findings} className={raised ? layout.c12 : layout.c8} height={150} />
     ),
   }),
   section({

@@ -62,7 +62,7 @@ def _worst(evidence: Evidence, threshold: float) -> Worst | None:
         margin=finding.granted - threshold,
         evaluated=finding.cost,
         parameters=finding.parameters,
-        method=method_of(finding, evidence.searches),
+        method=method_of(finding, evidence),
         finding=finding.label,
     )
 

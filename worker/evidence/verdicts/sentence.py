@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from campaigns.claims.numbers import digits_beside, digits_of
 from campaigns.claims.say import (
     Part,
@@ -22,7 +20,7 @@ from campaigns.claims.say import (
 )
 from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
-from campaigns.results import Finding, SearchResult
+from campaigns.results import Finding
 from campaigns.results.finding import Validation
 from campaigns.results.verdict import Check, Statistics, VerdictWord
 from worker.engine.problem.problem import Problem
@@ -172,12 +170,12 @@ def _noise(seed: int | None) -> str:
     return "" if seed is None else f", with the noise realisation of seed {seed}"
 
 
-def method_of(finding: Finding, searches: Sequence[SearchResult]) -> str | None:
+def method_of(finding: Finding, evidence: Evidence) -> str | None:
     """The method that found it: the one with the lowest best if it is among those, else the quickest; None if no search
     did."""
     found = [by.method for by in sorted(finding.found, key=lambda by: by.evaluations)] or finding.methods
     if not found or finding.realisation is not None:
         return None
-    bests = [(s.best.cost, i) for i, s in enumerate(searches) if s.best is not None]
-    lowest = searches[min(bests)[1]].method if bests else None
+    bests = [(s.best.cost, i) for i, s in enumerate(evidence.searches) if s.best is not None]
+    lowest = evidence.searches[min(bests)[1]].method if bests else None
     return lowest if lowest in found else found[0]

@@ -12,7 +12,7 @@ import {
   traceQuery,
   tracesQuery,
 } from '../../api/queries'
-import { resultOf } from '../../api/stages'
+import { resultWith } from '../../api/stages'
 import type {
   Catalogue,
   EvaluationSeries,
@@ -188,8 +188,7 @@ export function searchesOf({
   return run.stages
     .filter((stage) => stage.method !== null)
     .map((stage) => {
-      const detail = stages.find((s) => s.position === stage.position)
-      const result = resultOf(detail, 'search')
+      const result = resultWith(stages.filter((s) => s.position === stage.position), 'members')
       return {
         stage,
         result,
@@ -198,9 +197,6 @@ export function searchesOf({
       }
     })
 }
-
-export const stageOf = (data: RunData, kind: StageDetail['kind']): StageDetail | undefined =>
-  data.stages.find((stage) => stage.kind === kind)
 
 /** Whether there are evaluations to show in the parameter space. */
 export const hasSpace = ({ parameters, evaluations }: Pick<RunData, 'parameters' | 'evaluations'>): boolean =>

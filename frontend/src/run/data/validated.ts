@@ -1,5 +1,5 @@
 // The validated cases, nominal and findings, and their results as text.
-import type { FindingDetail, Validation, ValidateResult } from '../../client'
+import type { FindingDetail, Validation } from '../../client'
 
 /** `agrees` and `violates` are newer than `ok`. */
 export function validatedWord({
@@ -20,6 +20,6 @@ const sentenceCase = (text: string) => text.charAt(0).toUpperCase() + text.slice
 
 /** The nominal case, then the findings; without those that earlier versions did not store. */
 export const casesOf = (
-  { nominal }: Pick<ValidateResult, 'nominal'>,
+  { nominal }: { nominal: Validation | null },
   findings: readonly Pick<FindingDetail, 'validation'>[],
 ): Validation[] => [nominal, ...findings.map(({ validation }) => validation)].flatMap((item) => item ?? [])

@@ -4,7 +4,7 @@ import { clsx } from 'clsx'
 import { Fragment, type MouseEvent } from 'react'
 import { hasScenario } from '../../api/campaign'
 import { samplerOf } from '../../api/stages'
-import type { FindingDetail, Gathered, Span, ValidateResult } from '../../client'
+import type { FindingDetail, Gathered, Span } from '../../client'
 import { count, decimalsApart, fixed, margin as marginText, NONE, percent } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { unitText } from '../../format/units'
@@ -26,11 +26,11 @@ import styles from './findings.module.css'
 
 interface FindingsProps {
   data: RunData
-  result: ValidateResult | null
+  gathered: Gathered | null | undefined
   className: string | undefined
 }
 
-export function FindingsCard({ data, result, className }: FindingsProps) {
+export function FindingsCard({ data, gathered, className }: FindingsProps) {
   const { run, findings, finding: shown, parameters, chosen } = data
   const [, change] = useAddress(run.id)
   const choose = (name: string) => change({ finding: name === worstOf(run) ? undefined : name })
@@ -49,11 +49,11 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
       id="findings"
       flush
       footer={
-        result?.findings && (
+        gathered && (
           <>
             <Boundary data={data} statement={shown?.boundary?.statement ?? []} />
             <LikelySentence data={data} />
-            <Gathering gathered={result.findings} kept={findings.length} />
+            <Gathering gathered={gathered} kept={findings.length} />
           </>
         )
       }

@@ -1,6 +1,6 @@
 // Several criteria: the Pareto front of the worst cases for two criteria, and its points as a table.
 import { useMemo, useState } from 'react'
-import { resultOf } from '../../api/stages'
+import { resultsWith } from '../../api/stages'
 import { ChartCard } from '../../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../../charts/Legend'
 import { Plot } from '../../charts/Plot'
@@ -25,7 +25,7 @@ const ROWS = 12
 export function FrontCard({ data, className }: { data: RunData; className: string | undefined }) {
   const methodLook = useMethodLook()
   const { run, parameters, stages } = data
-  const searches = useMemo(() => stages.flatMap((stage) => resultOf(stage, 'search') ?? []), [stages])
+  const searches = useMemo(() => resultsWith(stages, 'front'), [stages])
   const criteria = useMemo(() => criteriaOf(searches), [searches])
   const points = useMemo(() => frontOf(searches, criteria), [searches, criteria])
   const [across, setAcross] = useState(criteria[1]?.name ?? '')

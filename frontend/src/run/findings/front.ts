@@ -1,5 +1,12 @@
 // The Pareto front of a run with several criteria, over all searches.
-import type { FrontCriterion, FrontPoint, SearchResult } from '../../client'
+import type { FrontCriterion, FrontPoint } from '../../client'
+
+interface Fronted {
+  method: string
+  title: string
+  criteria: FrontCriterion[]
+  front: FrontPoint[] | null
+}
 
 export interface Placed extends FrontPoint {
   method: string
@@ -7,13 +14,13 @@ export interface Placed extends FrontPoint {
 }
 
 /** The criteria of a run's searches, the deciding one first; empty if there is only one. */
-export function criteriaOf(searches: readonly SearchResult[]): FrontCriterion[] {
+export function criteriaOf(searches: readonly Fronted[]): FrontCriterion[] {
   const found = searches.find((search) => search.front)?.criteria ?? []
   return found.length > 1 ? found : []
 }
 
 /** The non-dominated points, sorted from worst by the first criterion. */
-export function frontOf(searches: readonly SearchResult[], criteria: readonly FrontCriterion[]): Placed[] {
+export function frontOf(searches: readonly Fronted[], criteria: readonly FrontCriterion[]): Placed[] {
   const all = searches.flatMap(({ method, title, front }) =>
     (front ?? []).map((point) => ({ point: { ...point, method, title }, costs: costsOf(point, criteria) })),
   )

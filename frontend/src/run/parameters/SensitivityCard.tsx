@@ -9,7 +9,7 @@ import { useReach } from '../../charts/reach'
 import { linesOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
-import type { Curve, Slices, ValidateResult } from '../../client'
+import type { Curve, Gathered, Slices } from '../../client'
 import { decimalsFor, fixed } from '../../format/numbers'
 import { ofUnit, unitText } from '../../format/units'
 import { Sign, symbolText } from '../../ui/Sign'
@@ -21,13 +21,13 @@ interface SensitivityCardProps {
   data: RunData
   result: SlicesResult
   /** Whether slices of all findings were simulated. */
-  validation: ValidateResult | null
+  gathered: Gathered | null | undefined
   className: string | undefined
   /** Size of each plot [px]. */
   height: number
 }
 
-export function SensitivityCard({ data, result, validation, className, height }: SensitivityCardProps) {
+export function SensitivityCard({ data, result, gathered, className, height }: SensitivityCardProps) {
   const { run, parameters, chosen, finding } = data
   const [hidden, toggle] = useHidden()
   const slices = finding?.slices ?? null
@@ -59,7 +59,7 @@ export function SensitivityCard({ data, result, validation, className, height }:
           {choice}
         </>
       }
-      footer={footerOf(drawn, missing(validation, chosen, slices))}
+      footer={footerOf(drawn, missing(gathered, chosen, slices))}
     >
       <div className={styles.smalls}>
         {result.curves.map((curve) => {
@@ -86,8 +86,8 @@ export function SensitivityCard({ data, result, validation, className, height }:
 }
 
 /** The reason why a finding has no slices: validation ended before. */
-function missing(validation: ValidateResult | null, chosen: string, slices: Slices | null): string {
-  if (slices || chosen === NOMINAL || !validation?.findings || validation.findings.complete) return ''
+function missing(gathered: Gathered | null | undefined, chosen: string, slices: Slices | null): string {
+  if (slices || chosen === NOMINAL || !gathered || gathered.complete) return ''
   return `No slices were simulated through ${chosen}: validation ended before them.  `
 }
 

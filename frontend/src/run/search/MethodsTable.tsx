@@ -1,6 +1,6 @@
 // Comparison of the methods: results, effort, and how each ended.
 import { LIMITS } from '../../api/rules'
-import { resultOf } from '../../api/stages'
+import { resultWith } from '../../api/stages'
 import type { Compared, Member } from '../../client'
 import { count, decimalsApart, duration, fixed, margin, NONE, percent, plain, signed } from '../../format/numbers'
 import { words } from '../../format/spans'
@@ -11,7 +11,7 @@ import { useMethodLook } from '../../ui/methods'
 import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import { type Column, Table } from '../../ui/Table'
-import { rateOf, type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
+import { rateOf, type RunData, type SearchStage, searchesOf } from '../data/data'
 import { layout } from '../../ui/styles'
 import styles from './search.module.css'
 
@@ -25,7 +25,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
   const over = searches.every(({ stage }) => stage.state === 'done')
   const failed = !over || searches.some(({ stage }) => stage.failed > 0)
   const excluded = searches.some(({ stage }) => stage.excluded > 0)
-  const validation = resultOf(stageOf(data, 'validate'), 'validate')
+  const validation = resultWith(data.stages, 'comparison')
   const compared = validation && validation.comparison.length > 0 ? validation.comparison : null
   // With findings there is no room for the margin, which follows from the best value.
   const whole = !compared && !(over && (failed || excluded))

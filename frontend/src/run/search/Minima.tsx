@@ -1,7 +1,7 @@
 // The distinct minima of a method, merged as the findings are, and on request every descent: where it started and ended.
 import { useState } from 'react'
-import type { Minimum, SearchResult } from '../../client'
-import { resultOf } from '../../api/stages'
+import type { Minimum } from '../../client'
+import { type MinimaResult, resultWith } from '../../api/stages'
 import { count, decimalsApart, decimalsFor, fixed, NONE } from '../../format/numbers'
 import { Button } from '../../ui/Button'
 import { Card, Seg } from '../../ui/Card'
@@ -9,7 +9,7 @@ import { MethodName } from '../../ui/MethodMark'
 import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import { Table } from '../../ui/Table'
-import { type RunData, stageOf, type UncertainParameter } from '../data/data'
+import type { RunData, UncertainParameter } from '../data/data'
 import { parameterColumns } from '../parameters/columns'
 import { basinsOf, distanceOf, type MergedMinimum, mergedMinima, rangesText } from './minima'
 import { layout } from '../../ui/styles'
@@ -19,11 +19,11 @@ const SHOWN = 8
 const MOST = 40
 
 /** Number of rows initially shown, at most. */
-export const rowsOf = (search: SearchResult): number => Math.min(search.minima.length, SHOWN)
+export const rowsOf = (search: MinimaResult): number => Math.min(search.minima.length, SHOWN)
 
 interface MinimaProps {
   data: RunData
-  search: SearchResult
+  search: MinimaResult
   /** The position of its stage. */
   position: number
   className: string | undefined
@@ -35,8 +35,8 @@ export function Minima({ data, search, position, className, tall }: MinimaProps)
   const { run, parameters, findings } = data
   const [every, setEvery] = useState(false)
   const [all, setAll] = useState(false)
-  const validation = resultOf(stageOf(data, 'validate'), 'validate')
-  const merged = mergedMinima(search.minima, basinsOf(validation, position), findings, parameters, distanceOf(validation?.findings))
+  const validation = resultWith(data.stages, 'comparison')
+  const merged = mergedMinima(search.minima, basinsOf(validation?.comparison, position), findings, parameters, distanceOf(validation?.findings))
   const total = every ? search.minima.length : merged.length
   const shown = Math.min(all ? MOST : SHOWN, total)
   const decimals = decimalsApart(search.minima.map(({ cost }) => cost), 5, 6)

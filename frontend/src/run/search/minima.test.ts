@@ -1,6 +1,6 @@
 // Minima are merged as the findings are.
 import { expect, it } from 'vitest'
-import { finding, validated } from '../../../tests/fixtures'
+import { finding } from '../../../tests/fixtures'
 import type { Minimum } from '../../client'
 import { basinsOf, mergedMinima, rangesText } from './minima'
 
@@ -29,8 +29,8 @@ it('goes by the distance from the findings where validation stored no basins', (
 
 it('finds the basins of a search by its position', () => {
   const row = { position: 4, method: 'sqp', title: 'SQP', kind: 'local' as const, best: 1, evaluations: 1, failed: 0, excluded: 0, seconds: 1, to_near_best: null, basin: 'F1', findings: [], stop: null }
-  expect(basinsOf(validated({ comparison: [{ ...row, minima: ['F1', null] }] }), 4)).toEqual(['F1', null])
-  expect([basinsOf(validated({ comparison: [row] }), 4), basinsOf(validated(), 4), basinsOf(null, 4)]).toEqual([[], [], []])
+  expect(basinsOf([{ ...row, minima: ['F1', null] }], 4)).toEqual(['F1', null])
+  expect([basinsOf([row], 4), basinsOf([], 4), basinsOf(undefined, 4)]).toEqual([[], [], []])
 })
 
 it('lists numbers as ranges', () => {

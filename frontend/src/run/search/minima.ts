@@ -1,5 +1,5 @@
 // The minima of one search, merged as the findings are.
-import type { FindingDetail, Gathered, Minimum, ValidateResult } from '../../client'
+import type { Compared, FindingDetail, Gathered, Minimum } from '../../client'
 import type { UncertainParameter } from '../data/data'
 
 export interface MergedMinimum {
@@ -43,8 +43,8 @@ export function mergedMinima(
 }
 
 /** The finding of each minimum of a search, as validation stored it; empty in results of earlier versions. */
-export const basinsOf = (validation: ValidateResult | null, position: number): readonly (string | null)[] =>
-  validation?.comparison.find((row) => row.position === position)?.minima ?? []
+export const basinsOf = (comparison: readonly Compared[] | undefined, position: number): readonly (string | null)[] =>
+  comparison?.find((row) => row.position === position)?.minima ?? []
 
 /** Fraction of every range below which two minima are one. */
 export const distanceOf = (gathered: Gathered | null | undefined): number => gathered?.distance ?? 0.03

@@ -22,7 +22,6 @@ from backend.db.queue import LEASE, Claim, LostLease, Queue
 from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
-from campaigns.checked.snapshot import values_changed
 from campaigns.refusals import RefusalCode
 from campaigns.results import Verdict
 from campaigns.runs import ENDED, run_name
@@ -32,7 +31,7 @@ from campaigns.versions import Versions
 from clearance.cli import WrongInputError
 from clearance.cli._where import existing_url_of, stored_run
 from clearance.local.interrupt import explained
-from clearance.local.results import read_folder, refuse_other_campaign, versions_of
+from clearance.local.results import read_folder, refuse_other_campaign, refuse_other_components, versions_of
 from worker.engine.stages.parts.store import Store
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
@@ -141,12 +140,7 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
             campaign = load_document(document, run_name(run_id))
         except CampaignError as error:
             raise CannotContinue(f"its campaign was written for another version of Clearance: {error}") from None
-        snapshot = snapshots.of_run(connection, run_id)
-        others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue())
-        if others:
-            raise CannotContinue(
-                f"its evaluations used different components: {'; '.join(others)}", RefusalCode.OTHER_COMPONENTS
-            )
+        refuse_other_components(campaign, snapshots.of_run(connection, run_id))
         versions = stored.versions(connection, run_id)
         return _Earlier(
             run_name(run_id),

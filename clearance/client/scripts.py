@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable, Mapping
+from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable
 from contextlib import aclosing
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from clearance.client import answers, calls
-from clearance.client.calls import Call, Given, Named, NamedSweep
+from clearance.client.calls import Call, Named, NamedSweep
 from clearance.client.errors import NotAClearanceServiceError, RunFailedError, UnreachableError, refused
 from clearance.client.replies import Reply
 from clearance.client.session import Session
@@ -146,33 +146,25 @@ async def wait(
     return found
 
 
-async def search(
-    session: Session,
-    campaign: Given,
-    *,
-    name: str | None = None,
-    tags: Iterable[str] | None = None,
-    labels: Mapping[str, str] | None = None,
-    baseline: str | None = None,
-    priority: int = 0,
-    group: str | None = None,
-    reuse: bool = False,
-    sample_seed: int | None = None,
-    key: str | None = None,
-) -> answers.RunDetail:
-    """Submit a campaign and wait for its verdict: `submit` and `wait` in one, with the arguments of `submit`.
+def _searching(
+    submit: Callable[P, Call[answers.Submitted]],
+) -> Callable[Concatenate[Session, P], Script[answers.RunDetail]]:
+    async def search(session: Session, /, *positional: P.args, **named: P.kwargs) -> answers.RunDetail:
+        """Submit a campaign and wait for its verdict: `submit` and `wait` in one, with the arguments of `submit`.
 
-    Raises `RunFailedError` if it ends without a verdict.
-    """
-    call = calls.submit(
-        campaign, name=name, tags=tags, labels=labels, baseline=baseline, priority=priority, group=group, reuse=reuse,
-        sample_seed=sample_seed, key=key,
-    )  # fmt: skip
-    queued = await ask(session, call)
-    done = await wait(session, queued)
-    if done.verdict is None:
-        raise RunFailedError(done.id, done.state, done.error or "no reason is recorded")
-    return done
+        Raises `RunFailedError` if it ends without a verdict.
+        """
+        queued = await ask(session, submit(*positional, **named))
+        done = await wait(session, queued)
+        if done.verdict is None:
+            raise RunFailedError(done.id, done.state, done.error or "no reason is recorded")
+        return done
+
+    functools.update_wrapper(search, submit, assigned=())
+    return search
+
+
+search = _searching(calls.submit)
 
 
 async def runs(

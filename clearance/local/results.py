@@ -166,7 +166,12 @@ def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
     refuse_other_document(folder, campaign)
     with _readable("its results"):
         components = components_of(folder)
-        others = [] if components is None else values_changed(campaign, components, catalogue())
+    refuse_other_components(campaign, components)
+
+
+def refuse_other_components(campaign: Campaign, components: Catalogue | None) -> None:
+    """Raises `CannotContinue` if a run of the campaign was of other components than those installed."""
+    others = [] if components is None else values_changed(campaign, components, catalogue())
     if others:
         raise CannotContinue(
             f"its evaluations used different components: {'; '.join(others)}", RefusalCode.OTHER_COMPONENTS

@@ -174,13 +174,6 @@ def arranged(
     return spots
 
 
-def overlapping(labels: Sequence[Label], view: View, spots: Mapping[str, Spot | None]) -> list[tuple[str, str]]:
-    """The pairs of labels whose texts overlap where they are."""
-    shown = [(one, spot) for one in labels if (spot := spots[one.name]) and view.pixel(one.place)[2] > 0.0]
-    boxes = [(one.name, _seen(one, spot, view)) for one, spot in shown]
-    return [(a, b) for k, (a, one) in enumerate(boxes) for b, other in boxes[k + 1 :] if one.meets(other)]
-
-
 class Labels(Part):
     def __init__(self, tags: Callable[[float], Iterable[Tag]], view: Callable[[], View]) -> None:
         """tags: the visible labels at a time [s], the first ones having precedence; view: the camera now."""

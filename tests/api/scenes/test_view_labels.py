@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -16,7 +17,7 @@ from backend.scenes.base.setting import Setting
 from backend.scenes.control.relay import open_server
 from backend.scenes.drawing import labels
 from backend.scenes.drawing.cameras import Scene, Sight, pose
-from backend.scenes.drawing.labels import Label, Labels, Tag, View, arranged, box, overlapping
+from backend.scenes.drawing.labels import Label, Labels, Spot, Tag, View, arranged, box
 from backend.scenes.recordings.recording import Cast, _Stage
 from tests.given.finished_runs import encounter, straight
 
@@ -26,6 +27,13 @@ HERE = np.array([0.1, 0.0, -0.2])
 
 def label(name: str, place: Any = HERE, anchor: Any = "bottom-left", **more: Any) -> Label:
     return Label(name, more.pop("text", f"{name} 0.84 m"), np.asarray(place, dtype=float), anchor, 0.9, **more)
+
+
+def overlapping(found: Sequence[Label], view: View, spots: Mapping[str, Spot | None]) -> list[tuple[str, str]]:
+    """The pairs of labels whose texts overlap where they are."""
+    shown = [(one, spot) for one in found if (spot := spots[one.name]) and view.pixel(one.place)[2] > 0.0]
+    boxes = [(one.name, labels._seen(one, spot, view)) for one, spot in shown]
+    return [(a, b) for k, (a, one) in enumerate(boxes) for b, other in boxes[k + 1 :] if one.meets(other)]
 
 
 def test_pixels_are_those_of_a_pinhole_camera() -> None:

@@ -8,7 +8,6 @@ import type { FindingDetail, Gathered, Span } from '../../client'
 import { count, decimalsApart, fixed, margin as marginText, NONE, percent } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { unitText } from '../../format/units'
-import { Place } from '../../ui/bars'
 import { Card, NumHead } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
 import { methodLook } from '../../ui/methods'
@@ -17,7 +16,7 @@ import { Sign } from '../../ui/Sign'
 import { useHotkeys } from '../../ui/useHotkeys'
 import { NOMINAL, worstOf } from '../data/chosen'
 import { drawn, type RunData, type UncertainParameter, valuesOf } from '../data/data'
-import { isLikely, LikelyCell, LikelySentence, MostLikelyRow } from './Likely'
+import { isLikely, LikelyCell, LikelySentence, MostLikelyRow, Places } from './Likely'
 import { ModePicture } from './ModePicture'
 import { useAddress } from '../data/useAddress'
 import { validatedWord } from '../data/validated'
@@ -120,17 +119,7 @@ function Row({ data, decimals, choose, on, finding }: RowProps & { finding: Find
       <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{marginText(margin, decimals)}</td>
       {isLikely(data.findings) && <LikelyCell likelihood={finding.likelihood} />}
       <Met data={data} name={label} values={finding.values} />
-      {parameters.map((p) => (
-        <td key={p.path} className={styles.place}>
-          <Place
-            low={p.low}
-            high={p.high}
-            nominal={p.nominal}
-            value={finding.parameters[p.path] ?? null}
-            bound={p.path in finding.at_bounds}
-          />
-        </td>
-      ))}
+      <Places of={finding} parameters={parameters} />
       <td className="sec">
         <Bounds finding={finding} parameters={parameters} />
       </td>

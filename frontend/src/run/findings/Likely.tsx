@@ -7,7 +7,7 @@ import { fixed, margin, NONE, plain, probability } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
 import { Place } from '../../ui/bars'
 import { Spans } from '../../ui/Spans'
-import type { RunData } from '../data/data'
+import type { RunData, UncertainParameter } from '../data/data'
 import { tables } from '../../ui/styles'
 import styles from './findings.module.css'
 
@@ -61,17 +61,21 @@ export function LikelyViolation({ data, decimals, between, most }: RowProps & { 
       <td className="num b bad-t">{margin(found.margin, decimals)}</td>
       <LikelyCell likelihood={found.likelihood} />
       {between > 0 && <td colSpan={between} />}
-      {data.parameters.map((p) => (
-        <td key={p.path} className={styles.place}>
-          <Place low={p.low} high={p.high} nominal={p.nominal} value={found.parameters[p.path] ?? null} bound={false} />
-        </td>
-      ))}
+      <Places of={{ ...found, at_bounds: {} }} parameters={data.parameters} />
       <td colSpan={3} className="sec small">
         <Spans spans={sentence(most.statement)} />
       </td>
     </tr>
   )
 }
+
+/** Where a case is within the bounds of each parameter. */
+export const Places = ({ of, parameters }: { of: Pick<FindingDetail, 'parameters' | 'at_bounds'>; parameters: readonly UncertainParameter[] }) =>
+  parameters.map((p) => (
+    <td key={p.path} className={styles.place}>
+      <Place low={p.low} high={p.high} nominal={p.nominal} value={of.parameters[p.path] ?? null} bound={p.path in of.at_bounds} />
+    </td>
+  ))
 
 /** How likely the chosen finding is, as a sentence. */
 export function LikelySentence({ data: { finding } }: { data: Pick<RunData, 'finding'> }) {

@@ -32,7 +32,7 @@ from campaigns.asked.distributions import Normal
 from campaigns.claims import earlier
 from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
 from campaigns.densities.joint import joint
-from campaigns.results import SearchResult, Verdict, verdicts
+from campaigns.results import Verdict, verdicts
 from campaigns.results.remedies import Ran, bound
 from campaigns.results.sample import SoFar
 from campaigns.results.verdict import VerdictWord
@@ -137,9 +137,8 @@ def _ran(reader: sa.Connection, run_id: int, campaign: Campaign, verdict: Verdic
         found = [stage.result for stage in stages(reader, run_id)]
     except RefusedError:
         return None
-    searches = [result for result in found if isinstance(result, SearchResult)]
     installed = published(reader)
-    return Ran(campaign, searches, verdict.statistics, [] if installed is None else installed.methods)
+    return Ran(campaign, found, verdict.statistics, [] if installed is None else installed.methods)
 
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:

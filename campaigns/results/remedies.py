@@ -26,6 +26,7 @@ from campaigns.codes import CheckCode
 from campaigns.limits import FINDINGS, STORED_WHOLE
 from campaigns.results.base import Described, Result
 from campaigns.results.search import SearchResult
+from campaigns.results.stage import StageResult
 from campaigns.results.verdict import Check, Statistics
 from campaigns.rules import RemedyKind
 
@@ -52,13 +53,17 @@ class Remedy(Described):
 
 @dataclass(frozen=True)
 class Ran:
-    """What a remedy is derived from: the campaign, its searches in their order, the statement of its sample, and the
-    methods that a new run may name."""
+    """What a remedy is derived from: the campaign, the results of its stages in their order, the statement of its
+    sample, and the methods that a new run may name."""
 
     campaign: Campaign
-    searches: Sequence[SearchResult]
+    results: Sequence[StageResult | None]
     statistics: Statistics | None = None
     methods: Sequence[MethodEntry] = ()
+
+    @property
+    def searches(self) -> list[SearchResult]:
+        return [result for result in self.results if isinstance(result, SearchResult)]
 
 
 def remedies(check: Check, ran: Ran) -> list[Remedy]:

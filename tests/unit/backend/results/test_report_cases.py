@@ -11,7 +11,7 @@ from campaigns.results.finding import Calls, Neighbours, Validation
 
 def row(**changes: Any) -> dict[str, object]:
     case = Validation(name="F1", step=None, cost=1.25, allowed=None, ok=True, **changes)
-    record: Any = SimpleNamespace(result=lambda kind: None, findings=[SimpleNamespace(validation=case)])
+    record: Any = SimpleNamespace(validated=None, findings=[SimpleNamespace(validation=case)])
     (only,) = validated.cases(record)
     return only
 

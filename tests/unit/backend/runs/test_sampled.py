@@ -10,14 +10,20 @@ from backend.runs import sampled
 from campaigns.results.verdict import Statistics
 
 
+def source(named: str | None, stated: bool, bound: float | None = 0.003) -> str | None:
+    row = SimpleNamespace(
+        source=named, stated=stated, upper_bound=bound, samples=1000, state="done", verdict="cleared", checks=None
+    )
+    return sampled.of(row).bound_source
+
+
 @pytest.mark.parametrize("named", ["certify", "search", None])
 def test_a_bound_that_names_no_sample_is_older_than_the_certify_stage(named: str | None) -> None:
     """For lists and for the verdict alike: it has the weaker source."""
     stored = {"samples": 1000, "violations": 0, "confidence": 0.95, "upper_bound": 0.003}
     whole = Statistics.model_validate(stored | ({"source": named} if named else {}))
-    row = SimpleNamespace(source=named, stated=False)
-    assert sampled.bound_source(row, 0.003) == whole.source == (named or "search")
-    assert sampled.bound_source(row, None) is None
+    assert source(named, stated=False) == whole.source == (named or "search")
+    assert source(named, stated=False, bound=None) is None
 
 
 @pytest.mark.parametrize(
@@ -30,4 +36,4 @@ def test_a_bound_that_names_no_sample_is_older_than_the_certify_stage(named: str
     ],
 )
 def test_a_stated_seed_is_that_of_the_certify_stage(named: str, stated: bool, found: str) -> None:
-    assert sampled.bound_source(SimpleNamespace(source=named, stated=stated), 0.003) == found
+    assert source(named, stated) == found

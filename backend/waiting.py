@@ -67,10 +67,10 @@ class Waiting:
         if path in LIVE:
             return JSONResponse({"status": "ok"})
         if outage is None:  # it is about to serve
-            return respond(RefusedError(503, "busy", "the service is starting", headers={"Retry-After": "1"}), path)
+            return respond(RefusedError("busy", "the service is starting", headers={"Retry-After": "1"}), path)
         if path in READY:
             after, problem = {"Retry-After": str(AGAIN[outage.kind])}, Problem(outage.kind, "", outage.sentence)
-            return respond(RefusedError(503, "not-ready", outage.sentence, [problem], headers=after), path)
+            return respond(RefusedError("not-ready", outage.sentence, [problem], headers=after), path)
         return answer(outage, scope)
 
 

@@ -84,14 +84,14 @@ class Guard:
         for sender, rates, key in limits:
             if wait := rates.wait(key):
                 detail = f"{sender} sent {rates.per_minute:,} requests in a minute, the limit: try again in {wait} s"
-                return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": str(wait)})
+                return RefusedError("too-many-requests", detail, headers={"Retry-After": str(wait)})
         full = self._open.full(visitor)
         return too_many(full) if full else None
 
 
 def too_many(full: str) -> RefusedError:
     """429 for a limit of what is open."""
-    return RefusedError(429, "too-many-requests", f"{full}: wait for one to end", headers={"Retry-After": "1"})
+    return RefusedError("too-many-requests", f"{full}: wait for one to end", headers={"Retry-After": "1"})
 
 
 def _refusal(scope: Scope, visitor: Visitor | None, rule: Rule, foreign: bool = True) -> RefusedError | None:
@@ -102,7 +102,7 @@ def _refusal(scope: Scope, visitor: Visitor | None, rule: Rule, foreign: bool = 
             "sign in with your password at /login, or send an API token as `Authorization: Bearer TOKEN` "
             "(`clearance token create NAME`)"
         )
-        return RefusedError(401, "not-signed-in", detail, headers={"WWW-Authenticate": 'Bearer realm="clearance"'})
+        return RefusedError("not-signed-in", detail, headers={"WWW-Authenticate": 'Bearer realm="clearance"'})
     required = scope["type"] == "websocket" and visitor.via != "token"
     return (_foreign(scope, required) if foreign else None) or forbidden(visitor, rule)
 
@@ -114,17 +114,17 @@ def forbidden(visitor: Visitor, rule: Rule) -> RefusedError | None:
             f"this needs the role {rule.role}, and {visitor.account} has the role {visitor.role}: "
             "an administrator can change it"
         )
-        return RefusedError(403, "role-too-low", detail)
+        return RefusedError("role-too-low", detail)
     if visitor.scope is None:
         return None
     if rule.scope is None:
-        return RefusedError(403, "scope-too-narrow", "API tokens cannot do this: sign in with a browser")
+        return RefusedError("scope-too-narrow", "API tokens cannot do this: sign in with a browser")
     if not has_scope(visitor.scope, rule.scope):
         detail = (
             f"this needs a token with the scope {rule.scope}, and the token {visitor.user!r} has the scope "
             f"{visitor.scope}: use another token"
         )
-        return RefusedError(403, "scope-too-narrow", detail)
+        return RefusedError("scope-too-narrow", detail)
     return None
 
 
@@ -136,7 +136,7 @@ def _foreign(scope: Scope, required: bool) -> RefusedError | None:
         f"the request comes from {headers.get('origin', 'no Origin')!r}, not from a page of "
         f"{headers.get('host', '')!r}: writes and sockets are accepted from the service's own pages only"
     )
-    return RefusedError(403, "foreign-origin", detail)
+    return RefusedError("foreign-origin", detail)
 
 
 def _from_our_pages(scope: Scope, headers: Headers, required: bool) -> bool:

@@ -83,7 +83,7 @@ class Once:
 
     def _done(self, made: str, detail: str) -> RefusedError:
         done = f"the request with the Idempotency-Key {self.request.key!r} was done already and made {made}; {detail}"
-        return RefusedError(409, "already-made", done)
+        return RefusedError("already-made", done)
 
 
 async def _once(request: Request, engine: Engine, visitor: CurrentVisitor, key: Key = None) -> Once:

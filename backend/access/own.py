@@ -21,4 +21,4 @@ def require_own(visitor: Visitor, owner: str | None, what: str) -> None:
         f"{what} belongs to {owner or 'another user'}, and you are {visitor.account}: only its owner and an "
         "administrator may change it"
     )
-    raise RefusedError(403, "not-yours", detail)
+    raise RefusedError("not-yours", detail)

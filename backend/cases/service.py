@@ -49,7 +49,7 @@ def simulator(reader: sa.Connection, run: str) -> tuple[Campaign, str]:
     if found.simulator is None:
         name = run_name(number(run))
         text = f"{name} simulates a scenario: ask for a flight, POST /runs/{name}/flights"
-        raise RefusedError(422, "not-flyable", text)
+        raise RefusedError("not-flyable", text)
     return found, reader.scalar(sa.select(Run.needs).where(Run.id == number(run))) or ""
 
 
@@ -60,7 +60,7 @@ def installed(live: Live, campaign: Campaign, version: str) -> CaseInstalled:
         found: InstalledReply = live.ask(f"installed {campaign.digest}", request)
     except LiveError as error:
         text = f"whether the simulator is installed could not be found out: {error}"
-        raise RefusedError(503, "case-failed", text) from None
+        raise RefusedError("case-failed", text) from None
     return CaseInstalled(installed=not found["missing"], reason=found["missing"])
 
 
@@ -71,13 +71,13 @@ def evaluated(live: Live, wanted: Case, rows: int) -> CaseReply:
         found: CaseReply = live.ask(wanted.digest, request | {"rows": max(rows, ROWS)})
         return found
     except FlightRefusedError as error:
-        raise RefusedError(422, "not-flyable", f"this case cannot be evaluated: {error}") from None
+        raise RefusedError("not-flyable", f"this case cannot be evaluated: {error}") from None
     except LiveError as error:
         text = (
             f"the case could not be evaluated: {error}. The service waits {LIMIT:g} s, and {FIRST_LIMIT:g} s for the "
             "first one"
         )
-        raise RefusedError(503, "case-failed", text) from None
+        raise RefusedError("case-failed", text) from None
 
 
 def response(reader: sa.Connection, wanted: Case, answer: CaseReply, drawn: str | None, rows: int) -> CaseAnswer:

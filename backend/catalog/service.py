@@ -59,7 +59,7 @@ def required(reader: sa.Connection) -> Catalogue:
     """The catalogue, or 503 if there is none."""
     catalogue = published(reader)
     if catalogue is None:
-        raise RefusedError(503, "no-catalogue", NO_CATALOGUE, headers={"Retry-After": "2"})
+        raise RefusedError("no-catalogue", NO_CATALOGUE, headers={"Retry-After": "2"})
     return catalogue
 
 

@@ -61,10 +61,10 @@ def create(writer: sa.Connection, content: DraftContent, visitor: Visitor) -> Dr
     count = sa.select(sa.func.count()).select_from(Row)
     if (writer.scalar(count.where(Row.owner == visitor.account)) or 0) >= MOST_EACH:
         detail = f"you have {MOST_EACH} drafts already, which is the limit: delete some first"
-        raise RefusedError(409, "too-many-drafts", detail)
+        raise RefusedError("too-many-drafts", detail)
     if (writer.scalar(count) or 0) >= MOST:
         detail = f"there are already {MOST} drafts of all users, which is the limit: delete some first"
-        raise RefusedError(409, "too-many-drafts", detail)
+        raise RefusedError("too-many-drafts", detail)
     at = now(writer)
     who = {"owner": visitor.account, "saved_by": visitor.user, "created": at, "saved": at}
     values = content.model_dump() | who | {"version": 1}
@@ -135,7 +135,7 @@ def _conflict(draft: Draft, version: int) -> RefusedError:
         f"{draft.id} was saved by {draft.saved_by or 'a user'} at {when} after you opened it (version "
         f"{draft.version}, yours is {version}): open it again, or save yours as a new draft"
     )
-    return RefusedError(409, "draft-changed", detail)
+    return RefusedError("draft-changed", detail)
 
 
 def _draft(row: sa.RowMapping) -> dict[str, object]:

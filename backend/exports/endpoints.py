@@ -72,7 +72,7 @@ async def export_file(
     found = named(file)
     if found is None:
         known_as = ", ".join(one.file for one in SERVED)
-        raise RefusedError(404, "not-found", f"there is no file {file!r} of a run; there are {known_as}")
+        raise RefusedError("not-found", f"there is no file {file!r} of a run; there are {known_as}")
     one, label = found
     if one.answer is not None:
         return await one.answer(request, run, label, theme == "dark")

@@ -98,7 +98,7 @@ def missing(package: str, extra: str) -> str | None:
 def require(missing: Callable[[], str | None]) -> None:
     """Raise 503 if a package is missing."""
     if reason := missing():
-        raise RefusedError(503, "no-package", f"the service {reason}")
+        raise RefusedError("no-package", f"the service {reason}")
 
 
 @cache

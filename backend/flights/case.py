@@ -112,9 +112,7 @@ def _like(reader: sa.Connection, run_id: int, label: str) -> dict[str, float]:
     known = {row.label: row.parameters for row in rows}
     if label not in known:
         there = ", ".join([NOMINAL, *sorted(known, key=lambda name: (len(name), name))])
-        raise RefusedError(
-            422, "unknown-finding", f"{run_name(run_id)} has no finding {label!r}: choose one of {there}"
-        )
+        raise RefusedError("unknown-finding", f"{run_name(run_id)} has no finding {label!r}: choose one of {there}")
     return dict(known[label])
 
 
@@ -136,13 +134,13 @@ def _permit(campaign: Campaign, catalogue: Catalogue | None, base: dict[str, flo
         ]
         what = "simulator" if campaign.scenario is None else "scenario"
         detail = f"the {what} has no parameter {unknown[0]!r}; {texts.known(unknown[0], known)}"
-        raise RefusedError(422, "unknown-parameter", detail, errors)
+        raise RefusedError("unknown-parameter", detail, errors)
     outside = [path for path, value in values.items() if not known[path][0].low <= value <= known[path][0].high]
     if outside:
         errors = [Problem(f"parameters.{p}", texts.number(values[p]), texts.limits(known[p][0])) for p in outside]
         detail = f"{outside[0]} is given as {texts.number(values[outside[0]])}: {texts.limits(known[outside[0]][0])}"
-        raise RefusedError(422, "outside-limits", detail, errors)
+        raise RefusedError("outside-limits", detail, errors)
     case = {path: nominal for path, (_, nominal) in known.items()} | base | values
     bounds = {path: (value, value) for path, value in case.items()}
     if values and (errors := list(orders.broken(installed(campaign, catalogue), bounds))):
-        raise RefusedError(422, "outside-limits", str(errors[0]), errors)
+        raise RefusedError("outside-limits", str(errors[0]), errors)

@@ -21,7 +21,7 @@ def requested_case(reader: sa.Connection, run: str, request: FlightRequest) -> C
     found = campaign(reader, run_id)
     if found.scenario is None:
         text = f"{run_name(run_id)} evaluates a simulator: it has no flight to simulate"
-        raise RefusedError(422, "not-flyable", text)
+        raise RefusedError("not-flyable", text)
     seed = request.seed if request.seed is not None else seeds(reader, run_id).get(request.like)
     return case(reader, run_id, found, request.like, request.parameters, seed)
 
@@ -32,6 +32,6 @@ def simulated(live: Live, wanted: Case, rows: int) -> FlightReply:
     try:
         return live.simulate(wanted.document, wanted.digest, wanted.values, max(rows, ROWS), wanted.seed)
     except FlightRefusedError as error:
-        raise RefusedError(422, "not-flyable", f"this flight cannot be simulated: {error}") from None
+        raise RefusedError("not-flyable", f"this flight cannot be simulated: {error}") from None
     except LiveError as error:
-        raise RefusedError(503, "flight-failed", f"the flight could not be simulated: {error}") from None
+        raise RefusedError("flight-failed", f"the flight could not be simulated: {error}") from None

@@ -50,7 +50,7 @@ class Turns:
         try:
             await asyncio.wait((job, overtaken), return_when=asyncio.FIRST_COMPLETED)
             if turn.overtaken.is_set():
-                raise RefusedError(409, "flight-overtaken", OVERTAKEN)
+                raise RefusedError("flight-overtaken", OVERTAKEN)
             return job.result()
         finally:
             overtaken.cancel()
@@ -77,6 +77,6 @@ class Turns:
     async def _work(account: str, turn: Turn, capacity: Capacity, work: Callable[[Turn], Result], gone: Gone) -> Result:
         async with capacity.turn(account):
             if await gone():
-                raise RefusedError(503, "busy", GONE)
+                raise RefusedError("busy", GONE)
             turn.begun = True
             return await capacity.thread(lambda: work(turn))

@@ -41,5 +41,5 @@ async def ready(request: Request) -> Health:
     )
     if found:
         detail = "; ".join(reason.message for reason in found)
-        raise RefusedError(503, "not-ready", detail, found, headers={"Retry-After": "5"})
+        raise RefusedError("not-ready", detail, found, headers={"Retry-After": "5"})
     return Health(status="ok")

@@ -39,7 +39,7 @@ def content_type(request: Request) -> str:
     media_type = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if media_type not in JSON_TYPES | YAML_TYPES:
         detail = f"send a campaign as application/json or application/yaml, given {media_type or 'no content type'!r}"
-        raise RefusedError(415, "unsupported-media-type", detail)
+        raise RefusedError("unsupported-media-type", detail)
     return media_type
 
 
@@ -88,7 +88,7 @@ def yaml_campaign(body: bytes) -> Campaign:
 
 
 def unreadable(problem: Problem) -> RefusedError:
-    return RefusedError(422, "unreadable", str(problem), [problem])
+    return RefusedError("unreadable", str(problem), [problem])
 
 
 class _RepeatedError(ValueError):

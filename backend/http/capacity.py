@@ -57,7 +57,7 @@ class Capacity:
         """
         async with self.turn(account):
             if gone is not None and await gone():
-                raise RefusedError(503, "busy", "the client closed the connection before the answer")
+                raise RefusedError("busy", "the client closed the connection before the answer")
             return await self.thread(work)
 
     async def thread(self, work: Callable[[], Result]) -> Result:
@@ -109,7 +109,7 @@ class Capacity:
             raise self._busy()
 
     def _busy(self) -> RefusedError:
-        return RefusedError(503, self.kind, self.sentence, headers={"Retry-After": str(self.retry)})
+        return RefusedError(self.kind, self.sentence, headers={"Retry-After": str(self.retry)})
 
 
 class _Share:

@@ -63,7 +63,7 @@ def where(request: Request) -> space.Room:
 def room(request: Request) -> None:
     """Refuses what begins a run while there is little space (503)."""
     if why := where(request).short():
-        raise RefusedError(503, "no-space", why, headers={"Retry-After": "60"})
+        raise RefusedError("no-space", why, headers={"Retry-After": "60"})
 
 
 ROOM = [Depends(room)]

@@ -192,29 +192,30 @@ class RefusedError(Exception):
 
     def __init__(
         self,
-        status: int,
         kind: str,
         detail: str,
         errors: Iterable[Problem] = (),
         headers: Mapping[str, str] | None = None,
+        status: int | None = None,
     ) -> None:
+        """kind: one of `KINDS`, which has its status; any other one comes with its own."""
         super().__init__(detail)
-        self.status, self.kind, self.detail = status, kind, detail
+        self.kind, self.detail, self.status = kind, detail, status or KINDS[kind].status
         self.errors, self.headers = list(errors), headers
 
 
 def not_found(what: str, name: str) -> RefusedError:
-    return RefusedError(404, "not-found", f"there is no {what} {name[:LONGEST]!r}")
+    return RefusedError("not-found", f"there is no {what} {name[:LONGEST]!r}")
 
 
 def invalid(error: CampaignError) -> RefusedError:
-    return RefusedError(422, "invalid-campaign", "; ".join(map(str, error.problems)), error.problems)
+    return RefusedError("invalid-campaign", "; ".join(map(str, error.problems)), error.problems)
 
 
 def no_temporary_file(error: Exception) -> RefusedError:
     """503 for a file that is made beside the database before it is sent."""
     detail = f"no temporary file can be written ({worded(error)}): an administrator must free space, or set TMPDIR"
-    return RefusedError(503, "no-space", detail, headers={"Retry-After": "60"})
+    return RefusedError("no-space", detail, headers={"Retry-After": "60"})
 
 
 def respond(refused: RefusedError, path: str) -> JSONResponse:
@@ -242,7 +243,7 @@ def broken(path: str) -> JSONResponse:
     detail = (
         "internal error: the request was rolled back; nothing was changed. Try again; the cause is in the service's log"
     )
-    return respond(RefusedError(500, "internal", detail), path)
+    return respond(RefusedError("internal", detail), path)
 
 
 _SENTENCES = {
@@ -257,7 +258,7 @@ _KIND = {400: "bad-request", 404: "not-found", 405: "method-not-allowed", 413: "
 def _http(error: HTTPException, method: str) -> RefusedError:
     sentence = _SENTENCES.get(error.status_code, error.detail)
     kind = _KIND.get(error.status_code) or http.HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
-    return RefusedError(error.status_code, kind, f"{sentence} ({method})", headers=error.headers)
+    return RefusedError(kind, f"{sentence} ({method})", headers=error.headers, status=error.status_code)
 
 
 def _invalid(error: RequestValidationError, _: str) -> RefusedError:
@@ -266,18 +267,18 @@ def _invalid(error: RequestValidationError, _: str) -> RefusedError:
     if len(found) > MOST:
         errors.append(Problem("", "", f"and {len(found) - MOST} more problems"))
     detail = "the request does not match the API description: " + "; ".join(map(str, errors))
-    return RefusedError(422, "invalid-request", detail, errors)
+    return RefusedError("invalid-request", detail, errors)
 
 
 _REFUSALS: dict[type[Exception], Callable[[Any, str], RefusedError]] = {
     RefusedError: lambda error, _: error,
     CampaignError: lambda error, _: invalid(error),
-    AccessError: lambda error, _: RefusedError(409, "access-conflict", f"{error}"),
+    AccessError: lambda error, _: RefusedError("access-conflict", f"{error}"),
     HTTPException: _http,
     RequestValidationError: _invalid,
     # The pool had no free database connection within its timeout.
     sa.exc.TimeoutError: lambda *_: RefusedError(
-        503, "busy", "the database is busy: try again in a few seconds", headers={"Retry-After": "5"}
+        "busy", "the database is busy: try again in a few seconds", headers={"Retry-After": "5"}
     ),
 }
 """From an error and the method of the request."""

@@ -56,11 +56,11 @@ async def fields(request: Request) -> dict[str, str]:
     body = await request.body()
     if kind != "application/x-www-form-urlencoded" or len(body) > LARGEST_FORM:
         detail = f"send a form as application/x-www-form-urlencoded of at most {LARGEST_FORM:,} bytes"
-        raise RefusedError(400, "bad-request", detail)
+        raise RefusedError("bad-request", detail)
     try:
         found = urllib.parse.parse_qsl(body.decode("ascii"), keep_blank_values=True, max_num_fields=20, errors="strict")
     except ValueError:
-        raise RefusedError(400, "bad-request", "the form is not URL-encoded UTF-8 text") from None
+        raise RefusedError("bad-request", "the form is not URL-encoded UTF-8 text") from None
     return dict(found)
 
 

@@ -56,7 +56,7 @@ def earlier(reader: sa.Connection, keyed: Keyed) -> sa.Row[Any] | None:
             f"the Idempotency-Key {keyed.key!r} was used for another request, which made {row.made}: "
             "send the same request again, or another key"
         )
-        raise RefusedError(422, "idempotency-key-reused", detail)
+        raise RefusedError("idempotency-key-reused", detail)
     return row  # type: ignore[no-any-return]
 
 

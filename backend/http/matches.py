@@ -44,6 +44,6 @@ def require_match(tags: str | None, current: str, what: str, there: bool = True)
     if tags is None or (tags.strip() == "*" and there) or current in _TAG.findall(tags):
         return
     if not there:
-        raise RefusedError(412, "changed", f"{what} is not there: read what there is, then repeat the change")
+        raise RefusedError("changed", f"{what} is not there: read what there is, then repeat the change")
     detail = f"{what} has changed since it was read: read it again, then repeat the change"
-    raise RefusedError(412, "changed", detail)
+    raise RefusedError("changed", detail)

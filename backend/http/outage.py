@@ -24,7 +24,7 @@ def refusal(error: DatabaseOutage) -> RefusedError:
     """The driver's own words are in the log only: they may name addresses and files."""
     if error.kind != "busy":
         _log.error("%s (%s)", error.sentence, " ".join(str(error.orig).split()))
-    return RefusedError(503, error.kind, error.sentence, headers={"Retry-After": str(AGAIN[error.kind])})
+    return RefusedError(error.kind, error.sentence, headers={"Retry-After": str(AGAIN[error.kind])})
 
 
 def answer(error: DatabaseOutage, scope: Scope) -> Response:

@@ -63,7 +63,7 @@ def _moved(
         for path in moved.keys() - run_campaign.uncertain
     ]
     if unknown:
-        raise RefusedError(422, "unknown-parameter", "the campaign has no such uncertain parameter", unknown)
+        raise RefusedError("unknown-parameter", "the campaign has no such uncertain parameter", unknown)
     problems: list[Problem] = []
     for path, one in moved.items():
         low, high = one.interval(limits[path][0])
@@ -72,7 +72,7 @@ def _moved(
         else:
             problems.append(Problem(f"uncertain.{path}", f"{low:g} to {high:g}", "low must be below high"))
     if problems:
-        raise RefusedError(422, "invalid-request", "a moved distribution does not fit its bounds", problems)
+        raise RefusedError("invalid-request", "a moved distribution does not fit its bounds", problems)
     return {**run_campaign.uncertain, **moved}
 
 

@@ -43,15 +43,15 @@ def _refusal(scope: Scope) -> RefusedError | None:
     length = len(scope.get("raw_path") or path) + len(query)
     if length > LONGEST:
         detail = f"path and query have at most {LONGEST:,} bytes together, given {length:,}"
-        return RefusedError(414, "too-long", detail)
+        return RefusedError("too-long", detail)
     parameters = query.count(b"&") + 1
     if parameters > MOST_PARAMETERS:
         detail = f"a query has at most {MOST_PARAMETERS} parameters, given {parameters:,}: ask in several requests"
-        return RefusedError(400, "bad-request", detail)
+        return RefusedError("bad-request", detail)
     if not path.startswith("/api/"):
         return None
     if "\0" in path:
-        return RefusedError(404, "not-found", "an address must not contain null characters (%00)")
+        return RefusedError("not-found", "an address must not contain null characters (%00)")
     if b"\0" in urllib.parse.unquote_to_bytes(query):
-        return RefusedError(422, "invalid-request", "a query must not contain null characters (%00): remove them")
+        return RefusedError("invalid-request", "a query must not contain null characters (%00): remove them")
     return None

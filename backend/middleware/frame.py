@@ -113,7 +113,7 @@ class Frame:
         largest = LARGER_BODIES.get(scope["path"], LARGEST_BODY)
         announced = Headers(scope=scope).get("content-length", "")
         if _ANNOUNCED.fullmatch(announced) and int(announced) > largest:
-            refused = RefusedError(413, "too-large", _too_large(largest, f"{int(announced):,} bytes"))
+            refused = RefusedError("too-large", _too_large(largest, f"{int(announced):,} bytes"))
             await respond(refused, scope["path"])(scope, receive, send)
             return
         taken = 0

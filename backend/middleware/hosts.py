@@ -48,7 +48,7 @@ class Hosts:
             f"this service does not answer to the name {host[:200]!r}: use its address, or have its operator add the "
             "name to CLEARANCE_ALLOWED_HOSTS"
         )
-        return RefusedError(421, "unknown-host", detail)
+        return RefusedError("unknown-host", detail)
 
 
 def _name(host: str) -> str:

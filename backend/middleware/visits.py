@@ -42,5 +42,5 @@ class Visits:
             await send({"type": "websocket.close", "code": 1008, "reason": "busy"})
             return
         detail = f"{self.each} requests of your address are open, which is the limit: wait for one to end"
-        refused = RefusedError(503, "busy", detail, headers={"Retry-After": "5"})
+        refused = RefusedError("busy", detail, headers={"Retry-After": "5"})
         await respond(refused, scope["path"])(scope, receive, send)

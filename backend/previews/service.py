@@ -52,7 +52,7 @@ class Previews:
         """
         async with self._queue.turn(account):
             if await gone():
-                raise RefusedError(503, "preview-overtaken", "the client no longer waits for this preview")
+                raise RefusedError("preview-overtaken", "the client no longer waits for this preview")
             began = time.monotonic()
             answer = await self._queue.thread(lambda: self._flown(campaign))
             return answer, time.monotonic() - began
@@ -64,9 +64,9 @@ class Previews:
         try:
             return self.live.simulate(campaign.document(), campaign.digest, {}, ROWS)
         except FlightRefusedError as error:
-            raise RefusedError(422, "not-flyable", f"this campaign cannot be simulated: {error}") from None
+            raise RefusedError("not-flyable", f"this campaign cannot be simulated: {error}") from None
         except LiveError as error:
-            raise RefusedError(503, "preview-failed", f"the nominal case could not be simulated: {error}") from None
+            raise RefusedError("preview-failed", f"the nominal case could not be simulated: {error}") from None
 
 
 def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:

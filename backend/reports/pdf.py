@@ -38,7 +38,7 @@ def printed(html: str, sandbox: bool = True) -> bytes:
     """The page as PDF; sandbox: whether the browser makes its own. Raises 503 if there is no browser or it fails."""
     path = browser()
     if path is None:
-        raise RefusedError(503, "no-browser", MISSING)
+        raise RefusedError("no-browser", MISSING)
     try:
         folder = tempfile.TemporaryDirectory(prefix="clearance-pdf-", ignore_cleanup_errors=True)
         source = Path(folder.name) / "report.html"
@@ -55,7 +55,7 @@ def _print(path: str, source: Path, folder: Path, sandbox: bool) -> bytes:
     if output is not None or not target.is_file():
         _log.error("printing a report failed: %s", output)
         why = "it took too long" if output == "" else "it ended without writing a file; see the service's log"
-        raise RefusedError(503, "browser-failed", f"Chromium could not print the report: {why}. Print the HTML instead")
+        raise RefusedError("browser-failed", f"Chromium could not print the report: {why}. Print the HTML instead")
     return target.read_bytes()
 
 

@@ -139,7 +139,7 @@ def _read(cursor: str) -> str:
         return text
     except ValueError:
         detail = f"the cursor {cursor[:40]!r} is not one of this list: begin without one"
-        raise RefusedError(422, "bad-cursor", detail) from None
+        raise RefusedError("bad-cursor", detail) from None
 
 
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:

@@ -201,7 +201,7 @@ def _some(ids: Sequence[str]) -> dict[str, object]:
 
 
 def _conflict(detail: str) -> RefusedError:
-    return RefusedError(409, "requirement-conflict", detail)
+    return RefusedError("requirement-conflict", detail)
 
 
 LONGEST = 500

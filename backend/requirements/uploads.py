@@ -33,7 +33,7 @@ def read(kind: FileKind, content: bytes, id_name: str, text_name: str) -> tuple[
         found, skipped = _read(kind, content, id_name, text_name)
         _check(found)
     except CannotRead as error:
-        raise RefusedError(422, "unreadable", f"{error}", [Problem("file", "", f"{error}")]) from None
+        raise RefusedError("unreadable", f"{error}", [Problem("file", "", f"{error}")]) from None
     return found, skipped
 
 

@@ -83,7 +83,7 @@ def address_parts(
 
 def _refused(problems: list[Problem]) -> RefusedError:
     detail = "the request does not match the API description: " + "; ".join(map(str, problems))
-    return RefusedError(422, "invalid-request", detail, problems)
+    return RefusedError("invalid-request", detail, problems)
 
 
 FromAddress = Annotated[AddressParts, Depends(address_parts)]

@@ -39,7 +39,7 @@ def edit(engine: sa.Engine, run_id: int, changes: RunEdit, visitor: Visitor, mat
     empty = [key for key, value in values.items() if value is None]
     if empty or not values:
         message = "give at least one of name, tags, notes and pinned; omitted fields stay unchanged"
-        raise RefusedError(422, "invalid", message, [Problem(key, "null", message) for key in empty])
+        raise RefusedError("invalid", message, [Problem(key, "null", message) for key in empty])
     if changes.tags is not None:
         values["tags"] = list(dict.fromkeys(changes.tags))
     with engine.begin() as writer:
@@ -60,7 +60,7 @@ def _unchanged(writer: sa.Connection, run_id: int, before: str, after: str) -> N
     stored = writer.scalar(sa.select(Run.notes).where(Run.id == run_id).with_for_update())
     if stored is not None and stored not in (before, after):
         detail = "these notes were changed since they were read: read them again, then add your text"
-        raise RefusedError(409, "notes-changed", detail)
+        raise RefusedError("notes-changed", detail)
 
 
 def _audited(values: dict[str, object]) -> dict[str, object]:

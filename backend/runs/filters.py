@@ -110,7 +110,7 @@ def labelled(texts: Sequence[str]) -> list[tuple[str, str]]:
     try:
         return [pair(text) for text in texts]
     except ValueError as error:
-        raise RefusedError(422, "invalid-request", f"{error}", [Problem("label", "", f"{error}")]) from None
+        raise RefusedError("invalid-request", f"{error}", [Problem("label", "", f"{error}")]) from None
 
 
 def unindexed(column: Any, empty: Any = "") -> sa.ColumnElement[Any]:

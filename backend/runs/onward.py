@@ -31,7 +31,7 @@ def retry(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) ->
     stored, error = writer.execute(sa.select(Run.evaluations, Run.error).where(Run.id == run_id)).one()
     refuse_beyond(writer, quota, visitor)
     if not queue.resume(writer, run_id):
-        raise RefusedError(409, "not-failed", f"{run_name(run_id)} has not failed; only a failed run is retried")
+        raise RefusedError("not-failed", f"{run_name(run_id)} has not failed; only a failed run is retried")
     kept = writer.execute(sa.select(Run.evaluations).where(Run.id == run_id)).scalar_one()
     discarded = {"discarded": stored - kept} if kept < stored else {}
     audit.note(writer, visitor, "run.retried", run_name(run_id), {"evaluations": kept, "error": error, **discarded})
@@ -69,7 +69,7 @@ def now(reader: sa.Connection, made: RunSummary) -> RunSummary:
 def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:
     campaign, catalogue = service.campaign(reader, run_id), required(reader)
     if detail := identity.not_continuable(reader, run_id, campaign, catalogue):
-        raise RefusedError(409, "not-continuable", detail)
+        raise RefusedError("not-continuable", detail)
     return campaign, catalogue
 
 
@@ -80,4 +80,4 @@ def _own(reader: sa.Connection, run_id: int, visitor: Visitor) -> None:
 
 def _not_waiting(run_id: int) -> RefusedError:
     detail = f"{run_name(run_id)} does not wait for the code that began it; only such a run is begun again or continued"
-    return RefusedError(409, "not-waiting", detail)
+    return RefusedError("not-waiting", detail)

@@ -118,4 +118,4 @@ class Order:
 
 def _bad(cursor: str, message: str) -> RefusedError:
     problem = Problem("cursor", cursor[:120], message)
-    return RefusedError(422, "bad-cursor", str(problem), [problem])
+    return RefusedError("bad-cursor", str(problem), [problem])

@@ -33,7 +33,6 @@ def refuse_beyond(writer: sa.Connection, quota: Quota, visitor: Visitor, more: i
     if active + more > quota.active:
         noun = "run that has" if active == 1 else "runs that have"
         raise RefusedError(
-            409,
             "quota-reached",
             f"{visitor.account} has {active:,} {noun} not ended, and {more:,} more would exceed the limit of "
             f"{quota.active:,} for one user: wait for some to end, or cancel some",
@@ -49,7 +48,6 @@ def refuse_beyond(writer: sa.Connection, quota: Quota, visitor: Visitor, more: i
     ):
         if used >= most:
             raise RefusedError(
-                409,
                 "quota-reached",
                 f"the runs of {visitor.account} have {used:,} {what}, and the limit for one user is {most:,}: have an "
                 f"administrator remove and purge some (`clearance purge`), or raise {setting}",

@@ -62,7 +62,7 @@ def refuse_removed(writer: sa.Connection, run_id: int) -> None:
     removed = writer.scalar(sa.select(Run.removed).where(Run.id == run_id).with_for_update())
     tombstones.refuse_purged(writer, run_id)
     if removed is not None:
-        raise RefusedError(409, "removed", f"{run_name(run_id)} is removed: restore it first")
+        raise RefusedError("removed", f"{run_name(run_id)} is removed: restore it first")
 
 
 def _locked(writer: sa.Connection, run_ids: Sequence[int]) -> list[Any]:
@@ -99,4 +99,4 @@ def _refuse(problems: Sequence[Problem]) -> None:
         refused = "; ".join(f"{p.given} cannot be removed, {p.message}" for p in problems[:3])
         more = f"; and {len(problems) - 3} more" if len(problems) > 3 else ""
         none = ". None was removed" if len(problems) > 1 else ""
-        raise RefusedError(409, "not-removable", refused + more + none, problems)
+        raise RefusedError("not-removable", refused + more + none, problems)

@@ -24,7 +24,7 @@ def refuse_purged(reader: sa.Connection, run_id: int) -> None:
     columns = [getattr(Run, name) for name in _KEPT]
     row = reader.execute(sa.select(*columns).where(Run.id == run_id, Run.purged.is_not(None))).one_or_none()
     if row is not None:
-        raise RefusedError(410, "purged", _sentence(row))
+        raise RefusedError("purged", _sentence(row))
 
 
 def _sentence(row: Any) -> str:

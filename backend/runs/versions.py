@@ -28,7 +28,7 @@ def readable(what: str, reader: sa.Connection | None = None, run_id: int | None 
             f"{what} cannot be read by this version, {VERSION}: another version of Clearance stored it, or it is "
             f"damaged{known}. Read it with the version that stored it, or restore a backup of the database"
         )
-        raise RefusedError(409, "other-version", detail) from None
+        raise RefusedError("other-version", detail) from None
 
 
 def _executed_by(reader: sa.Connection, run_id: int | None) -> str | None:

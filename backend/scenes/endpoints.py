@@ -80,9 +80,9 @@ def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response
     _address(rest)
     if "websocket" in request.query_params:
         detail = "?websocket= would connect this page to another server and is not allowed"
-        raise RefusedError(400, "not-allowed", detail)
+        raise RefusedError("not-allowed", detail)
     if "playbackPath" in request.query_params:
-        raise RefusedError(400, "not-allowed", "?playbackPath= is not allowed: recordings have their own addresses")
+        raise RefusedError("not-allowed", "?playbackPath= is not allowed: recordings have their own addresses")
     plain, compressed = _page(request.app.state.settings.pages, at(""))
     packed = "gzip" in request.headers.get("accept-encoding", "")
     headers = {"Content-Security-Policy": CSP, "Vary": "Accept-Encoding", "Cache-Control": "private, max-age=3600"}
@@ -147,7 +147,7 @@ def _address(rest: str) -> Address:
         return parse(rest)
     except ValueError as error:
         raise RefusedError(
-            404, "not-found", f"{error}: /view/RUN/F2/t/SECONDS/cam/chase/dark/key/UUID, each part is optional"
+            "not-found", f"{error}: /view/RUN/F2/t/SECONDS/cam/chase/dark/key/UUID, each part is optional"
         ) from None
 
 

@@ -48,7 +48,7 @@ async def change_password(change: PasswordChange, request: Request, engine: Engi
     wait = lockout.enter(visitor.account, "")
     if wait:
         detail = f"too many wrong passwords: try again in {seconds(wait)} s"
-        raise RefusedError(429, "too-many-requests", detail, headers={"Retry-After": str(seconds(wait))})
+        raise RefusedError("too-many-requests", detail, headers={"Retry-After": str(seconds(wait))})
     current = None if change.current is None else change.current.get_secret_value()
     new = change.new.get_secret_value()
     hashing = capacities(request).passwords

@@ -69,7 +69,7 @@ def revoke(engine: sa.Engine, session_id: str, visitor: Visitor) -> None:
     with engine.begin() as writer:
         user = access.revoke_session(writer, session_id, None if visitor.sees_all else visitor.account)
         if user is None:
-            raise RefusedError(404, "not-found", f"there is no open session {session_id[:40]!r}")
+            raise RefusedError("not-found", f"there is no open session {session_id[:40]!r}")
         audit.note(writer, visitor, "session.revoked", user, {"session": session_id})
 
 
@@ -79,12 +79,12 @@ def change_password(engine: sa.Engine, current: str | None, new: str, visitor: V
         stored = users.password_of(reader, visitor.account)
         provided = identities.is_provided(users.creator_of(reader, visitor.account) or "")
     if provided:
-        raise RefusedError(403, "wrong-password", "you sign in through the provider: change your password there")
+        raise RefusedError("wrong-password", "you sign in through the provider: change your password there")
     if stored is not None and not passwords.matches(stored, current or ""):
-        raise RefusedError(403, "wrong-password", "the current password is wrong: nothing was changed")
+        raise RefusedError("wrong-password", "the current password is wrong: nothing was changed")
     problem = passwords.problem(new, visitor.account)
     if problem is not None:
-        raise RefusedError(422, "invalid-request", problem, [Problem("new", "", problem)])
+        raise RefusedError("invalid-request", problem, [Problem("new", "", problem)])
     hashed = passwords.hashed(new)
     with engine.begin() as writer:
         users.set_password(writer, visitor.account, hashed, visitor.key)

@@ -56,7 +56,7 @@ def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Vi
     """
     refuse_removed(writer, run_id)  # locks the run, so that two sign-offs at the same time take turns
     if _verdict(writer, run_id) is None:
-        raise _conflict("no-verdict", f"{run_name(run_id)} has no verdict: it cannot be signed off")
+        raise RefusedError("no-verdict", f"{run_name(run_id)} has no verdict: it cannot be signed off")
     name = _name(writer, review, visitor)
     own = _launcher(writer, run_id) == visitor.account
     dependent = _dependent(writer, run_id, visitor)
@@ -68,7 +68,7 @@ def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Vi
             f"the results of {run_name(run_id)} have changed since the review (sha256 {review.digest[:16]}): "
             "load the run and review it again"
         )
-        raise _conflict("results-changed", detail)
+        raise RefusedError("results-changed", detail)
     repeated = _repeated(writer, run_id, visitor.account, name, digest)
     if repeated is not None:
         raise repeated
@@ -89,7 +89,9 @@ def _reviewed(writer: sa.Connection, run_id: int, review: SignoffRequest) -> dic
     now = texts(writer, [run_id]).of_run(run_id)
     if review.texts is not None and review.texts != now:
         (other, *_) = sorted(key for key in now.keys() | review.texts.keys() if now.get(key) != review.texts.get(key))
-        raise _conflict("text-changed", f"the text of {other} has changed since the review: read it again, then sign")
+        raise RefusedError(
+            "text-changed", f"the text of {other} has changed since the review: read it again, then sign"
+        )
     return now
 
 
@@ -103,7 +105,7 @@ def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visit
         standing = one(writer, run_id, signoff_id)
         require_own(visitor, account, f"sign-off {signoff_id} of {run_name(run_id)}")
         if standing.withdrawn is not None:
-            raise _conflict("withdrawn", f"this sign-off was already withdrawn by {standing.withdrawn_by}")
+            raise RefusedError("withdrawn", f"this sign-off was already withdrawn by {standing.withdrawn_by}")
         values = {"withdrawn": now(writer), "withdrawn_by": visitor.user, "withdrawn_reason": reason}
         writer.execute(sa.update(Row).where(Row.id == signoff_id).values(**values))
         detail = {"signoff": signoff_id, "reason": reason}
@@ -131,7 +133,7 @@ def _name(reader: sa.Connection, review: SignoffRequest, visitor: Visitor) -> st
         return ""
     else:
         detail = f"{account} is signed in, and the sign-off is under that name: leave `name` out"
-    raise RefusedError(422, "invalid-request", detail, [Problem("name", review.name or "", detail)])
+    raise RefusedError("invalid-request", detail, [Problem("name", review.name or "", detail)])
 
 
 def _repeated(reader: sa.Connection, run_id: int, account: str, name: str, digest: str) -> RefusedError | None:
@@ -141,7 +143,7 @@ def _repeated(reader: sa.Connection, run_id: int, account: str, name: str, diges
         if person(row) == (True, folded(name)) if name else row.account == account:
             who = signer(row.account, row.name).name
             detail = f"{who} has already signed off these results, as {row.role}: withdraw that sign-off to sign again"
-            return _conflict("already-signed", detail)
+            return RefusedError("already-signed", detail)
     return None
 
 
@@ -160,7 +162,7 @@ def _dependent(reader: sa.Connection, run_id: int, visitor: Visitor) -> RefusedE
     """The refusal of whoever launched the run, unless an administrator permits that."""
     if _launcher(reader, run_id) != visitor.account or users.own_sign_offs(reader):
         return None
-    return RefusedError(403, "own-run", f"you launched {run_name(run_id)}: another reviewer must sign it off")
+    return RefusedError("own-run", f"you launched {run_name(run_id)}: another reviewer must sign it off")
 
 
 def _barred(reader: sa.Connection, run_id: int, visitor: Visitor, digest: str) -> str | None:
@@ -168,7 +170,3 @@ def _barred(reader: sa.Connection, run_id: int, visitor: Visitor, digest: str) -
     if signs_as(reader, visitor) is not None:
         refusals.append(_repeated(reader, run_id, visitor.account, "", digest))
     return "; ".join(refusal.detail for refusal in refusals if refusal is not None) or None
-
-
-def _conflict(kind: str, detail: str) -> RefusedError:
-    return RefusedError(409, kind, detail)

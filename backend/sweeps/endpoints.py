@@ -35,7 +35,7 @@ async def submit_sweep(
 ) -> SweepDetail:
     """Queue one run for each value of a fixed parameter; all of them, or none if one is invalid."""
     if bodies.content_type(request) not in bodies.JSON_TYPES:
-        raise RefusedError(415, "unsupported-media-type", "send a sweep as application/json: campaign, path, values")
+        raise RefusedError("unsupported-media-type", "send a sweep as application/json: campaign, path, values")
     body = await request.body()
     submission = await capacities(request).bodies.run(account(request), lambda: _submission(body))
     sweep = await run_in_threadpool(service.submit, engine, submission, visitor, key, request.app.state.quota)

@@ -63,5 +63,5 @@ def _entry(row: dict[str, object]) -> AuditEntry:
 
 def _number(cursor: str) -> int:
     if not cursor.isascii() or not cursor.isdigit() or len(cursor) > 18:
-        raise RefusedError(422, "bad-cursor", f"the cursor {cursor[:40]!r} is not one of this list: begin without one")
+        raise RefusedError("bad-cursor", f"the cursor {cursor[:40]!r} is not one of this list: begin without one")
     return int(cursor)

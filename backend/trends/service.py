@@ -33,7 +33,7 @@ def trend(
     """
     if (digest is None) == (name is None):
         message = "give either `campaign`, a digest, or `name`, the name of campaigns"
-        raise RefusedError(422, "invalid-request", message, [Problem("campaign", digest or "", message)])
+        raise RefusedError("invalid-request", message, [Problem("campaign", digest or "", message)])
     if digest is not None:
         name = reader.scalar(sa.select(CampaignRow.name).where(CampaignRow.digest == digest))
         if name is None:

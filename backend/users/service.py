@@ -32,10 +32,10 @@ def renew(writer: sa.Connection, name: str, public_url: str, visitor: Visitor) -
     """A new link for a user who lost the first one or forgot the password. 409 for a disabled user."""
     user = one(writer, name)
     if user.disabled is not None:
-        raise RefusedError(409, "access-conflict", f"the access of {name} is withdrawn: grant it again first")
+        raise RefusedError("access-conflict", f"the access of {name} is withdrawn: grant it again first")
     if user.provided:
         detail = f"{name} signs in through the provider, which also renews forgotten passwords: there is no link"
-        raise RefusedError(409, "access-conflict", detail)
+        raise RefusedError("access-conflict", detail)
     code = users.renew(writer, name, visitor.account)
     audit.note(writer, visitor, "user.link_made", name, {})
     return _link(writer, name, code, public_url)
@@ -54,19 +54,19 @@ def change(engine: sa.Engine, name: str, wanted: UserChange, visitor: Visitor, m
     (If-Match) is not the user's tag."""
     if wanted.role is None and wanted.disabled is None:
         message = "give at least one of role and disabled"
-        raise RefusedError(422, "invalid", message, [Problem("role", "", message)])
+        raise RefusedError("invalid", message, [Problem("role", "", message)])
     with engine.begin() as writer:
         users.hold(writer, name)
         user = one(writer, name)
         if name == visitor.account:
             detail = "you cannot change your own role or access: ask another administrator"
-            raise RefusedError(409, "access-conflict", detail)
+            raise RefusedError("access-conflict", detail)
         require_match(match, user.etag, f"the user {name}")
         role = None if wanted.role == user.role else wanted.role
         disabled = None if wanted.disabled == (user.disabled is not None) else wanted.disabled
         if user.provided and role is not None:
             detail = f"the role of {name} follows the groups of the sign-in provider: change them there"
-            raise RefusedError(409, "access-conflict", detail)
+            raise RefusedError("access-conflict", detail)
         if role is not None:
             users.set_role(writer, name, role)
         if disabled is not None:

@@ -34,7 +34,7 @@ def test(writer: sa.Connection, configured: Configured, visitor: Visitor) -> lis
         detail = (
             "no webhook is configured: set CLEARANCE_WEBHOOKS and CLEARANCE_WEBHOOK_SECRET, then restart the service"
         )
-        raise RefusedError(409, "no-webhook", detail)
+        raise RefusedError("no-webhook", detail)
     made = []
     for target in configured.targets:
         row = insert(writer, TargetRow).values(id=target.id, since=now(writer))

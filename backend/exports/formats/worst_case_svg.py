@@ -29,7 +29,7 @@ def picture(reader: sa.Connection, run_id: int) -> bytes:
     drawn = _drawn(record)
     if drawn is None:
         detail = f"{record.run.id} has no picture of a worst case: no flight of it is stored"
-        raise RefusedError(404, "not-found", detail)
+        raise RefusedError("not-found", detail)
     figure, caption, height = drawn
     lines = textwrap.wrap(caption, LONGEST)
     width, total = figures.WIDE + 2 * PAD, height + HEAD + LINE * len(lines) + PAD

@@ -133,7 +133,7 @@ def drawable(reader: sa.Connection, run_id: int) -> Campaign:
             f"{run_name(run_id)} evaluates a simulator, and no stored trace of it states which columns are positions: "
             "it has no 3D view. Declare them under `scene` in its descriptor or decorator"
         )
-        raise RefusedError(404, "not-found", text)
+        raise RefusedError("not-found", text)
     return run_campaign
 
 

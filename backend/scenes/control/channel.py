@@ -87,12 +87,12 @@ async def _answer(
         await capacities(request).views.run(account(request), lambda: _without_view(request, handle))
         full = viewers.full(handle.visitor)
         if full and not viewers.stopping.is_set():
-            raise RefusedError(503, "busy", f"{full}: close one that is not needed, then try again")
+            raise RefusedError("busy", f"{full}: close one that is not needed, then try again")
         raise _gone(handle)
     try:
         return await capacities(request).views.run(account(request), lambda: ask(viewer))
     except FailedError:
-        raise RefusedError(410, "view-failed", FAILED) from None
+        raise RefusedError("view-failed", FAILED) from None
     except GoneError:
         raise _gone(handle) from None
 
@@ -110,4 +110,4 @@ def _gone(handle: Handle) -> RefusedError:
         f"no 3D view of {run} is open for you with the key {handle.key}: open /view/{run}/key/{handle.key}/ first, "
         "and keep it open; ?wait=SECONDS waits for it"
     )
-    return RefusedError(404, "no-such-view", detail)
+    return RefusedError("no-such-view", detail)

@@ -130,7 +130,7 @@ def _absent(run: str, label: str, stored: bool) -> RefusedError:
     if not stored:
         return not_found("stored flight of this run called", label)
     text = f"the trace {label} of {run} has fewer than two rows with all positions: there is nothing to record"
-    return RefusedError(404, "not-found", text)
+    return RefusedError("not-found", text)
 
 
 def _costs(reader: sa.Connection, run_id: int, nominal: float | None) -> dict[str, float | None]:
@@ -150,11 +150,9 @@ async def recorded_page(run: str, flight: str, rest: str, request: Request) -> R
     """A flight's recording; append `dark` for the dark theme. The page is self-contained."""
     if request.query_params:
         detail = "the address of a recording has no query parameters: remove the query"
-        raise RefusedError(400, "not-allowed", detail)
+        raise RefusedError("not-allowed", detail)
     if rest.strip("/") not in ("", "dark", "light"):
-        raise RefusedError(
-            404, "not-found", f"{rest!r} is not part of a recording's address: /view/RUN/F1/recorded/dark/"
-        )
+        raise RefusedError("not-found", f"{rest!r} is not part of a recording's address: /view/RUN/F1/recorded/dark/")
     return await answer(request, run, flight, dark=parse(rest).dark, how="inline")
 
 

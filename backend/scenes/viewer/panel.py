@@ -58,7 +58,7 @@ class Panel:
         """Change the layers; raises `RefusedError` if they are not available."""
         if not self._simulates and layers.field:
             text = "this run evaluates a simulator, whose avoider is not known: the layer field is not available"
-            raise RefusedError(422, "unknown-parameter", text)
+            raise RefusedError("unknown-parameter", text)
         self._sampled.have(layers.sampled)
         if self._simulates:
             self._field.have(layers.field)

@@ -171,7 +171,7 @@ class Viewer:
             if self._progress.findings and flight not in self._progress.choices:
                 known = ", ".join(self._progress.choices)
                 text = f"{self._setting.run} has no finding {flight!r}: choose one of {known}"
-                raise RefusedError(422, "unknown-finding", text)
+                raise RefusedError("unknown-finding", text)
             closest = self._replay.closest_time()
             with read(self._engine) as reader:
                 self._progress.show(flight, reader)

@@ -68,17 +68,17 @@ class WhatIf(Part):
         """
         if not self._setting.clears:
             text = "a what-if of a simulator is evaluated by POST /runs/RUN/cases, which also draws it"
-            raise RefusedError(422, "unknown-parameter", text)
+            raise RefusedError("unknown-parameter", text)
         known = {one.path: one for one in self._setting.uncertain}
         for path, value in parameters.items():
             one = known.get(path)
             if one is None:
                 allowed = ", ".join(known) or "no parameter is known"
                 text = f"{path!r} is not an uncertain parameter of this campaign: {allowed}"
-                raise RefusedError(422, "unknown-parameter", text)
+                raise RefusedError("unknown-parameter", text)
             if not within(value, one.low, one.high):
                 bounds = f"{one.low!r} to {one.high!r} {one.unit}".strip()
-                raise RefusedError(422, "unknown-parameter", f"{path} is given as {value!r}, and may be {bounds}")
+                raise RefusedError("unknown-parameter", f"{path} is given as {value!r}, and may be {bounds}")
         self._number += 1
         nominal = {path: one.nominal for path, one in known.items()}
         self._latest.ask(_WhatIfRequest(self._number, nominal | dict(parameters), seed))

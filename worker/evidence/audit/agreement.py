@@ -10,8 +10,10 @@ import numpy as np
 
 from campaigns.catalogue import MethodEntry
 from campaigns.results.base import OK
+from campaigns.results.search import Apart
 from worker.evidence.audit import limits
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.parts import OMIT, REST, made
+from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import MISSING
 
 
@@ -26,7 +28,7 @@ def agreement(run: Run) -> bool:
     if worst > run.threshold:
         fall = min(fall, limits.AGREEMENT_OF_MARGIN * (worst - run.threshold))
     for k, row in zip(run.searches, run.claims["comparison"], strict=True):
-        kind, spent = run.methods[k].kind, run.ended[k]["evaluations"]
+        kind, spent = run.methods[k].kind, run.ended[k].evaluations
         within = max(fall, _rounding(run, worst)) if run.varies or run.older else math.inf
         least, labels = limits.LEAST.get(kind, math.inf) * len(run.bounds), {f["label"] for f in findings}
         searched = spent >= least and not (kind == "local" and spent >= run.plan[k].planned)
@@ -61,9 +63,9 @@ def _started(run: Run, k: int, label: str) -> bool:
     if run.wording < limits.LOWEST:
         return False
     for start in run.campaign.stages.search[run.searches.index(k)].starts:
-        for found in (f for f in run.findings if f["label"] == label):
+        for found in (f for f in run.findings if f.label == label):
             apart = [
-                abs(start.get(path, run.known[path][1]) - found["parameters"][path]) / (high - low)
+                abs(start.get(path, run.known[path][1]) - found.parameters[path]) / (high - low)
                 for path, (low, high) in run.bounds.items()
             ]
             if max(apart) <= limits.SAME_PLACE:
@@ -78,7 +80,7 @@ def _rounding(run: Run, worst: float) -> float:
     return limits.AGREEMENT_ROUNDING * max(abs(worst), abs(run.nominal), abs(run.threshold))
 
 
-def apart(run: Run, k: int) -> list[Tree]:
+def apart(run: Run, k: int) -> list[Apart]:
     """The parts of a search: their bests as its evaluations have them; at most one part of members that its method does
     not declare apart, and no more evaluations than the search has."""
     parts, declared = run.claims["results"][k].get("apart") or [], run.methods[k].apart
@@ -87,10 +89,12 @@ def apart(run: Run, k: int) -> list[Tree]:
     sound = len(parts) > 1 and sum(together) <= 1 and len({part["member"] for part in parts}) == len(parts)
     sound = sound and sum(part["evaluations"] for part in parts) <= len(costs)
     if parts and not sound:
-        return [{"member": MISSING}]
-    return [
-        {"best": float(costs[part["index"]]), "family": declared.get(part["member"], part["family"])} for part in parts
-    ]
+        return [_part(member=MISSING)]
+    return [_part(float(costs[part["index"]]), declared.get(part["member"], part["family"])) for part in parts]
+
+
+def _part(best: float = OMIT, family: str = OMIT, member: str = OMIT) -> Apart:
+    return made(Apart, member=member, best=best, family=family, **REST)
 
 
 def family(run: Run, k: int) -> str:

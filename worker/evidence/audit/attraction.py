@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -16,9 +15,10 @@ from campaigns.certificates import exact, rays
 from campaigns.certificates.coordinates import transformed
 from campaigns.certificates.polynomials import degree
 from campaigns.claims.stages import attraction as templates
-from campaigns.results.attraction import Attraction
+from campaigns.results.attraction import Attraction, HeldReference, NoAttraction, Section, TrimState
 from worker.evidence.audit.loops import MODELS, Model
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.parts import OMIT, REST, changed, made
+from worker.evidence.audit.recompute import Run
 
 HOLDS = "holds"
 MOST = 4
@@ -27,13 +27,12 @@ TOLERANCE = Fraction(1, 10**9)
 """Relative: how near a coefficient of the model is to that of the equations."""
 
 
-def placed(run: Run, k: int) -> Tree:
+def placed(run: Run, k: int) -> dict[str, tuple[object, object]]:
     """Whether the certificate holds, and how many rates of the model are those of the equations."""
     stated = Attraction.model_validate(run.claims["results"][k])
     own = _model(run)
     same = [True] * len(stated.flow) if own is None else _same(stated, own)
-    found: Tree = {f"model of stage {k}": (len(same), sum(same))}
-    return found | {f"certificate of stage {k}": (_holds(stated), HOLDS)}
+    return {f"model of stage {k}": (len(same), sum(same)), f"certificate of stage {k}": (_holds(stated), HOLDS)}
 
 
 def _holds(stated: Attraction) -> str:
@@ -68,20 +67,24 @@ def _same(stated: Attraction, own: Model) -> list[bool]:
     ]
 
 
-def attracted(run: Run, k: int) -> Tree:
+def attracted(run: Run, k: int) -> Attraction:
     """What the result of the stage must state."""
-    stated = Attraction.model_validate(run.claims["results"][k])
-    own, found = _model(run), Tree()
+    stated, own = Attraction.model_validate(run.claims["results"][k]), _model(run)
+    found = made(Attraction, **REST)
+    states: list[TrimState] = [made(TrimState, **REST) for _ in stated.states]
     if own is not None:
-        found["states"] = [
-            {"name": name, "symbol": symbol, "unit": unit, "trim": trim, "limit": limit}
+        states = [
+            made(TrimState, name=name, symbol=symbol, unit=unit, trim=trim, limit=limit)
             for (name, symbol, unit), trim, limit in zip(own.states, own.trim, own.limits, strict=True)
         ]
-        found["held"] = [{"text": text, "value": value, "unit": unit} for text, value, unit in own.references]
+        references = [made(HeldReference, text=text, value=value, unit=unit) for text, value, unit in own.references]
+        found = changed(found, states=states, held=references)
     if stated.refused is not None:
         why = templates.REASONS[stated.refused.why]
-        worded = {"statement": templates.refused(why), "refused": {"statement": why}}
-        return found | ({} if run.reworded else worded) | {"fraction": None, "proof": None, "sections": []}
+        if not run.reworded:
+            refused = made(NoAttraction, statement=why, **REST)
+            found = changed(found, statement=templates.refused(why), refused=refused)
+        return changed(found, fraction=None, proof=None, sections=[])
     if stated.proof is None or len(stated.states) > MOST:
         raise ValueError("a region without a proof, or of more states than any")
     if _holds(stated) != HOLDS:  # which is stated elsewhere: of another V nothing follows
@@ -89,12 +92,14 @@ def attracted(run: Run, k: int) -> Tree:
     with np.errstate(all="ignore"):
         drawn = rays.drawn(stated.proof.v.polynomial(), stated.proof.matrix())
     ended = np.array([math.inf if r is None else r for r in stated.simulated])
-    states: Any = found.get("states", [{} for _ in stated.states])
-    found |= {
-        "states": [state | {"reach": reach} for state, reach in zip(states, drawn.reach, strict=True)],
-        "degree": degree(stated.proof.v.polynomial()),
-        "fraction": rays.fraction(drawn.certified, ended, len(stated.states)),
-        "contradicting": rays.contradicting(drawn.certified, ended),
-        "sections": [{"states": list(pair), "proved": radii.tolist()} for pair, radii in drawn.sections.items()],
-    }
-    return found if run.reworded else found | {"statement": templates.proved(stated.facts())}
+    return changed(
+        found,
+        states=[changed(state, reach=reach) for state, reach in zip(states, drawn.reach, strict=True)],
+        degree=degree(stated.proof.v.polynomial()),
+        fraction=rays.fraction(drawn.certified, ended, len(stated.states)),
+        contradicting=rays.contradicting(drawn.certified, ended),
+        sections=[
+            made(Section, states=list(pair), proved=radii.tolist(), **REST) for pair, radii in drawn.sections.items()
+        ],
+        statement=OMIT if run.reworded else templates.proved(stated.facts()),
+    )

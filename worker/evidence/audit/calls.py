@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,12 @@ import numpy as np
 from campaigns import Campaign
 from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.finding import Calls as Several
+from campaigns.results.finding import Validation
+from campaigns.results.measured import Measured
 from worker.evidence.audit import limits
 from worker.evidence.audit.binomial import interval
+from worker.evidence.audit.parts import OMIT, REST, made
 from worker.evidence.audit.record import MISSING
 
 
@@ -25,23 +30,31 @@ class Calls:
         self.campaign, self.claims, simulator = campaign, claims, campaign.simulator
         self.measures = simulator is not None and len(status) > 1
         self.number = simulator.calls if simulator is not None else 1
-        self.measured = _measured(points, costs, status) if self.measures else {}
+        self.measured = _measured(points, costs, status) if self.measures else None
         declared = not self.measures or bool(claims["results"][0]["measured"]["declared"])
-        self.repeats = not self.measures or (self.measured["identical"] and declared)
+        self.repeats = self.measured is None or (self.measured.identical and declared)
         self.noisy = self.measures and (self.number > 1 or not self.repeats)
 
-    def case(self, recorded: JsonObject) -> JsonObject:
-        """The validation of a case by independent calls."""
-        repeats, threshold = recorded["repeats"], self.campaign.criterion.threshold
-        values = np.array(repeats["values"], dtype=np.float64)  # None becomes NaN
+    def case(self, recorded: Any, name: str = OMIT, cost: float = OMIT) -> Validation:
+        """The validation of a case by independent calls, whose values are stored; name, cost: to be stated of it."""
+        threshold, confidence = self.campaign.criterion.threshold, self.campaign.confidence
+        values = np.array(recorded["repeats"]["values"], dtype=np.float64)  # None becomes NaN
         violating, failed = int((values <= threshold).sum()), int(np.isnan(values).sum())
-        low, high = interval(violating, len(values), self.campaign.confidence, failed)
-        cost = math.nan if recorded["cost"] is None else recorded["cost"]
-        agrees, violates = cost > threshold and not violating and not failed, violating > 0
-        found = {"violating": violating, "failed": failed, "low": low, "high": high}
-        found["confidence"] = self.campaign.confidence
-        enough = len(values) == self.campaign.stages.validate_.repeats
-        return {"repeats": found, "agrees": agrees, "violates": violates, "ok": enough and (agrees or violates)}
+        low, high = interval(violating, len(values), confidence, failed)
+        own = math.nan if recorded["cost"] is None else recorded["cost"]
+        agrees = own > threshold and not violating and not failed
+        return made(
+            Validation,
+            name=name,
+            cost=cost,
+            repeats=made(
+                Several, violating=violating, failed=failed, low=low, high=high, confidence=confidence, **REST
+            ),
+            agrees=agrees,
+            violates=violating > 0,
+            ok=len(values) == self.campaign.stages.validate_.repeats and (agrees or violating > 0),
+            **REST,
+        )
 
     def checks(self, noise: str, flaky: Any) -> dict[str, bool]:
         """The checks that the rules require of a simulator's calls, by name; noise: that of the claimed sample."""
@@ -61,13 +74,14 @@ class Calls:
 
     def influence(self, varies: bool, spread: float) -> bool:
         """Whether the criterion varies by more than the noise alone would let it."""
-        deviation = self.measured.get("deviation") or 0.0
+        deviation = (self.measured and self.measured.deviation) or 0.0
         return varies and not (deviation and spread <= limits.ABOVE_NOISE * deviation)
 
-    def _cases(self) -> list[JsonObject]:
+    def _cases(self) -> Iterator[Any]:
+        """The stored validations."""
         last = self.claims["results"][-1]
-        found = [f["validation"] for f in self.claims["findings"]]
-        return [last["nominal"], *found, *(best["validation"] for best in last.get("incumbents", []))]
+        yield last["nominal"]
+        yield from (one["validation"] for one in (*self.claims["findings"], *last.get("incumbents", [])))
 
     def beside(self, noise: str) -> bool:
         """Whether nothing is wrong with several calls but that those of violations violate; noise: as of `checks`."""
@@ -76,14 +90,15 @@ class Calls:
     def _several(self, noise: str, of_violations: bool = True) -> bool:
         simulator, threshold = self.campaign.simulator, self.campaign.criterion.threshold
 
-        def sound(cost: Any, of: Any) -> bool:
-            violation = cost is not None and cost <= threshold and of["violates"] and not of["repeats"]["failed"]
-            return bool(of["ok"] and (of["agrees"] or (violation and not of_violations)))
+        def sound(cost: Any, of: Validation) -> bool:
+            failed = of.repeats is None or of.repeats.failed
+            violation = cost is not None and cost <= threshold and of.violates and not failed
+            return bool(of.ok and (of.agrees or (violation and not of_violations)))
 
-        clear = all(sound(case["cost"], self.case(case)) for case in self._cases())
+        clear = all(sound(c["cost"], self.case(c)) for c in self._cases())
         spot = self.claims["results"][-1]["spot_checks"]
         clear = clear and spot["compared"] == spot["checked"]
-        own = noise == "drawn" and not self.measured["by_process"]
+        own = noise == "drawn" and self.measured is not None and not self.measured.by_process
         return clear and own and simulator is not None and simulator.combine == "worst"
 
     def _later(self) -> bool:
@@ -96,7 +111,7 @@ def _same(costs: Any, status: Any) -> bool:
     return len(set(status.tolist())) == 1 and len(set(costs[status == OK].tolist())) <= 1
 
 
-def _measured(points: Any, costs: Any, status: Any) -> JsonObject:
+def _measured(points: Any, costs: Any, status: Any) -> Measured:
     """Evaluations of the same points in rounds: do they have the same bits?"""
     groups: dict[bytes, list[int]] = {}
     used = True
@@ -111,12 +126,8 @@ def _measured(points: Any, costs: Any, status: Any) -> JsonObject:
             several.append(float(values.max() - values.min()))
             squares.append(float(np.var(values - values.min(), ddof=1)))
     failed = int(np.count_nonzero((status != OK) & (status != EXCLUDED)))
-    return {
-        "points": len(groups),
-        "evaluations": len(status),
-        "failed": failed,
-        "identical": identical,
-        "by_process": used and not identical,
-        "spread": max(several, default=None),
-        "deviation": math.sqrt(sum(squares) / len(squares)) if squares else None,
-    }
+    return made(
+        Measured, points=len(groups), evaluations=len(status), failed=failed, identical=identical,
+        by_process=used and not identical, spread=max(several, default=None),
+        deviation=math.sqrt(sum(squares) / len(squares)) if squares else None, **REST,
+    )  # fmt: skip

@@ -8,7 +8,7 @@ from campaigns.checked import extents, rates
 from campaigns.checked.check import parameters
 from worker.evidence.audit import limits
 from worker.evidence.audit.agreement import agreement
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.recompute import Run
 
 
 def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
@@ -26,11 +26,11 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
         "minimum": bool(findings) and findings[0]["cost"] <= run.lowest and results[-1]["findings"]["complete"],
         "agreement": agreement(run),
         system: agreed and compared,
-        "evaluations": run.made["failed"] == 0,
+        "evaluations": run.made.failed == 0,
         "influence": run.calls.influence(run.varies, run.highest - run.lowest),
     }
     checks |= _encounter(run) if run.campaign.simulator is None else {}
-    checks |= run.calls.checks(run.claimed["noise"] if run.claimed else "stated", run.flaky)
+    checks |= run.calls.checks(run.claimed.noise if run.claimed else "stated", run.flaky)
     intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # as stated by the author
     return {name: holds or name in intended for name, holds in checks.items()} | _probability(run)
 
@@ -65,7 +65,7 @@ def _encounter(run: Run) -> dict[str, bool]:
     criterion = components.component("criterion", campaign.criterion.component)
     if criterion.of == "obstacles":
         closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
-        shown["closest approach"] = all(c["at"] == "inside" for c in closest) and _over(run, encounter.get("beyond"))
+        shown["closest approach"] = all(c["at"] == "inside" for c in closest) and _over(run)
     if criterion.measured_to == "centre" and not campaign.criterion.from_centre:
         inside = extents.within(campaign, components, parameters(campaign, components))
         shown |= {"distances": False} if inside else {}
@@ -74,9 +74,10 @@ def _encounter(run: Run) -> dict[str, bool]:
     return shown
 
 
-def _over(run: Run, beyond: Tree | None) -> bool:
+def _over(run: Run) -> bool:
     """Whether no flight comes closer beyond the horizon than any evaluation, and all that approaches there is known;
     earlier versions did not look there."""
+    beyond = run.claims["results"][-1]["encounter"].get("beyond")
     if beyond is None:
         return True
     low = run.lowest - limits.ROUNDING * max(abs(run.lowest), abs(run.threshold))
@@ -86,13 +87,13 @@ def _over(run: Run, beyond: Tree | None) -> bool:
 
 def _probability(run: Run) -> dict[str, bool]:
     campaign, sample, checks = run.campaign, run.claimed, dict[str, bool]()
-    noise, bound = (sample["noise"], sample["upper_bound"]) if sample else ("stated", 1.0)
-    excluded = run.made["excluded"] / max(run.made["evaluations"], 1)
+    noise, bound = (sample.noise, run.bound) if sample else ("stated", 1.0)
+    excluded = run.made.excluded / max(run.made.evaluations, 1)
     if run.random:
         realisations = campaign.given_scenario.realisations
         checks["noise"] = noise == "drawn" and not (realisations.combine == "mean" and len(realisations.seeds) > 1)
     if excluded:
-        checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= limits.EXCLUDED
+        checks["exclusions"] = max(sample.excluded_fraction if sample else 0.0, excluded) <= limits.EXCLUDED
     checks["sample"] = _sampled(run)
     if run.outside():
         checks["outside the bounds"] = run.outside() <= limits.CEILING
@@ -107,4 +108,4 @@ def _sampled(run: Run) -> bool:
     """Whether the certify stage drew enough, with a seed that nobody chose."""
     certify = [k for k, planned in enumerate(run.plan) if planned.kind == "certify"]
     drawn = [k for k in certify if run.claims["results"][k].get("drawn_at_launch") is True]
-    return any(run.samples[k]["samples"] >= limits.SAMPLE for k in drawn)
+    return any(run.samples[k].samples >= limits.SAMPLE for k in drawn)

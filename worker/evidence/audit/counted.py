@@ -14,12 +14,12 @@ import numpy as np
 
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import sample as templates
-from campaigns.documents import JsonObject
 from campaigns.results.base import OK
+from campaigns.results.sample import Beside, Blocks, Distribution, Histogram
 from worker.evidence.audit import draw, limits
 from worker.evidence.audit.binomial import upper_bound
+from worker.evidence.audit.parts import Ended, made, read
 
-Tree = JsonObject
 LOWEST, STEPS, PARTS = 100, 400, 40
 """Points of a distribution function: the lowest values, and others; bins of a histogram that is shown, at most."""
 KEPT, FAILURES, FIRST, BINS = 1000, 1000, 1024, 1000
@@ -27,25 +27,29 @@ KEPT, FAILURES, FIRST, BINS = 1000, 1000, 1024, 1000
 of its histogram."""
 STREAM = 2**24
 """Its random stream."""
-COUNTED = ("draws", "violations", "failed", "excluded")
 
 
-def ended(blocks: Tree) -> Tree:
+def stored(blocks: Any) -> Blocks:
+    """The blocks of counts that a result has."""
+    return read(Blocks, blocks, beside=read(Beside, blocks["beside"]))
+
+
+def ended(blocks: Blocks) -> Ended:
     """The numbers of its evaluations by status."""
-    return {"evaluations": sum(blocks["draws"]), **{name: sum(blocks[name]) for name in ("failed", "excluded")}}
+    return Ended(sum(blocks.draws), sum(blocks.failed), sum(blocks.excluded))
 
 
-def beside(blocks: Tree, violating: int, status: Any) -> Tree:
+def beside(blocks: Blocks, violating: int, status: Any) -> Beside:
     """The numbers of those that are not stored; of the stored ones, how many violate, and their status (k,)."""
     total, lost = ended(blocks), int(np.count_nonzero(status != OK))
-    rest = {"evaluations": total["evaluations"] - len(status), "failed": total["failed"] - lost}
-    violations = sum(blocks["violations"]) - total["failed"] - violating
-    return rest | {"excluded": total["excluded"], "violating": violations}
+    rest, failed = total.evaluations - len(status), total.failed - lost
+    violating = sum(blocks.violations) - total.failed - violating
+    return made(Beside, evaluations=rest, failed=failed, excluded=total.excluded, violating=violating)
 
 
-def statement(blocks: Tree, stored: int) -> Spans:
+def statement(blocks: Blocks, kept: int) -> Spans:
     """What is stored of it."""
-    return templates.counted(sum(blocks["draws"]), len(blocks["draws"]), stored)
+    return templates.counted(sum(blocks.draws), len(blocks.draws), kept)
 
 
 def block(requested: int) -> int:
@@ -56,7 +60,7 @@ def block(requested: int) -> int:
     return size
 
 
-def early(blocks: Tree, requested: int, most: float, confidence: float) -> tuple[int, int | None]:
+def early(blocks: Blocks, requested: int, most: float, confidence: float) -> tuple[int, int | None]:
     """How many of the requested samples may violate for a bound of at most `most`, -1 if none; and of a sample that
     ended because more do, the samples before its last block."""
     near, about = requested * most, 10.0 * (1.0 + math.sqrt(max(requested * most, 0.0)))
@@ -67,72 +71,71 @@ def early(blocks: Tree, requested: int, most: float, confidence: float) -> tuple
         middle = (allowed + beyond) // 2
         fits = upper_bound(middle, requested, confidence) <= most
         allowed, beyond = (middle, beyond) if fits else (allowed, middle)
-    violations, total = blocks["violations"], ended(blocks)
+    violations, total = blocks.violations, ended(blocks)
     if allowed < 0 or not sum(violations[:-1]) <= allowed < sum(violations):
         return allowed, None
-    evaluated = total["evaluations"] - total["excluded"]
-    return allowed, evaluated - (blocks["draws"][-1] - blocks["excluded"][-1])
+    return allowed, total.evaluations - total.excluded - (blocks.draws[-1] - blocks.excluded[-1])
 
 
-def scale(costs: list[float], threshold: float) -> Tree:
-    """The bins, by the costs of the stages before: their range and a quarter more at both ends."""
+def scale(costs: list[float], threshold: float) -> tuple[float, float]:
+    """Start and width of the bins, by the costs of the stages before: their range and a quarter more at both ends."""
     low, high = min(costs, default=threshold), max(costs, default=threshold)
     span = high - low or abs(threshold) or 1.0
-    return {"low": low - 0.25 * span, "width": 1.5 * span / BINS}
+    return low - 0.25 * span, 1.5 * span / BINS
 
 
-def edges(blocks: Tree) -> Any:
+def edges(blocks: Blocks) -> Any:
     """Of the bins, those below the first and above the last are open."""
-    return blocks["low"] + blocks["width"] * np.arange(BINS + 1)
+    return blocks.low + blocks.width * np.arange(BINS + 1)
 
 
-def through(blocks: Tree) -> Any:
+def through(blocks: Blocks) -> Any:
     """How many costs are in each bin and below it (BINS + 2,)."""
     bins = np.zeros(BINS + 2, dtype=np.int64)
-    bins[blocks["places"]] = blocks["counts"]
+    bins[blocks.places] = blocks.counts
     return np.cumsum(bins)
 
 
-def moments(blocks: Tree) -> Tree:
-    """Mean and standard deviation."""
+def moments(blocks: Blocks) -> tuple[float, float] | None:
+    """Mean and standard deviation; None of a single cost."""
     known = int(through(blocks)[-1])
     if known < 2:
-        return {"deviation": None}
-    mean = sum(blocks["totals"]) / known
-    spread = max(0.0, sum(blocks["squares"]) - known * mean * mean)
-    return {"mean": blocks["low"] + mean, "deviation": math.sqrt(spread / (known - 1))}
+        return None
+    mean = sum(blocks.totals) / known
+    spread = max(0.0, sum(blocks.squares) - known * mean * mean)
+    return blocks.low + mean, math.sqrt(spread / (known - 1))
 
 
-def histogram(blocks: Tree) -> Tree:
+def histogram(blocks: Blocks) -> Histogram:
     """Neighbouring bins as one, at most forty."""
-    filled = sorted(place for place, count in zip(blocks["places"], blocks["counts"], strict=True) if count)
+    filled = sorted(place for place, count in zip(blocks.places, blocks.counts, strict=True) if count)
     if not filled:
-        return {"edges": [], "counts": []}
+        return made(Histogram, edges=[], counts=[])
     first, last = filled[0], filled[-1] + 1
     starts = list(range(first, last, math.ceil((last - first) / PARTS)))
     below = np.concatenate([[0], through(blocks)])
-    ends = [min(b for b in blocks["lowest"] if b is not None), *edges(blocks).tolist(), blocks["highest"]]
+    ends = [min(b for b in blocks.lowest if b is not None), *edges(blocks).tolist(), blocks.highest]
     counts = [int(below[b] - below[a]) for a, b in zip(starts, [*starts[1:], last], strict=True)]
-    return {"edges": [ends[place] for place in (*starts, last)], "counts": counts}
+    return made(Histogram, edges=[ends[place] for place in (*starts, last)], counts=counts)
 
 
-def distribution(blocks: Tree, kept: Any, confidence: float) -> Tree:
+def distribution(blocks: Blocks, kept: Any, confidence: float) -> Distribution:
     """The lowest values one by one, and the upper edges of bins."""
-    failed, below = sum(blocks["failed"]), through(blocks)
+    failed, below = sum(blocks.failed), through(blocks)
     every = int(below[-1]) + failed
     values, ranks = kept[:LOWEST].tolist(), list(range(1, min(len(kept), LOWEST) + 1))
-    places = [p for p in sorted(blocks["places"]) if below[p] > len(values)]
+    places = [p for p in sorted(blocks.places) if below[p] > len(values)]
     places = places[:-1]
     places = places[:: max(1, math.ceil(len(places) / STEPS))]
     values, ranks = values + edges(blocks)[places].tolist(), ranks + [int(below[p]) for p in places]
     band = min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * every))) if every else 1.0
-    return {"values": values, "shares": [(failed + rank) / max(every, 1) for rank in ranks], "band": band}
+    return made(Distribution, values=values, shares=[(failed + rank) / max(every, 1) for rank in ranks], band=band)
 
 
-def value(blocks: Tree, kept: Any, rank: int) -> float | None:
+def value(blocks: Blocks, kept: Any, rank: int) -> float | None:
     """What the cost of this rank, counted from 1 with the failed ones as the lowest, is at least; None if of no cost,
     or of none that is known."""
-    rank -= sum(blocks["failed"])
+    rank -= sum(blocks.failed)
     if rank <= 0:
         return None
     if rank <= len(kept):
@@ -142,38 +145,45 @@ def value(blocks: Tree, kept: Any, rank: int) -> float | None:
     return max(known + ([float(edges(blocks)[place - 1])] if place else []), default=None)
 
 
-def fitting(blocks: Tree, requested: int, flights: Any, costs: Any, status: Any, threshold: float) -> tuple[int, int]:
+def fitting(blocks: Blocks, requested: int, flights: Any, costs: Any, status: Any, threshold: float) -> tuple[int, int]:
     """The number of blocks, and of those whose place, size, and lowest flights are what they must be; the kept flights
     in the order of their indices: indices, first costs and status (k,)."""
-    rest = blocks["beside"]
-    if not 0 <= rest["timeouts"] <= rest["failed"] or not 0 <= rest["flaky"] <= rest["evaluations"]:
-        return len(blocks["draws"]), 0
-    if sum(rest["exclusions"].values()) != rest["excluded"] or min(rest["exclusions"].values(), default=1) <= 0:
-        return len(blocks["draws"]), 0
-    columns = [blocks[name] for name in (*COUNTED, "lowest", "digests", "totals", "squares")]
-    number = len(blocks["draws"])
-    if any(len(column) != number for column in columns):
+    rest, number = blocks.beside, len(blocks.draws)
+    if not 0 <= rest.timeouts <= rest.failed or not 0 <= rest.flaky <= rest.evaluations:
+        return number, 0
+    if sum(rest.exclusions.values()) != rest.excluded or min(rest.exclusions.values(), default=1) <= 0:
+        return number, 0
+    counts = (blocks.draws, blocks.violations, blocks.failed, blocks.excluded)
+    if any(len(one) != number for one in (*counts, blocks.lowest, blocks.digests, blocks.totals, blocks.squares)):
         return number, 0
     total = ended(blocks)
-    if sum(blocks["counts"]) != total["evaluations"] - total["failed"] - total["excluded"]:
+    known = total.evaluations - total.failed - total.excluded
+    if sum(blocks.counts) != known:
         return number, 0
-    if not np.all(np.diff(flights) > 0) or not 0 <= min(flights, default=0) <= max(flights, default=0) < sum(
-        blocks["draws"]
-    ):
+    lowest, highest = min(flights, default=0), max(flights, default=0)
+    if not np.all(np.diff(flights) > 0) or not 0 <= lowest <= highest < sum(blocks.draws):
         return number, 0
-    known = total["evaluations"] - total["failed"] - total["excluded"]
     kept = Kept(flights, costs, status)
-    if not kept.complete(known, total["failed"]):
+    if not kept.complete(known, total.failed):
         return number, 0
     first, fits = 0, 0
-    for row, size in enumerate(_sizes(requested, blocks)):
-        if row >= number or blocks["draws"][row] != size:
+    for size, block in zip(_sizes(requested, blocks), map(Block, *counts, blocks.lowest), strict=False):
+        if block.draws != size:
             break
-        block = {name: blocks[name][row] for name in (*COUNTED, "lowest")}
         fits += kept.fits(block, first, threshold)
         first += size
-    whole = first == sum(blocks["draws"]) and kept.binned(blocks, threshold) and kept.begun(blocks)
+    whole = first == sum(blocks.draws) and kept.binned(blocks, threshold) and kept.begun(blocks)
     return number, fits if whole else 0
+
+
+class Block(NamedTuple):
+    """The numbers of one block, and the lowest of its costs."""
+
+    draws: int
+    violations: int
+    failed: int
+    excluded: int
+    lowest: float | None
 
 
 class Kept(NamedTuple):
@@ -202,48 +212,48 @@ class Kept(NamedTuple):
         called_for = np.where(ok, self.costs <= self.last, self.flights <= self.end) | (self.flights < FIRST)
         return bool(stored and called_for.all())
 
-    def begun(self, blocks: Tree) -> bool:
+    def begun(self, blocks: Blocks) -> bool:
         """Whether of the first draws all are stored that the blocks do not count as excluded."""
-        starts = np.cumsum([0, *blocks["draws"][:-1]])
-        excluded = sum(n for n, start in zip(blocks["excluded"], starts, strict=True) if start < FIRST)
-        return bool(np.count_nonzero(self.flights < FIRST) >= min(FIRST, sum(blocks["draws"])) - excluded)
+        starts = np.cumsum([0, *blocks.draws[:-1]])
+        excluded = sum(n for n, start in zip(blocks.excluded, starts, strict=True) if start < FIRST)
+        return bool(np.count_nonzero(self.flights < FIRST) >= min(FIRST, sum(blocks.draws)) - excluded)
 
-    def binned(self, blocks: Tree, threshold: float) -> bool:
+    def binned(self, blocks: Blocks, threshold: float) -> bool:
         """Whether the bins are those of the stored flights as far as all are stored, and fit the other counts."""
-        places, counts, ends = np.array(blocks["places"]), np.array(blocks["counts"]), edges(blocks)
+        places, counts, ends = np.array(blocks.places), np.array(blocks.counts), edges(blocks)
         if len(places) != len(counts) or np.any(np.diff(places) <= 0) or np.any(counts <= 0):
             return False
         if not len(places):
             return True
         if places[0] < 0 or places[-1] > BINS + 1:
             return False
-        lowest, below = min(b for b in blocks["lowest"] if b is not None), through(blocks)
-        highest, ok = blocks["highest"], np.sort(self.costs[self.status == OK])
+        ok, below = np.sort(self.costs[self.status == OK]), through(blocks)
+        lowest, highest = np.array([min(b for b in blocks.lowest if b is not None), blocks.highest])
         if [places[0], places[-1]] != np.searchsorted(ends, [lowest, highest]).tolist() or highest < ok[-1]:
             return False
         stored = np.searchsorted(ok, ends, side="right")  # costs at or below each edge
         every = ends < self.last
         low = np.all(below[:-1][every] == stored[every]) and np.all(below[:-1] >= stored)
-        violating, at = sum(blocks["violations"]) - sum(blocks["failed"]), int(np.searchsorted(ends, threshold))
+        violating, at = sum(blocks.violations) - sum(blocks.failed), int(np.searchsorted(ends, threshold))
         least = 0 if at == 0 else int(below[at - 1])
         return bool(low and least <= violating <= int(below[at]))
 
-    def fits(self, block: Tree, first: int, threshold: float) -> bool:
+    def fits(self, block: Block, first: int, threshold: float) -> bool:
         """Whether the counts of one block are those of its stored flights, as far as these say."""
-        inside = (self.flights >= first) & (self.flights < first + block["draws"])
+        inside = (self.flights >= first) & (self.flights < first + block.draws)
         ok, lost = self.costs[inside & (self.status == OK)], int(np.count_nonzero(inside & (self.status != OK)))
-        evaluated, lowest = block["draws"] - block["excluded"], block["lowest"]
-        counts = 0 <= block["failed"] <= block["violations"] <= evaluated <= block["draws"] and lost <= block["failed"]
-        counts &= lost == block["failed"] or first + block["draws"] > self.end
-        counts &= int(inside.sum()) == evaluated or first + block["draws"] > FIRST
+        evaluated, lowest = block.draws - block.excluded, block.lowest
+        counts = 0 <= block.failed <= block.violations <= evaluated <= block.draws and lost <= block.failed
+        counts &= lost == block.failed or first + block.draws > self.end
+        counts &= int(inside.sum()) == evaluated or first + block.draws > FIRST
         seen = min(ok.tolist(), default=math.inf)  # of the first draws all are stored, of others the lowest of all
         low = seen == math.inf if lowest is None else lowest == seen or self.last <= lowest <= seen
-        below = int(np.count_nonzero(ok <= threshold)) + block["failed"]
-        every = below == block["violations"] or (below < block["violations"] and threshold >= self.last)
+        below = int(np.count_nonzero(ok <= threshold)) + block.failed
+        every = below == block.violations or (below < block.violations and threshold >= self.last)
         return bool(counts and low and every)
 
 
-def _sizes(requested: int, blocks: Tree) -> Iterator[int]:
+def _sizes(requested: int, blocks: Blocks) -> Iterator[int]:
     """The draws of each block: the requested ones, then as many as were excluded of those before, at most twice."""
     each = block(requested)
     done, until, row = 0, requested, 0
@@ -252,7 +262,7 @@ def _sizes(requested: int, blocks: Tree) -> Iterator[int]:
             size = min(each, until - done)
             yield size
             done, row = done + size, row + 1
-        missing = requested - (done - sum(blocks["excluded"][:row]))
+        missing = requested - (done - sum(blocks.excluded[:row]))
         until = min(until + max(missing, 0), limits.DRAWS * requested)
         if done >= until:
             return

@@ -15,9 +15,11 @@ import numpy as np
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import estimate as templates
 from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.estimate import EstimateAlarm, Estimation, ImportanceDensity, NoEstimate, Rows, ViolationMode
 from worker.evidence.audit import draw, limits
 from worker.evidence.audit.binomial import cumulative
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.parts import OMIT, REST, changed, made, read
+from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import Missing
 
 STREAM, SAMPLED = 2**25, 0.06
@@ -39,7 +41,7 @@ class Searched(NamedTuple):
     violations that led to each mode, and its alarms."""
 
     refused: tuple[str, int] | None
-    density: Tree
+    density: ImportanceDensity
     origins: list[list[dict[str, int]]]
     alarms: dict[str, float]
 
@@ -53,12 +55,13 @@ def _again(run: Run, k: int) -> Searched | None:
     return found if isinstance(found, Searched) and found.refused is None else None
 
 
-def placed(run: Run, k: int) -> Tree:
+def placed(run: Run, k: int) -> dict[str, tuple[object, object]]:
     """What the stored points must be, and are: the independent sample that follows from the seed, draws whose weights
     have the mean 1, and origins that violate."""
     stated = run.claims["results"][k]
-    made = run.searched.get(k, UNKNOWN)
-    follows: Tree = {f"search of stage {k}": (1, made if isinstance(made, Missing) else int(made is not None))}
+    again = run.searched.get(k, UNKNOWN)
+    repeated = (1, again if isinstance(again, Missing) else int(again is not None))
+    follows: dict[str, tuple[object, object]] = {f"search of stage {k}": repeated}
     if stated.get("refused") is not None:
         return {} if run.calls.noisy else follows
     first, count = stated["independent"]["first"], stated["independent"]["count"]
@@ -68,7 +71,8 @@ def placed(run: Run, k: int) -> Tree:
     drawn = _cube(run, normal)
     near = np.abs(points[first : first + count] - drawn[:count]) <= draw.ROUNDING
     last = points[len(points) - final :]
-    weights = np.where(_beyond(run, last), 0.0, _weights(_normal(run, last), stated["density"])[0])
+    weights, _ = _weights(_normal(run, last), read(ImportanceDensity, stated["density"]))
+    weights = np.where(_beyond(run, last), 0.0, weights)
     error, mean = float(weights.std(ddof=1)) / math.sqrt(len(weights)), float(weights.mean())
     fits = -run.outside() <= mean - 1.0 + ERRORS * max(error, 1e-9) and mean - 1.0 <= ERRORS * max(error, 1e-9)
     origins = [(one["position"], one["index"]) for mode in stated["modes"] for one in mode["origins"]]
@@ -90,50 +94,55 @@ def _beyond(run: Run, points: Any) -> Any:
     return draw.distributed(run.campaign, run.bounds).beyond(points)
 
 
-def estimated(run: Run, k: int) -> Tree:
+def estimated(run: Run, k: int) -> Estimation:
     """What the result of the stage must state."""
     stated = run.claims["results"][k]
-    found: Tree = {"outside": run.outside(), "confidence": run.campaign.confidence}
+    found = made(Estimation, outside=run.outside(), confidence=run.campaign.confidence, **REST)
     if stated.get("refused") is not None:
-        return found | _refused(run, k, stated)
+        return _refused(run, k, found)
     points, _, status = run.rows(k)
     outside = _beyond(run, points)
     violates, budget = _violates(run, k) & ~outside, run.plan[k].planned
     first, count, drawn = stated["independent"]["first"], int(SAMPLED * budget), stated["final"]["count"]
     last, own = len(status) - drawn, slice(first, first + count)
-    weights, responsible = _weights(_normal(run, points[last:]), stated["density"])
+    density = read(ImportanceDensity, stated["density"])
+    weights, responsible = _weights(_normal(run, points[last:]), density)
     failed = (status[last:] != OK) & (status[last:] != EXCLUDED) & ~outside[last:]
     terms, kept = np.where(violates[last:], weights, 0.0), int(np.count_nonzero(status[own] != EXCLUDED))
-    made = _interval(terms, np.where(failed, 0.0, terms), (kept, count), run.campaign.confidence)
-    terms = terms if made["probability"] else np.zeros_like(terms)
+    interval = _interval(terms, np.where(failed, 0.0, terms), (kept, count), run.campaign.confidence)
+    terms = terms if interval.probability else np.zeros_like(terms)
     sample = int(np.count_nonzero(violates[own])), kept
     again = _again(run, k)
     searched = {alarm["why"]: float(alarm["value"]) for alarm in stated["alarms"]}
     if again is not None:
         kinds = searched.keys() - {"unexplained", "unsaturated"}
         searched = {why: searched[why] for why in kinds} | again.alarms
-        found["density"] = _density(again, stated["density"])
-    numbers, alarms = _numbers(terms, made, _tails(run, kept, count)), _alarms(searched, terms, made, sample)
-    if alarms:
-        numbers |= {"low": None, "high": None}
-    numbers = {name: _near(value, stated[name]) for name, value in numbers.items()}
+        found = changed(found, density=_density(again.density, density))
+    effective = float(terms.sum() ** 2 / max(float(np.sum(terms**2)), 1e-300))
+    alarms = _alarms(searched, terms, interval, effective, sample)
+    outer = interval.beyond(_tails(run, kept, count))
+    low, high = (None, None) if alarms else (outer.low, outer.high)
+    variation = interval.variation if math.isfinite(interval.variation) else None
+    numbers: dict[str, float | None] = {"probability": interval.probability, "low": low, "high": high}
+    numbers |= {"variation": variation, "effective": effective}
+    near = {name: _near(value, stated[name]) for name, value in numbers.items()}
     shares = (terms @ responsible / max(float(terms.sum()), 1e-300)).tolist()
-    found |= numbers | {"draws": drawn, "failed_draws": int(np.count_nonzero(failed))}
-    found |= {
-        "final": {"first": last},
-        "independent": {"count": count},
-        "modes": _modes(run, stated, shares, again),
-    }
-    found["alarms"] = [_with_statement(run, k, alarm, sample, numbers["probability"]) for alarm in alarms]
-    return found if run.reworded else found | {"statement": _statement(run, stated, found, count - kept)}
+    found = changed(
+        found, **near, draws=drawn, failed_draws=int(np.count_nonzero(failed)), final=made(Rows, first=last, **REST),
+        independent=made(Rows, count=count, **REST), modes=_modes(run, stated["modes"], density, shares, again),
+        alarms=[_with_statement(run, k, alarm, sample, near["probability"]) for alarm in alarms],
+    )  # fmt: skip
+    return found if run.reworded else changed(found, statement=_statement(run, k, found, count - kept))
 
 
-def _density(again: Searched, stated: Tree) -> Tree:
+def _density(adapted: ImportanceDensity, stated: ImportanceDensity) -> ImportanceDensity:
     """The density that the search adapted; what differs by rounding is as stated."""
-    made, near = again.density, {}
-    for name, value in made.items():
-        near[name] = np.shape(value) == np.shape(stated[name]) and np.allclose(value, stated[name], TOLERANCE)
-    return {name: stated[name] if near[name] else value for name, value in made.items()}
+    near = adapted
+    for name in (*FIELDS, "shares"):
+        value, claim = getattr(adapted, name), getattr(stated, name)
+        if np.shape(value) == np.shape(claim) and np.allclose(value, claim, TOLERANCE):
+            near = changed(near, **{name: claim})
+    return near
 
 
 def _violates(run: Run, k: int) -> Any:
@@ -148,13 +157,13 @@ def _normal(run: Run, points: Any) -> Any:
     return QUANTILE(np.clip(uniform, 1e-300, 1.0 - 2.0**-53))
 
 
-def _weights(points: Any, density: Tree) -> tuple[Any, Any]:
+def _weights(points: Any, density: ImportanceDensity) -> tuple[Any, Any]:
     """The nominal density relative to the stated one (m,), and the responsibilities of its modes (m, k)."""
-    n, modes = points.shape[1], len(density["shares"])
-    shares = LEAST_SHARE / modes + (1.0 - LEAST_SHARE) * np.array(density["shares"])
+    n, modes = points.shape[1], len(density.shares)
+    shares = LEAST_SHARE / modes + (1.0 - LEAST_SHARE) * np.array(density.shares)
     nominal = _log_normal(points, np.zeros(n), np.eye(n))
     parts = [np.full(len(points), NOMINAL)]
-    for share, design, centre, spread in zip(shares, *(density[f] for f in FIELDS), strict=True):
+    for share, design, centre, spread in zip(shares, *(getattr(density, f) for f in FIELDS), strict=True):
         adapted = _log_normal(points, centre, COVARIANCE * np.array(spread))
         unit = _log_normal(points, design, np.eye(n))
         likely = (1.0 - NOMINAL - UNIT) * np.exp(adapted - nominal) + UNIT * np.exp(unit - nominal)
@@ -173,12 +182,25 @@ def _log_normal(points: Any, centre: Any, covariance: Any) -> Any:
 FIELDS = ("designs", "centres", "covariances")
 
 
-def _interval(high: Any, low: Any, sample: tuple[int, int], confidence: float) -> Tree:
+class Interval(NamedTuple):
+    """The estimate, its interval, and the coefficient of variation of its terms."""
+
+    probability: float
+    low: float
+    high: float
+    variation: float
+
+    def beyond(self, outside: float) -> Interval:
+        """With so much probability beyond the bounds."""
+        return self._replace(low=self.low * (1.0 - outside), high=min(1.0, self.high + outside))
+
+
+def _interval(high: Any, low: Any, sample: tuple[int, int], confidence: float) -> Interval:
     """The log-normal interval, wider by its factor, relative to what is not excluded."""
     kept, count = sample
     share, z = kept / count, WIDER * NormalDist().inv_cdf((1.0 + confidence) / 2.0)
     if not high.any() or not kept:
-        return {"probability": 0.0, "low": 0.0, "high": 1.0, "variation": math.inf}
+        return Interval(0.0, 0.0, 1.0, math.inf)
 
     def variation(terms: Any) -> float:
         mean = float(terms.mean())
@@ -186,8 +208,7 @@ def _interval(high: Any, low: Any, sample: tuple[int, int], confidence: float) -
 
     wide, narrow = variation(high), variation(low)
     ends = float(low.mean()) * math.exp(-z * narrow) / share, float(high.mean()) * math.exp(z * wide) / share
-    made = {"probability": min(1.0, float(high.mean()) / share), "low": ends[0]}
-    return made | {"high": min(1.0, ends[1]), "variation": wide}
+    return Interval(min(1.0, float(high.mean()) / share), ends[0], min(1.0, ends[1]), wide)
 
 
 def _tails(run: Run, kept: int, drawn: int) -> float:
@@ -196,23 +217,13 @@ def _tails(run: Run, kept: int, drawn: int) -> float:
     return min(1.0, run.outside() / share) if share else 1.0
 
 
-def _numbers(terms: Any, made: Tree, outside: float) -> Tree:
-    effective = float(terms.sum() ** 2 / max(float(np.sum(terms**2)), 1e-300))
-    variation = made["variation"] if math.isfinite(made["variation"]) else None
-    return made | {
-        "low": made["low"] * (1.0 - outside),
-        "high": min(1.0, made["high"] + outside),
-        "variation": variation,
-        "effective": effective,
-    }
-
-
-def _alarms(alarm_values: dict[str, float], terms: Any, made: Tree, sample: tuple[int, int]) -> list[Tree]:
+def _alarms(
+    alarm_values: dict[str, float], terms: Any, interval: Interval, effective: float, sample: tuple[int, int]
+) -> list[EstimateAlarm]:
     """All alarms in their order; alarm_values: as stated, those of the search as repeated."""
-    largest = float(terms.max() / max(float(terms.sum()), 1e-300))
-    effective, (violations, size) = _numbers(terms, made, 0.0)["effective"], sample
-    many = _at_most(size - violations, size, 1.0 - made["high"])
-    few = _at_most(violations, size, made["low"])
+    largest, (violations, size) = float(terms.max() / max(float(terms.sum()), 1e-300)), sample
+    many = _at_most(size - violations, size, 1.0 - interval.high)
+    few = _at_most(violations, size, interval.low)
     raised = {
         "unexplained": ("unexplained" in alarm_values, alarm_values.get("unexplained")),
         "weight": (largest > LARGEST, largest),
@@ -220,7 +231,8 @@ def _alarms(alarm_values: dict[str, float], terms: Any, made: Tree, sample: tupl
         "unsaturated": ("unsaturated" in alarm_values, alarm_values.get("unsaturated")),
         "sample": (min(many, few) < CHANCE / 2.0, float(violations)),
     }
-    return [{"why": why, "value": _near(value, alarm_values.get(why))} for why, (on, value) in raised.items() if on]
+    values: dict[Any, float] = {why: _near(value, alarm_values.get(why)) for why, (on, value) in raised.items() if on}
+    return [made(EstimateAlarm, why=why, value=value) for why, value in values.items()]
 
 
 def _at_most(events: int, samples: int, p: float) -> float:
@@ -230,51 +242,56 @@ def _at_most(events: int, samples: int, p: float) -> float:
     return math.exp(cumulative(events, samples, p)[-1])
 
 
-def _with_statement(run: Run, k: int, alarm: Tree, sample: tuple[int, int], probability: float) -> Tree:
-    value, budget = alarm["value"], run.plan[k].planned
-    made = {
+def _with_statement(
+    run: Run, k: int, alarm: EstimateAlarm, sample: tuple[int, int], probability: float
+) -> EstimateAlarm:
+    value, budget = alarm.value, run.plan[k].planned
+    worded = {
         "unexplained": lambda: templates.unexplained(int(value), budget),
         "weight": lambda: templates.single(value),
         "few": lambda: templates.few(value, FEWEST),
         "unsaturated": lambda: templates.unsaturated(int(value)),
         "sample": lambda: templates.contradicted(*sample, probability),
     }
-    return alarm if run.reworded else alarm | {"statement": made[alarm["why"]]()}
+    return alarm if run.reworded else changed(alarm, statement=worded[alarm.why]())
 
 
-def _modes(run: Run, stated: Tree, shares: list[float], again: Searched | None) -> list[Tree]:
+def _modes(
+    run: Run, stated: Any, density: ImportanceDensity, shares: list[float], again: Searched | None
+) -> list[ViolationMode]:
     """The modes at the centres of the density, with the stored violations that led to them."""
-    found: list[Tree] = []
-    for design, share, mode in zip(stated["density"]["designs"], shares, stated["modes"], strict=True):
-        point = _cube(run, np.array([design]))[0]
+    found = []
+    for design, share, mode in zip(density.designs, shares, stated, strict=True):
+        at = run.values(_cube(run, np.array([design]))[0])
         near = share if abs(share - mode["share"]) > TOLERANCE else mode["share"]
-        found.append({"share": near, "parameters": run.values(point), "distance": float(np.linalg.norm(design))})
-    for mode, origins in zip(found, () if again is None else again.origins, strict=False):
-        mode["origins"] = origins
+        distance = float(np.linalg.norm(design))
+        found.append(made(ViolationMode, share=near, parameters=at, distance=distance, **REST))
+    for k, origins in zip(range(len(found)), () if again is None else again.origins, strict=False):
+        found[k] = changed(found[k], origins=origins)
     return found
 
 
-def _statement(run: Run, stated: Tree, found: Tree, excluded: int) -> Spans:
-    if found["alarms"]:
-        return templates.alarmed([alarm["statement"] for alarm in found["alarms"]])
+def _statement(run: Run, k: int, found: Estimation, excluded: int) -> Spans:
+    if found.alarms:
+        return templates.alarmed([alarm.statement for alarm in found.alarms])
+    stated = run.claims["results"][k]
     size, seed_stated = stated["independent"]["count"], not stated["drawn_at_launch"]
     beyond = _tails(run, size - excluded, size)
-    numbers = found["draws"], found["effective"], found["failed_draws"], excluded, size, beyond
+    numbers = found.draws, found.effective or 0.0, found.failed_draws, excluded, size, beyond
+    draws = templates.Draws(*numbers, seed_stated)
     about = templates.estimated(
-        found["probability"],
-        (found["low"], found["high"]),
-        run.campaign.confidence,
-        templates.Draws(*numbers, seed_stated),
+        found.probability or 0.0, (found.low or 0.0, found.high or 0.0), run.campaign.confidence, draws
     )
-    shares = [mode["share"] for mode in found["modes"]]
+    shares = [mode.share for mode in found.modes]
     hidden = [share for share, mode in zip(shares, stated["modes"], strict=True) if not mode["origins"]]
     return templates.whole(about, templates.modes(shares, len(hidden), sum(hidden)))
 
 
-def _refused(run: Run, k: int, stated: Tree) -> Tree:
+def _refused(run: Run, k: int, found: Estimation) -> Estimation:
     """Why there is no estimate; the least budget is taken as given if the search cannot be repeated."""
     n, budget, again = len(run.bounds), run.plan[k].planned, run.searched.get(k)
-    why, limit = str(stated["refused"]["why"]), int(stated["refused"]["limit"])
+    stated = run.claims["results"][k]["refused"]
+    why, limit = str(stated["why"]), int(stated["limit"])
     if run.calls.noisy:
         why, limit = "noise", 0
     elif not any(_violates(run, at).any() for at in range(k)):
@@ -291,12 +308,11 @@ def _refused(run: Run, k: int, stated: Tree) -> Tree:
         "parameters": templates.too_many(limit, n),
         "budget": templates.too_few(limit, n, budget),
     }[why]
-    none: Tree = dict.fromkeys(("probability", "low", "high", "variation", "effective"))
-    none |= {"draws": 0, "failed_draws": 0, "modes": [], "alarms": [], "refused": {"why": why, "limit": limit}}
-    if run.reworded:
-        return none
-    none["refused"]["statement"] = statement
-    return none | {"statement": templates.refused(statement)}
+    reason: Any = why
+    refused = made(NoEstimate, why=reason, limit=limit, statement=OMIT if run.reworded else statement)
+    none = dict.fromkeys(("probability", "low", "high", "variation", "effective"))
+    found = changed(found, **none, draws=0, failed_draws=0, modes=[], alarms=[], refused=refused)
+    return found if run.reworded else changed(found, statement=templates.refused(statement))
 
 
 def _near(value: Any, claim: Any) -> Any:

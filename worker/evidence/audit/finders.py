@@ -8,28 +8,31 @@ import numpy as np
 
 from campaigns.asked.allowance import validation
 from campaigns.claims.say import say
-from campaigns.claims.spans import Quantity
+from campaigns.claims.spans import Quantity, Spans
 from campaigns.claims.stages import ends
 from campaigns.results.base import OK
 from campaigns.results.draws import of_draws
+from campaigns.results.finding import FoundBy, Validation
 from worker.evidence.audit import limits
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.parts import OMIT, changed, made
+from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.sentences import SPANS, alike, budget
 
 
-def found_by(run: Run, finding: Tree) -> list[Tree]:
+def found_by(run: Run, position: int) -> list[FoundBy]:
     """The searches that came close to a finding, or had a result of their own in its basin, with the evaluations that
     they needed; of one that is a stored evaluation as it was, which has no slices, the search that made it."""
-    stated = [one | {"method": run.plan[one["position"]].method} for one in finding["found"]]
+    finding = run.claims["findings"][position]
+    stated = [_stated(run, one["position"], one.get("evaluations", OMIT)) for one in finding["found"]]
     if run.reworded:
         return stated
     worst, point = float(finding["cost"]), np.array(finding["point"])
     near = limits.SAME_COST * _scale(run, worst)
     exact = (run.status == OK) & (run.raw == worst) & (run.points == point).all(axis=1)
-    if not _alone(run, finding):
+    if not _alone(run, position):
         exact &= run.stage < len(run.plan) - 1
-    every: list[Tree] = []
-    own: list[list[Tree]] = [[]] if exact.any() and not np.isin(run.stage[exact], run.searches).any() else []
+    every: list[FoundBy] = []
+    own: list[list[FoundBy]] = [[]] if exact.any() and not np.isin(run.stage[exact], run.searches).any() else []
     for k in run.searches:
         points, raw, status = run.rows(k)
         low = (status == OK) & (raw <= worst + near)
@@ -56,11 +59,12 @@ def _own(run: Run, k: int, label: str) -> list[int]:
     return rows
 
 
-def noise(run: Run, finding: Tree) -> Tree:
-    """The noise seed of a finding that is a stored evaluation with its own noise, from the sample's seed and its index,
-    or that of the case of the baseline; none for one whose evaluation has the noise of the campaign."""
+def noise(run: Run, position: int, case: Validation) -> Validation:
+    """The case of a finding with the noise seed if it is a stored evaluation with its own noise, from the sample's seed
+    and its index, or that of the case of the baseline; none for one whose evaluation has the noise of the campaign."""
     if run.wording < limits.BASELINES or run.calls.noisy or not run.random:
-        return {}
+        return case
+    finding = run.claims["findings"][position]
     worst, point = float(finding["cost"]), np.array(finding["point"])
     seeds: list[int | None] = []
     for k in range(len(run.plan)):
@@ -69,7 +73,7 @@ def noise(run: Run, finding: Tree) -> Tree:
         same = (status == OK) & (raw == worst) & (points == point).all(axis=1)
         seeds += [own[row] if row < len(own) else None for row in np.flatnonzero(same).tolist()]
     stated = finding["validation"]["realisation"]
-    return {"realisation": stated if stated in seeds else next(iter(seeds), None)}
+    return changed(case, realisation=stated if stated in seeds else next(iter(seeds), None))
 
 
 def _seeds(run: Run, k: int) -> list[int]:
@@ -88,10 +92,8 @@ def _seeds(run: Run, k: int) -> list[int]:
     return of_draws(int(result["seed"]), 0, drawn).tolist() if drawn else []
 
 
-def gathered(run: Run) -> Tree:
+def gathered(run: Run) -> Spans:
     """The sentence on how findings were gathered, with the number of descents or cases that it states, as taken."""
-    if run.reworded:
-        return {}
     stated = run.claims["results"][-1]["findings"]
     whole = [say(ends.FINDINGS), say(ends.NOTHING)]
     numbers = {
@@ -101,20 +103,25 @@ def gathered(run: Run) -> Tree:
     lost = [ends.confirmed(kept, total), ends.skipped(numbers.get("points", 0), total)]
     partly = [*lost, *map(ends.by_validation, (budget(numbers.get("budget", 0)), *whole))]
     possible = [ends.gathered(ended, stated["complete"]) for ended in (whole if stated["complete"] else partly)]
-    return {"statement": next((one for one in possible if alike(stated["statement"], one)), possible[0])}
+    return next((one for one in possible if alike(stated["statement"], one)), possible[0])
 
 
-def _alone(run: Run, finding: Tree) -> bool:
+def _alone(run: Run, position: int) -> bool:
     """Whether an evaluation of the validation itself can be listed as it was: with its own noise, or since no descent
     ended in a confirmed violation."""
-    if (finding.get("validation") or {}).get("realisation") is not None:
+    if (run.claims["findings"][position].get("validation") or {}).get("realisation") is not None:
         return True
     pairs = zip(run.claims["findings"], run.findings, strict=True)
-    return not any(stated.get("slices") and found["validation"]["violates"] for stated, found in pairs)
+    return not any(stated.get("slices") and found.validation.violates for stated, found in pairs)
 
 
-def _entry(run: Run, k: int, rows: Any) -> Tree:
-    return {"position": k, "method": run.plan[k].method, "evaluations": int(np.argmax(rows)) + 1}
+def _entry(run: Run, k: int, rows: Any) -> FoundBy:
+    return _stated(run, k, int(np.argmax(rows)) + 1)
+
+
+def _stated(run: Run, k: int, evaluations: int) -> FoundBy:
+    method: Any = run.plan[k].method
+    return made(FoundBy, position=k, method=method, evaluations=evaluations)
 
 
 def _scale(run: Run, worst: float) -> float:

@@ -14,6 +14,7 @@ from campaigns.refusals import RefusalCode
 from worker.evidence.audit import limits
 from worker.evidence.audit.checks import as_stated, in_order
 from worker.evidence.audit.estimate import Searched
+from worker.evidence.audit.parts import written
 from worker.evidence.audit.points import required
 from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
@@ -79,17 +80,18 @@ def audit(
         claims = run.claims | {"sound": True, "placed": True, "possible": True, "checks": as_stated(run)}
         try:
             run.describe()
-            claims["sentence"], sentence = compared_sentence(run)
-            expected = of_evaluations(run) | {"sentence": sentence} | of_results(run, at_most, spot_checks)
-            places = required(run)
-            claims["points"], expected["points"] = ({name: pair[k] for name, pair in places.items()} for k in (0, 1))
+            claims["sentence"], sentence = _apart(compared_sentence(run))
+            follows = [*of_evaluations(run), ("sentence", sentence), *of_results(run, at_most, spot_checks)]
+            expected = written(dict(follows))
+            claims["points"], expected["points"] = _apart(required(run))
             if run.sealed and not run.reworded:
                 claims["order of checks"], expected["order of checks"] = in_order(run)
             if run.sealed:
                 claims["checks"] = dict.fromkeys(expected["checks"], ABSENT) | claims["checks"]
         except (KeyError, TypeError):  # with a result or the catalogue absent or null, only a violation follows
             unknown = dict.fromkeys(("results", "comparison", "statistics", "sentence"), MISSING)
-            expected = of_evaluations(run) | unknown | {"checks": dict.fromkeys(claims["checks"], MISSING)}
+            expected = written(dict(of_evaluations(run))) | unknown
+            expected["checks"] = dict.fromkeys(claims["checks"], MISSING)
             if run.sealed:
                 claims["whole"], expected["whole"] = "results or components are absent, or of another form", "whole"
         worded = [*_worded(run, known)] if run.sealed else [Item("words", MISSING, MISSING)]
@@ -97,6 +99,11 @@ def audit(
         raise no_run(error) from None
     twice = [Item(name, *pair) for name, pair in record.twice.items()]
     return [*twice, *_compared("", claims, expected, ABSENT if run.sealed else MISSING), *worded]
+
+
+def _apart(pairs: Mapping[str, tuple[object, object]]) -> Iterator[Mapping[str, object]]:
+    """What is stated, and what is required, by name."""
+    return ({name: pair[k] for name, pair in pairs.items()} for k in (0, 1))
 
 
 def _worded(run: Run, known: Known) -> Iterator[Item]:

@@ -10,16 +10,18 @@ import numpy as np
 from campaigns import cube
 from campaigns.claims.stages import sample as templates
 from campaigns.results.base import OK
+from campaigns.results.sample import GridPoint, GridResult
 from worker.evidence.audit import attraction, counted, draw, estimate
-from worker.evidence.audit.recompute import Run, Tree, counts
+from worker.evidence.audit.parts import OMIT, made
+from worker.evidence.audit.recompute import Run, counts
 
 SLACK = 1e-9
 """Fraction of a range by which a case of the baseline may be beyond a bound, or differ by conversion of units."""
 
 
-def required(run: Run) -> Tree:
+def required(run: Run) -> dict[str, tuple[object, object]]:
     """The numbers of points by what they must be, each stated as required and found: a pair."""
-    pairs: Tree = {"nominal": (1, _nominal(run))}
+    pairs: dict[str, tuple[object, object] | None] = {"nominal": (1, _nominal(run))}
     for k in run.samples:
         pairs[f"stage {k}"] = _drawn(run, k)
     for k, planned in enumerate(run.plan):
@@ -55,7 +57,7 @@ def _drawn(run: Run, k: int) -> tuple[int, int] | None:
     seed = run.campaign.seed if stated is None else int(stated)
     if certify is not None:
         stream, blocks = draw.CERTIFY, draw.certified(certify.samples, status)
-    elif run.samples[k]["upper_bound"] is None:
+    elif run.samples[k].upper_bound is None:
         return None
     else:
         stream, early = run.searches.index(k), bool(run.options(k).get("interval"))
@@ -77,7 +79,7 @@ def _blocks(run: Run, k: int) -> tuple[int, int]:
     certify, flights = run.campaign.stages.certify, np.array(run.claims["results"][k]["flights"], dtype=np.int64)
     _, raw, status = run.rows(k)
     if certify is None or len(flights) != len(status):
-        return len(run.counted[k]["draws"]), 0
+        return len(run.counted[k].draws), 0
     return counted.fitting(run.counted[k], certify.samples, flights, raw, status, run.threshold)
 
 
@@ -101,23 +103,21 @@ def _baseline(run: Run, k: int) -> tuple[int, int]:
     return len(points), found
 
 
-def grid(run: Run, k: int) -> Tree:
+def grid(run: Run, k: int) -> GridResult:
     """What the grid of a certify stage shows."""
     points, raw, status = (rows[run.draws(k) :] for rows in run.rows(k))
-    ok, found = raw[status == OK], counts(status)
+    ok, (total, failed, excluded) = raw[status == OK], counts(status)
     each = run.grid(k)
-    lowest = int(np.argmin(np.where(status == OK, raw, np.inf))) if len(ok) else None
-    worst = None if lowest is None else float(raw[lowest])
+    row = int(np.argmin(np.where(status == OK, raw, np.inf))) if len(ok) else None
+    worst = None if row is None else float(raw[row])
     stated = None if worst is None else (run.quantity, worst, run.unit)
-    violations = int(np.count_nonzero(ok <= run.threshold)) + found["failed"]
-    shown = None if worst is None else {"cost": worst, "margin": worst - run.threshold}
-    statement = templates.grid(each, found["evaluations"], stated, violations, found["failed"])
-    return {
-        "points": each,
-        "total": found["evaluations"],
-        "spacing": {path: (high - low) / (each - 1) for path, (low, high) in run.bounds.items()},
-        "lowest": shown and shown | {"parameters": run.values(points[lowest])},
-        "violations": violations,
-        "failed": found["failed"],
-        "excluded": found["excluded"],
-    } | ({} if run.reworded else {"statement": statement})
+    violations = int(np.count_nonzero(ok <= run.threshold)) + failed
+    lowest = None
+    if worst is not None:
+        lowest = made(GridPoint, cost=worst, margin=worst - run.threshold, parameters=run.values(points[row]))
+    return made(
+        GridResult, points=each, total=total,
+        spacing={path: (high - low) / (each - 1) for path, (low, high) in run.bounds.items()}, lowest=lowest,
+        violations=violations, failed=failed, excluded=excluded,
+        statement=OMIT if run.reworded else templates.grid(each, total, stated, violations, failed),
+    )  # fmt: skip

@@ -13,30 +13,33 @@ from typing import Any
 import numpy as np
 
 from campaigns import Catalogue, cube
+from campaigns.asked.values import Option
 from campaigns.checked.check import parameters, seeded
 from campaigns.claims.wording import reworded
 from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validation
+from campaigns.results.sample import Blocks, Distribution, Histogram, Noise, QuantileBound, Sample
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from worker.evidence.audit import counted, limits
 from worker.evidence.audit.binomial import cumulative, least, upper_bound
 from worker.evidence.audit.calls import Calls
-from worker.evidence.audit.counted import Tree as Tree
+from worker.evidence.audit.parts import OMIT, REST, Ended, Finding, changed, made
 from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
 COARSER = "with a tolerance of "
 """How a reason begins with which the reference integrator has a value."""
 
 
-def _of_quantile(size: int, fraction: float, confidence: float) -> Tree:
+def _of_quantile(size: int, fraction: float, confidence: float) -> QuantileBound:
     """Wilks: the r-th lowest of the sample, in which a failed evaluation is the lowest, bounds its quantile."""
     most = min(size - 1, math.ceil(size * fraction))
     first = least(size, fraction) if fraction > 0 else 0
     below = cumulative(most, size, fraction, first) if size and fraction > 0 else np.empty(0)
     r = int(np.count_nonzero(below <= math.log1p(-confidence)))
     if not r:
-        return dict.fromkeys(("order", "bound", "confidence"))
-    return {"order": first + r, "bound": None, "confidence": -math.expm1(below[r - 1])}
+        return made(QuantileBound, order=None, bound=None, confidence=None, **REST)
+    return made(QuantileBound, order=first + r, bound=None, confidence=-math.expm1(below[r - 1]), **REST)
 
 
 def _needed(fraction: float, confidence: float) -> int | None:
@@ -46,34 +49,34 @@ def _needed(fraction: float, confidence: float) -> int | None:
     return max(1, math.ceil(math.log1p(-confidence) / math.log1p(-fraction) * (1.0 - 4e-15)))  # but for rounding
 
 
-def counts(status: Any) -> Tree:
+def counts(status: Any) -> Ended:
     """The numbers of evaluations by status."""
     ok, excluded = (int(np.count_nonzero(status == code)) for code in (OK, EXCLUDED))
-    return {"evaluations": len(status), "failed": len(status) - ok - excluded, "excluded": excluded}
+    return Ended(len(status), len(status) - ok - excluded, excluded)
 
 
-def histogram(costs: Any) -> Tree:
+def histogram(costs: Any) -> Histogram:
     """The counts of a sample's costs between the edges."""
     known = costs[np.isfinite(costs)]
     low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
     if math.isinf(high - low):
-        return {"edges": [low, high], "counts": [len(known)]}
+        return made(Histogram, edges=[low, high], counts=[len(known)])
     try:
         found, edges = np.histogram(known, bins=min(40, max(5, int(np.sqrt(len(costs))))))
     except ValueError:  # no bin can divide what differs by rounding
         apart = max(0.5, 4 * float(np.spacing(abs(high))))
-        return {"edges": [low - apart, high + apart], "counts": [len(known)]}
-    return {"edges": edges.tolist(), "counts": found.tolist()}
+        return made(Histogram, edges=[low - apart, high + apart], counts=[len(known)])
+    return made(Histogram, edges=edges.tolist(), counts=found.tolist())
 
 
-def distribution(costs: Any, failed: int, confidence: float) -> Tree:
+def distribution(costs: Any, failed: int, confidence: float) -> Distribution:
     """The empirical distribution function of a sample's sorted costs, of which each failed one is the lowest."""
     size, every = len(costs), failed + len(costs)
     even = np.linspace(0, size - 1, min(size, counted.STEPS)).astype(np.int64)
     chosen = np.union1d(np.arange(min(size, counted.LOWEST)), even)
     band = min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * every))) if every else 1.0
     shares = ((failed + chosen + 1) / max(every, 1)).tolist()
-    return {"values": costs[chosen].tolist(), "shares": shares, "band": band}
+    return made(Distribution, values=costs[chosen].tolist(), shares=shares, band=band)
 
 
 def _finite(value: float) -> float | None:
@@ -100,20 +103,21 @@ class Run:
         by_stage = [self.raw[(self.stage == k) & (self.status == OK)] for k in range(len(self.plan))]
         self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
         self._early: dict[int, tuple[int, int | None]] = {}
-        self.counted: dict[int, Tree] = {}
+        self.counted: dict[int, Blocks] = {}
         """The blocks of a sample of which only the lowest flights are stored, by its stage."""
         for k, result in enumerate(self.claims.get("results") or []):
             if result and result.get("blocks") is not None and self.plan[k].kind == "certify":
-                self.counted[k], self.ended[k] = result["blocks"], counted.ended(result["blocks"])
+                self.counted[k] = counted.stored(result["blocks"])
+                self.ended[k] = counted.ended(self.counted[k])
         self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
         self.below = [int(np.count_nonzero(ok <= self.threshold)) for ok in by_stage]
-        self.made = {name: sum(ended[name] for ended in self.ended) for name in ("evaluations", "failed", "excluded")}
+        self.made = Ended(*map(sum, zip(*self.ended, strict=True)))
         """All evaluations, stored or only counted."""
-        self.made["succeeded"] = self.made["evaluations"] - self.made["failed"] - self.made["excluded"]
-        whole = {k: sum(blocks["violations"]) - sum(blocks["failed"]) for k, blocks in self.counted.items()}
-        self.made["violating"] = sum(whole.get(k, below) for k, below in enumerate(self.below))
+        self.succeeded = self.made.evaluations - self.made.failed - self.made.excluded
+        whole = {k: sum(blocks.violations) - sum(blocks.failed) for k, blocks in self.counted.items()}
+        self.violating = sum(whole.get(k, below) for k, below in enumerate(self.below))
         if self.flaky is not MISSING:
-            self.flaky += sum(blocks["beside"]["flaky"] for blocks in self.counted.values())
+            self.flaky += sum(blocks.beside.flaky for blocks in self.counted.values())
         first = np.flatnonzero(self.stage == 0)[:1]  # a simulator has further evaluations in the first stage
         self.nominal = float(self.raw[first][0]) if (self.status[first] == OK).any() else math.nan
         self.lowest = min(self.costs.tolist(), default=math.nan)
@@ -121,14 +125,19 @@ class Run:
         self.highest = max(self.costs.tolist(), default=math.nan)
         self.varies = self.highest - self.lowest > self._rounding()
         self.others = self.means()
-        self.findings = [self.finding(k, recorded) for k, recorded in enumerate(self.claims["findings"], 1)]
-        violating = [f for f in self.findings if f["validation"]["violates"]]
+        self.findings = [self.finding(k) for k in range(len(self.claims["findings"]))]
         again = self._again()
-        violating = [f for f in violating if "repeats" in f["validation"] or (f["margin"] <= 0.0 and again)]
+        violating = [
+            k
+            for k, f in enumerate(self.findings)
+            if f.validation.violates and (self.calls.noisy or (f.margin <= 0.0 and again))
+        ]
         self.confirmed = bool(violating)
         known = "evaluated" in (self.claims.get("worst") or {})  # earlier versions stated the lowest evaluation
-        self.stated = min(map(self._granted, violating), default=self.lowest) if known else self.lowest
-        self.worst = min(violating, key=self._granted, default=None)
+        costs = {k: self._granted(self.findings[k]) for k in violating}
+        self.stated = min(costs.values(), default=self.lowest) if known else self.lowest
+        self.worst = min(costs, key=costs.__getitem__, default=None)
+        """The position of the worst confirmed finding."""
         self.bound: Any = MISSING
         self.searched: Mapping[int, Any] = {}
         """The searches of its estimates that were repeated, by stage."""
@@ -158,13 +167,13 @@ class Run:
         counts = last.get("violations") or {}
         return not counts.get("checked") or counts.get("confirmed", 0) > 0
 
-    def _granted(self, finding: Tree) -> float:
+    def _granted(self, finding: Finding) -> float:
         """The mildest value of a violation whose values differ beyond tolerance, else its own."""
-        case, label = finding["validation"], finding["label"]
-        claim = next((f["validation"] for f in self.claims["findings"] if f["label"] == label), case)
-        if "repeats" in case or case["agrees"] or not case["violates"]:
-            return float(finding["cost"])
-        return float(max(finding["cost"], *(claim[k]["cost"] for k in self.others)))
+        case, label = finding.validation, finding.label
+        claim: Any = next((f["validation"] for f in self.claims["findings"] if f["label"] == label), None)
+        if self.calls.noisy or case.agrees or not case.violates:
+            return float(finding.cost)
+        return float(max(finding.cost, *(claim[k]["cost"] for k in self.others)))
 
     def means(self) -> tuple[str, ...]:
         """The independent means by which a case is confirmed."""
@@ -174,24 +183,25 @@ class Run:
         entry = known.simulator(simulator.name) if known else None
         return ("again",) if entry is None or entry.step is None else ("half_step", "again")
 
-    def finding(self, number: int, recorded: Tree) -> Tree:
+    def finding(self, position: int) -> Finding:
         """A finding by the stored evaluation at its point."""
+        recorded, name = self.claims["findings"][position], f"F{position + 1}"
         here = self.raw[(self.status == OK) & (self.points == np.array(recorded["point"])).all(axis=1)]
         cost = min(here.tolist(), key=lambda c: abs(c - recorded["cost"]), default=math.nan)
         ends = zip(self.campaign.uncertain, recorded["point"], strict=True)
         edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
-        name = f"F{number}"
-        found = {"label": name, "cost": cost, "margin": cost - self.threshold, "at_bounds": edges}
-        found |= {"validation": {"name": name, "cost": cost} | self.case(recorded["validation"])}
+        case = self.case(recorded["validation"], name, cost)
+        found = Finding(name, cost, cost - self.threshold, edges, case)
         if "granted" not in recorded:  # in a database, and in folders of earlier versions
             return found
         granted = self._granted(found)
-        return found | {"granted": granted, "margin": granted - self.threshold}
+        return found._replace(granted=granted, margin=granted - self.threshold)
 
-    def case(self, recorded: Tree) -> Tree:
-        """The validation of a case, from its cost as in the campaign and those by independent means."""
+    def case(self, recorded: Any, name: str, stated_cost: float) -> Validation:
+        """The validation of a case, from its cost as in the campaign and those by independent means; name, stated_cost:
+        to be stated of it."""
         if self.calls.noisy:
-            return self.calls.case(recorded)
+            return self.calls.case(recorded, name, stated_cost)
         stated = (recorded["cost"], *(recorded[k]["cost"] for k in self.others))
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
@@ -200,13 +210,20 @@ class Run:
         allowed = max(min(tolerance * abs(cost), limits.TOLERANCE_OF_MARGIN * abs(cost - self.threshold)), floor)
         violates, clear = (bool(side.all()) for side in (costs <= self.threshold, costs > self.threshold))
         agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())
-        apart: Tree = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
-        if scenario is not None:
-            apart["half_step"]["step"] = scenario.step / 2
-            known = math.isfinite(costs[2]) and not recorded["integrator"]["reason"].startswith(COARSER)
-            apart["integrator"] |= {"name": "DOP853"} | ({"reason": ""} if known else {})
-            apart["step"] = scenario.step
-        return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
+        known = scenario is not None and math.isfinite(costs[2])
+        known = known and not recorded["integrator"]["reason"].startswith(COARSER)
+        step, half = (OMIT, OMIT) if scenario is None else (scenario.step, scenario.step / 2)
+        named, reason = OMIT if scenario is None else "DOP853", "" if known else OMIT
+        apart = {k: float(c) - cost for k, c in zip(self.others, costs[1:], strict=True)}
+        by_half, by_other, by_call = (apart.get(k, OMIT) for k in ("half_step", "integrator", "again"))
+        half_step = made(HalfStep, difference=by_half, step=half, **REST)
+        integrator = made(ReferenceCost, difference=by_other, name=named, reason=reason, **REST)
+        again = made(Repeated, difference=by_call, **REST)
+        return made(
+            Validation, name=name, cost=stated_cost, half_step=half_step if "half_step" in apart else OMIT,
+            integrator=integrator if "integrator" in apart else OMIT, again=again if "again" in apart else OMIT,
+            step=step, allowed=allowed, agrees=agrees, violates=violates, ok=agrees or violates,
+        )  # fmt: skip
 
     def rows(self, k: int) -> tuple[Any, Any, Any]:
         """Points, first costs and status of a stage's evaluations."""
@@ -226,13 +243,13 @@ class Run:
         certify = {k for k, planned in enumerate(self.plan) if planned.kind == "certify"}
         random = {k for k in self.searches if self.methods[k].kind == "random"}
         self.samples = {k: self.sample(k) for k in sorted(certify | random)}
-        claimable = (s for k, s in self.samples.items() if k in (certify or random) and s["upper_bound"] is not None)
+        claimable = (s for k, s in self.samples.items() if k in (certify or random) and s.upper_bound is not None)
         self.claimed = next(claimable, None)
-        self.bound = self.claimed and self.claimed["upper_bound"]
-        for finding, recorded in zip(self.findings, self.claims["findings"], strict=True):
-            finding["parameters"] = self.values(recorded["point"])
+        self.bound = self.claimed and self.claimed.upper_bound
+        points = [recorded["point"] for recorded in self.claims["findings"]]
+        self.findings = [f._replace(parameters=self.values(at)) for f, at in zip(self.findings, points, strict=True)]
 
-    def options(self, k: int) -> Tree:
+    def options(self, k: int) -> Mapping[str, Option]:
         """The options of a search; a certify stage has none."""
         return self.campaign.stages.search[self.searches.index(k)].options if k in self.searches else {}
 
@@ -243,66 +260,70 @@ class Run:
 
     def draws(self, k: int) -> int:
         """How many draws a random sample has, excluded ones included."""
-        return int(max(self.ended[k]["evaluations"] - self.grid(k) ** len(self.bounds), 0))
+        return int(max(self.ended[k].evaluations - self.grid(k) ** len(self.bounds), 0))
 
     def values(self, point: Any) -> dict[str, float]:
         """A point (n,) of the unit cube as values by path."""
         nominal = [self.known[path][1] for path in self.bounds]
         return dict(zip(self.bounds, cube.natural(np.array(point), nominal, self.low, self.high).tolist(), strict=True))
 
-    def sample(self, k: int) -> Tree:
+    def sample(self, k: int) -> Sample:
         """The random sample of a search, or of the certify stage, whose grid comes after its draws."""
         certify, options = (self.campaign.stages.certify if self.plan[k].kind == "certify" else None), self.options(k)
         drawn = np.flatnonzero(self.stage == k)[: self.draws(k)]
-        costs, found = np.sort(self.raw[drawn][self.status[drawn] == OK]), counts(self.status[drawn])
-        blocks = self.counted.get(k)
-        found = found if blocks is None else counted.ended(blocks)
-        draws, outside, level = found.pop("evaluations"), self.outside(), self.campaign.confidence
-        size, violations = draws - found["excluded"], found["failed"] + int(np.count_nonzero(costs <= self.threshold))
-        violations = violations if blocks is None else sum(blocks["violations"])
-        found |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
-        found |= {"excluded_fraction": found["excluded"] / max(draws, 1)}
-        found |= {"lowest": float(costs[0]), "mean": _finite(costs.mean())} if len(costs) else {}
-        if blocks is not None:
-            found |= counted.moments(blocks) | {"histogram": counted.histogram(blocks)}
-        elif self.sealed:
-            found["deviation"] = _finite(costs.std(ddof=1)) if len(costs) > 1 else None
-            found["histogram"] = histogram(costs)
-        if self.sealed:
-            found |= {"looks": None, "quantile": None}
+        costs, blocks = np.sort(self.raw[drawn][self.status[drawn] == OK]), self.counted.get(k)
+        draws, failed, excluded = counts(self.status[drawn]) if blocks is None else counted.ended(blocks)
+        outside, level, size = self.outside(), self.campaign.confidence, draws - excluded
+        violations = failed + int(np.count_nonzero(costs <= self.threshold))
+        violations = violations if blocks is None else sum(blocks.violations)
+        noise: Noise = "none"
         if self.random:
             own = certify and self.claims["results"][k]["drawn_realisations"] == (len(drawn) if blocks else draws)
-            found["noise"] = "drawn" if own else "stated"
+            noise = "drawn" if own else "stated"
         if self.calls.noisy:
-            found["noise"] = "drawn" if certify or self.calls.number == 1 else "stated"
+            noise = "drawn" if certify or self.calls.number == 1 else "stated"
+        look = None
         if options.get("interval"):  # the k-th interim analysis spends 1 / (k (k + 1)) of the error
-            found["looks"] = look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
+            look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
             level = 1.0 - (1.0 - level) / (look * (look + 1))
         independent = options.get("sampling", "plain") == "plain" and not options.get("continued")
         _, before = self.early(k)
         bounding = size if before is None else before
-        found["upper_bound"] = min(1.0, upper_bound(violations, bounding, level) + outside) if independent else None
-        if certify and before is not None:
-            return found | {"bound_samples": before, "quantile": None, "distribution": None}
-        if certify:
-            level, failed = self.campaign.confidence, found["failed"]
-            quantile = _of_quantile(size, certify.quantile - outside, level)
-            rank = quantile["order"]
-            if blocks is not None:
-                costs = costs[: counted.KEPT]
-                found["distribution"] = counted.distribution(blocks, costs, level)
-                quantile["bound"] = None if rank is None else counted.value(blocks, costs, rank)
-            else:
-                if self.sealed:
-                    found["distribution"] = distribution(costs, failed, level)
-                quantile["bound"] = None if rank is None or rank <= failed else float(costs[rank - failed - 1])
-            stated = {"share": certify.quantile, "needed": _needed(certify.quantile - outside, level)}
-            found["quantile"] = quantile | (stated if self.sealed else {})
-            if size < certify.samples and draws < limits.draws(
-                certify.samples, draws
-            ):  # an excluded draw is repeated, so often
-                found["samples"] = certify.samples
-        return found
+        mean, deviation = (_finite(costs.mean()) if len(costs) else OMIT), OMIT
+        if blocks is not None:
+            moments = counted.moments(blocks)
+            mean, deviation = (mean, None) if moments is None else moments
+        elif self.sealed:
+            deviation = _finite(costs.std(ddof=1)) if len(costs) > 1 else None
+        found = made(
+            Sample, failed=failed, excluded=excluded, samples=size, violations=violations, outside=outside,
+            confidence=self.campaign.confidence, noise=noise, excluded_fraction=excluded / max(draws, 1),
+            lowest=float(costs[0]) if len(costs) else OMIT, mean=mean, deviation=deviation,
+            histogram=counted.histogram(blocks) if blocks is not None else histogram(costs) if self.sealed else OMIT,
+            looks=look if self.sealed or look is not None else OMIT, quantile=None if self.sealed else OMIT,
+            upper_bound=min(1.0, upper_bound(violations, bounding, level) + outside) if independent else None,
+        )  # fmt: skip
+        if certify is None:
+            return found
+        if before is not None:
+            return changed(found, bound_samples=before, quantile=None, distribution=None)
+        level, shown = self.campaign.confidence, OMIT
+        quantile = _of_quantile(size, certify.quantile - outside, level)
+        rank = quantile.order
+        if blocks is not None:
+            costs = costs[: counted.KEPT]
+            shown = counted.distribution(blocks, costs, level)
+            bound = None if rank is None else counted.value(blocks, costs, rank)
+        else:
+            shown = distribution(costs, failed, level) if self.sealed else OMIT
+            bound = None if rank is None or rank <= failed else float(costs[rank - failed - 1])
+        quantile = changed(quantile, bound=bound)
+        if self.sealed:
+            needed = _needed(certify.quantile - outside, level)
+            quantile = changed(quantile, share=certify.quantile, needed=needed)
+        short = size < certify.samples and draws < limits.draws(certify.samples, draws)
+        # An excluded draw is repeated, so often.
+        return changed(found, distribution=shown, quantile=quantile, samples=certify.samples if short else size)
 
     def early(self, k: int) -> tuple[int, int | None]:
         """How many of the samples of a stage may violate, and how many its bound counts if it ended because more do."""

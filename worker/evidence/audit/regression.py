@@ -8,13 +8,18 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
-from campaigns.asked.regression import BaselineCase
+from campaigns.asked.regression import BaselineCase, FailOn
 from campaigns.claims.stages import earlier_run
 from campaigns.results.base import OK, STATUS
+from campaigns.results.regression import FindingChange, Regression
+from campaigns.results.stage import Reevaluated
+from campaigns.stages.baseline import BaselineResult
 from worker.evidence.audit import limits
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.parts import OMIT, REST, changed, made
+from worker.evidence.audit.recompute import Run
 
 
 def position(run: Run) -> int:
@@ -22,44 +27,37 @@ def position(run: Run) -> int:
     return [planned.kind for planned in run.plan].index("baseline")
 
 
-def evaluated(run: Run) -> Tree:
+def evaluated(run: Run) -> BaselineResult:
     """The result of that stage, from the campaign's baseline and the evaluations."""
     baseline, stated = run.campaign.baseline, run.claims["results"][position(run)]["cases"]
     assert baseline is not None
     by_label = {recorded["label"]: recorded for recorded in stated}
-    cases = [_evaluated(run, case, by_label.get(case.label, {})) for case in baseline.cases]
+    cases = [_evaluated(run, case, by_label.get(case.label, {}).get("index")) for case in baseline.cases]
     if not _compares(run):
-        return {"cases": [{"label": case["label"], "cost": case["cost"]} for case in cases]}
+        older = [made(Reevaluated, label=case.label, cost=case.cost, **REST) for case in cases]
+        return made(BaselineResult, cases=older, **REST)
     of = [
-        earlier_run.Case(c["label"], c["index"] is not None, c["status"] == STATUS[OK], r["reason"], r["assumed"])
+        earlier_run.Case(c.label, c.index is not None, c.status == STATUS[OK], r["reason"], r["assumed"])
         for c, r in zip(cases, stated, strict=True)
     ]
     statement = earlier_run.evaluated(baseline.run, of, (baseline.threshold, run.threshold), run.unit)
-    return {"run": baseline.run, "cases": cases} | ({} if run.reworded else {"statement": statement})
+    return made(BaselineResult, run=baseline.run, cases=cases, statement=OMIT if run.reworded else statement)
 
 
-def _evaluated(run: Run, case: BaselineCase, recorded: Tree) -> Tree:
+def _evaluated(run: Run, case: BaselineCase, k: int | None) -> Reevaluated:
     """One finding of the baseline; the evaluation that its row names must be there, or its parameters impossible."""
     points, costs, status = run.rows(position(run))
-    k = recorded.get("index")
-    found: Tree = {"label": case.label, "realisation": None if k is None else case.realisation}
+    found = made(Reevaluated, label=case.label, realisation=None if k is None else case.realisation, **REST)
     if k is None:
         index = "an evaluation" if _possible(run, case) else None
-        missing: Tree = {"parameters": dict(case.parameters), "point": [], "status": None, "cost": math.nan}
-        return found | missing | {"index": index}
+        at = dict(case.parameters)
+        return changed(found, parameters=at, point=[], status=None, cost=math.nan, index=index)
     ok = status[k] == OK
-    return (
-        found
-        | {
-            "index": k,
-            "parameters": run.values(points[k]),
-            "point": points[k].tolist(),
-            "status": dict(enumerate(STATUS)).get(int(status[k])),
-            "cost": float(costs[k]) if ok else math.nan,
-            "assumed": [path for path in run.bounds if path not in case.parameters],
-        }
-        | ({"reason": ""} if ok else {})
-    )
+    return changed(
+        found, index=k, parameters=run.values(points[k]), point=points[k].tolist(),
+        status=dict(enumerate(STATUS)).get(int(status[k])), cost=float(costs[k]) if ok else math.nan,
+        assumed=[path for path in run.bounds if path not in case.parameters], reason="" if ok else OMIT,
+    )  # fmt: skip
 
 
 def _possible(run: Run, case: BaselineCase) -> bool:
@@ -84,10 +82,11 @@ def examined(run: Run) -> bool:
     stored = validated.get("basins") or []
     if not _compares(run) or not run.sealed or run.campaign.baseline is None or not stored:
         return True
-    return all(_seen(run, number, basin) for number, basin in enumerate(stored))
+    return all(_seen(run, number) for number in range(len(stored)))
 
 
-def _seen(run: Run, number: int, basin: Tree) -> bool:
+def _seen(run: Run, number: int) -> bool:
+    basin = run.claims["results"][-1]["basins"][number]
     lowest, violation = basin["lowest"], basin.get("violation")
     if violation is not None:
         _, costs, status = run.rows(violation["position"])
@@ -111,83 +110,98 @@ def _near(one: float, other: float) -> bool:
     return math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-15)
 
 
-def regression(run: Run, checks: dict[str, bool]) -> Tree:
+def regression(run: Run, checks: dict[str, bool]) -> Regression:
     """What has become of every finding of either run; checks: whether each holds."""
     stated, policy = run.claims["regression"], run.campaign.regression
-    cases = [_case(run, recorded) for recorded in stated["cases"]]
-    violations = [case for case in cases if case["margin"] <= 0]
-    known = bool(violations) and not any(case["newly_violating"] for case in violations)
+    cases = [_case(run, number) for number in range(len(stated["cases"]))]
+    violations = [case for case in cases if case.lowest <= 0]
+    known = bool(violations) and not any(case.new for case in violations)
     strictest = _thresholds(run)[1] - run.threshold
-    failing = [_fails(policy.fail_on, case, strictest) for case in cases]
-    rows = [case | {"fails": fails} for case, fails in zip(cases, failing, strict=True)]
+    rows = [_row(run, case, _fails(policy.fail_on, case, strictest)) for case in cases]
     baseline = run.campaign.baseline
     assert baseline is not None
-    left_out = {finding["label"] for finding in run.findings} - {recorded["now"] for recorded in stated["cases"]}
+    left_out = {finding.label for finding in run.findings} - {recorded["now"] for recorded in stated["cases"]}
     left_out |= {case.label for case in baseline.cases} - {recorded["before"] for recorded in stated["cases"]}
     names = [(recorded["before"], recorded["before"] or recorded["now"]) for recorded in stated["cases"]]
     again = [label for label, times in Counter(names).items() if times > 1]
-    basis = {"fail_on": [*policy.fail_on], "quantity": run.quantity, "unit": run.unit} if _compares(run) else {}
-    return basis | {
-        "run": baseline.run,
-        "position": position(run),
-        "cases": [*rows, *({"before": label} for label in [*sorted(left_out), *again])],  # another count
-        "ok": not any(failing),
-        "accepted": "violation" not in policy.fail_on
-        and known
-        and (run.wording < limits.BESIDE or _alone(run, checks)),
-    }
+    others: list[Any] = [*sorted(left_out), *again]  # another count
+    accepted = "violation" not in policy.fail_on and known and (run.wording < limits.BESIDE or _alone(run, checks))
+    basis = (OMIT, OMIT, OMIT)
+    if _compares(run):
+        basis = ([*policy.fail_on], run.quantity, run.unit)
+    return made(
+        Regression, fail_on=basis[0], quantity=basis[1], unit=basis[2], run=baseline.run, position=position(run),
+        cases=[*rows, *(made(FindingChange, before=before, **REST) for before in others)],
+        ok=not any(row.fails for row in rows), accepted=accepted,
+    )  # fmt: skip
 
 
 def _alone(run: Run, checks: dict[str, bool]) -> bool:
     """Whether nothing but violations is wrong, and all findings that violate are listed."""
-    listed = len(run.findings) < run.campaign.stages.findings.at_most or any(f["margin"] > 0 for f in run.findings)
+    listed = len(run.findings) < run.campaign.stages.findings.at_most or any(f.margin > 0 for f in run.findings)
     return listed and all(holds or _of_violations(run, name) for name, holds in checks.items())
 
 
 def _of_violations(run: Run, name: str) -> bool:
     """Whether violations alone make a check fail."""
     if name in ("probability", "target"):
-        return run.claimed is not None and run.claimed["violations"] > 0
+        return run.claimed is not None and run.claimed.violations > 0
     if name == "noise of calls":
-        return run.calls.beside(run.claimed["noise"] if run.claimed else "stated")
+        return run.calls.beside(run.claimed.noise if run.claimed else "stated")
     return name in limits.OF_VIOLATIONS
 
 
-def _case(run: Run, recorded: Tree) -> Tree:
+class Change(NamedTuple):
+    """What has become of a finding: its standing, margins before, again and lowest, the change with its tolerance,
+    and what a row names beside them."""
+
+    standing: str
+    before: float = math.nan
+    again: float = math.nan
+    lowest: float = math.nan
+    tolerance: float = math.nan
+    new: bool = False
+    evaluation: int | None = None
+    now: str | None = None
+    parameters: Mapping[str, float] = {}
+    change: float = math.nan
+
+
+def _case(run: Run, number: int) -> Change:
     """The case of one row, NaN where there is no number; before and now are taken as given."""
-    found: Any = next((f for f in run.findings if f["label"] == recorded["now"]), None)
+    recorded = run.claims["regression"]["cases"][number]
     if recorded["before"] is None:
-        row = _row("new", math.nan, math.nan, found["margin"], math.nan, found["margin"] <= 0)
-        return row | _row_identity(run, None, found["label"], found["parameters"])
+        found = {f.label: f for f in run.findings}[recorded["now"]]
+        new = found.margin <= 0
+        return Change("new", lowest=found.margin, new=new, now=found.label, parameters=found.parameters)
     baseline = run.campaign.baseline
     assert baseline is not None
     case = next(case for case in baseline.cases if case.label == recorded["before"])
     known = {other.label: _basin(run, number) for number, other in enumerate(baseline.cases)}
     own, limit = known[case.label], run.threshold
-    basin, stands = own["cost"], True
-    if own["now"] is not None or math.isfinite(basin):  # the lowest finding of the baseline represents a basin
-        same = [o for o in baseline.cases if all(known[o.label][k] == own[k] for k in ("now", "cost"))]
+    basin, stands = own.cost, True
+    if own.now is not None or math.isfinite(basin):  # the lowest finding of the baseline represents a basin
+        same = [o for o in baseline.cases if known[o.label].now == own.now and known[o.label].cost == basin]
         stands = case.cost <= min(other.cost for other in same)
     _, costs, status = run.rows(position(run))
     index = {one["label"]: one["index"] for one in run.claims["results"][position(run)]["cases"]}
     before, k = case.cost, index[case.label] if _compares(run) else recorded["evaluation"]
     if k is None or status[k] != OK:
-        row = _row("not compared", before - limit, math.nan, math.nan, math.nan, False)
-        return row | _row_identity(run, k, None, case.parameters)
+        return Change("not compared", before - limit, evaluation=k, parameters=case.parameters)
     again = float(costs[k])
     lowest = min(again, basin) if stands else again
     tolerance = _tolerance(run, case.difference, recorded["now"])
     violated = before <= _thresholds(run)[0]
     new = lowest <= limit and not violated
     if violated and lowest > limit:
-        standing = "better" if basin <= limit or own["violates"] else "fixed" if own["examined"] else "unresolved"
+        standing = "better" if basin <= limit or own.violates else "fixed" if own.examined else "unresolved"
     else:
         allowed = max(tolerance, limits.SAME_COST * max(run.nominal - lowest, 0.0))
         worse = new or again < before - tolerance or lowest < before - allowed
         standing = "worse" if worse else "better" if lowest > before + tolerance else "same"
-    place = own["parameters"] if stands and basin < again else run.values(run.rows(position(run))[0][k])
-    row = _row(standing, before - limit, again - limit, lowest - limit, tolerance, new)
-    return row | _row_identity(run, k, own["now"], place) | {"change": lowest - before}
+    place = own.parameters if stands and basin < again else run.values(run.rows(position(run))[0][k])
+    margins = before - limit, again - limit, lowest - limit
+    return Change(standing, *margins, tolerance, new, k, own.now, place, lowest - before)
 
 
 def _compares(run: Run) -> bool:
@@ -195,30 +209,41 @@ def _compares(run: Run) -> bool:
     return run.wording >= limits.BASELINES
 
 
-def _row_identity(run: Run, evaluation: int | None, now: str | None, parameters: Any) -> Tree:
-    """What a row names besides its numbers; earlier versions are not judged by it."""
-    return {"evaluation": evaluation, "now": now, "parameters": dict(parameters)} if _compares(run) else {}
+def _row(run: Run, case: Change, fails: bool) -> FindingChange:
+    """A row; earlier versions are not judged by what it names besides its numbers."""
+    identity = (case.evaluation, case.now, dict(case.parameters)) if _compares(run) else (OMIT, OMIT, OMIT)
+    standing: Any = case.standing
+    return made(
+        FindingChange, standing=standing, margin_before=case.before, margin_again=case.again, margin=case.lowest,
+        change=case.change, tolerance=case.tolerance, newly_violating=case.new, evaluation=identity[0],
+        now=identity[1], parameters=identity[2], fails=fails, **REST,
+    )  # fmt: skip
 
 
-def _basin(run: Run, number: int) -> Tree:
-    """What the record has of the basin of one case of the baseline; earlier versions stored the finding only."""
+class Basin(NamedTuple):
+    """What the record has of the basin of a case: the finding there and the lowest cost, whether it violates and was
+    searched, and where."""
+
+    now: str | None
+    cost: float
+    violates: bool
+    examined: bool
+    parameters: Mapping[str, float]
+
+
+def _basin(run: Run, number: int) -> Basin:
+    """That of one case of the baseline; earlier versions stored the finding only."""
     validated = run.claims["results"][-1]
     now = validated["since"][number]
-    there: Tree = next((f for f in run.findings if f["label"] == now), {})
-    listed, at = there.get("cost", math.inf), there.get("parameters", {})
+    there = next((f for f in run.findings if f.label == now), None)
+    listed, at = (math.inf, {}) if there is None else (there.cost, there.parameters)
     if not validated.get("basins"):
-        return {"now": now, "cost": listed, "violates": False, "examined": True, "parameters": at}
+        return Basin(now, listed, violates=False, examined=True, parameters=at)
     stored = validated["basins"][number]
     known = stored["lowest"] is not None
     cost = stored["lowest"] if known and now is None else listed
     examined = known and not stored["not_compared"]
-    at = at or stored.get("parameters") or {}
-    return {"now": now, "cost": cost, "violates": "violation" in stored, "examined": examined, "parameters": at}
-
-
-def _row(standing: str, before: float, again: float, lowest: float, tolerance: float, new: bool) -> Tree:
-    margins = {"margin_before": before, "margin_again": again, "margin": lowest}
-    return {"standing": standing, **margins, "change": math.nan, "tolerance": tolerance, "newly_violating": new}
+    return Basin(now, cost, "violation" in stored, examined, at or stored.get("parameters") or {})
 
 
 def _tolerance(run: Run, before: float, label: str | None) -> float:
@@ -238,10 +263,10 @@ def _thresholds(run: Run) -> list[float]:
     return sorted((baseline.threshold if baseline is not None and _compares(run) else run.threshold, run.threshold))
 
 
-def _fails(fail_on: list[Any], case: Tree, strictest: float) -> bool:
-    if case["standing"] == "not compared":
-        return "not_compared" in fail_on or ("violation" in fail_on and case["margin_before"] <= strictest)
-    if case["standing"] == "unresolved":
+def _fails(fail_on: list[FailOn], case: Change, strictest: float) -> bool:
+    if case.standing == "not compared":
+        return "not_compared" in fail_on or ("violation" in fail_on and case.before <= strictest)
+    if case.standing == "unresolved":
         return "not_compared" in fail_on
-    kinds = {case["standing"], *(["new_violation"] if case["newly_violating"] else [])}
+    kinds = {case.standing, *(["new_violation"] if case.new else [])}
     return bool(kinds & {"new", "worse", "new_violation"} & set(fail_on))

@@ -7,13 +7,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from campaigns.asked.allowance import validation
 from campaigns.claims.stages.surroundings import possible_gain
-from campaigns.results.base import OK, STATUS
+from campaigns.results.base import OK, STATUS, Result, Stop
 from campaigns.results.draws import of_indices
+from campaigns.results.finding import Calls, Validation
+from campaigns.results.nominal import NominalCase
+from campaigns.results.sample import Blocks, Sample
+from campaigns.results.search import Gap, SearchResult
+from campaigns.results.validate import (
+    Beyond,
+    Compared,
+    Encounter,
+    Gathered,
+    Incumbent,
+    Spent,
+    SpotChecks,
+    Spread,
+    StageCount,
+    ValidateResult,
+    Violations,
+)
+from campaigns.results.verdict import BoundSource, Statistics, Worst
+from campaigns.stages.certify import CertifyResult
+from campaigns.stages.sensitivity import SensitivityResult
 from worker.evidence.audit import charts, counted, limits, modes
 from worker.evidence.audit.agreement import apart, family
 from worker.evidence.audit.attraction import attracted
@@ -21,11 +42,12 @@ from worker.evidence.audit.checks import as_stated, left_out, required_checks
 from worker.evidence.audit.estimate import estimated
 from worker.evidence.audit.finders import found_by, gathered, noise
 from worker.evidence.audit.likelihood import likely
+from worker.evidence.audit.parts import OMIT, REST, Finding, changed, made, read
 from worker.evidence.audit.points import grid
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import MISSING
 from worker.evidence.audit.regression import evaluated, examined, position, regression
-from worker.evidence.audit.sentences import of_sample, of_stage
+from worker.evidence.audit.sentences import budget, of_certified, of_sample
 from worker.evidence.audit.stored import finder, lowest_of
 from worker.evidence.audit.sureness import sureness
 
@@ -33,70 +55,86 @@ BESIDE = ("outside", "lowest", "mean", "deviation", "histogram", "distribution",
 """Fields of a sample that the statistics of the verdict do not have."""
 
 
-def of_results(run: Run, at_most: int, spot_checks: int) -> Tree:
-    """The claims that follow if the results of the stages and the catalogue are also used."""
-    nominal = {"name": "nominal", "cost": run.nominal} | run.case(run.claims["results"][-1]["nominal"])
-    agreed = bool(nominal["ok"]) and all(f["validation"]["ok"] for f in run.findings)
-    below = [{"position": k, "count": n} for k, n in enumerate(run.below) if n]
-    out = left_out(run)
-    checked = min(sum(run.below), at_most) - out.get("violations", 0)
-    violations = {"stored": sum(run.below), "by_stage": below, "checked": checked}
-    spread = {"evaluations": len(run.costs), "lowest": run.lowest, "highest": run.highest}
-    last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
-    last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs)) - out.get("spot_checks", 0)}}
-    if run.sealed:
-        allowed = validation(run.campaign, run.calls.noisy).total
-        validate, findings = run.campaign.stages.validate_, run.campaign.stages.findings
-        settings = {name: getattr(findings, name) for name in ("distance", "barrier", "at_most")}
-        last |= {"tolerance": validate.tolerance, "findings": settings} | modes.named(run)
-        last["spent"] = {"at_most": allowed, "stored": run.ended[-1]["evaluations"]}  # the rest was evaluated again
-        last["findings"] |= gathered(run)
-    if run.claims["results"][-1]["encounter"].get("beyond") is not None:
-        last["encounter"]["beyond"] = {"times": limits.CONTINUED, "flights": _continued(run)}
-    results: list[Tree] = [_stage(run, k) for k in range(len(run.plan) - 1)]
-    rows, known = [], {finding["label"] for finding in run.findings}
-    for k, compared in zip(run.searches, run.claims["comparison"], strict=True):
-        spent = run.ended[k]["evaluations"] >= run.plan[k].planned
-        results[k] |= run.ended[k] | {"stop": {"kind": "budget" if spent else "rule"} | results[k].get("stop", {})}
-        method = {"method": run.plan[k].method, "title": run.methods[k].title, "kind": run.methods[k].kind}
-        results[k] |= method | {"best": lowest_of(run, k)} | (_charts(run, k) if run.sealed else {})
-        rows.append({"position": k, "best": run.best[k]} | method | run.ended[k])
-        rows[-1]["findings"] = [label for label in compared["findings"] if label in known]
-        if run.sealed:
-            rows[-1]["stop"] = run.claims["results"][k]["stop"]
-            by = [(f["label"], [one["position"] for one in f.get("found") or ()]) for f in run.claims["findings"]]
-            rows[-1]["findings"] = [label for label, positions in by if k in positions]
-    checks = required_checks(run, agreed)
-    sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
-    if sample and run.sealed:
-        sample["source"] = "certify" if any(stage.kind == "certify" for stage in run.plan) else "search"
+def of_results(run: Run, at_most: int, spot_checks: int) -> list[tuple[str, object]]:
+    """The claims that follow if the results of the stages and the catalogue are also used, by name."""
+    last = _validated(run, at_most, spot_checks)
+    results: list[Result] = [_stage(run, k) for k in range(len(run.plan) - 1)]
+    rows = [_row(run, k, row["findings"]) for k, row in zip(run.searches, run.claims["comparison"], strict=True)]
+    checks = required_checks(run, last.ok)
     if run.campaign.baseline is not None:
-        results[position(run)] |= evaluated(run)
-    if run.calls.measures:
-        results[0]["measured"] = run.calls.measured
+        results[position(run)] = evaluated(run)
     if run.calls.noisy:
-        best = zip([k for k in run.searches if not math.isnan(run.best[k])], _incumbents(run), strict=False)
-        incumbents = [{"position": k, "cost": run.best[k], "validation": {"cost": run.best[k]} | v} for k, v in best]
-        last["incumbents"] = incumbents
+        last = changed(last, incumbents=[*_incumbents(run)])
     if run.sealed:
-        last["comparison"] = [dict(row) for row in run.claims["comparison"]]
-    expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
-    expected["possible"] = _possible(run)
+        last = changed(last, comparison=[dict(row) for row in run.claims["comparison"]])
+    claims: list[tuple[str, object]] = [("results", [*results, last]), ("comparison", rows), ("checks", checks)]
+    claims += [("statistics", _statistics(run)), ("possible", _possible(run))]
     if run.campaign.baseline is not None:
-        expected["regression"] = regression(run, as_stated(run) | checks)
+        claims.append(("regression", regression(run, as_stated(run) | checks)))
     if run.sealed:
-        pairs = zip(run.findings, run.claims["findings"], strict=True)
-        expected["findings"] = [found | _found(run, found, recorded) for found, recorded in pairs]
-        expected |= likely(run, expected["findings"])
+        findings, most_likely = likely(run, [_found(run, k) for k in range(len(run.findings))])
+        claims += [("findings", findings), ("most_likely_violation", most_likely)]
     if run.sealed and run.findings:
-        expected["worst"] = _worst(run)
+        claims.append(("worst", _worst(run)))
     if not run.reworded and (run.sealed or "sureness" in run.claims):
-        expected["sureness"] = sureness(run)
+        claims.append(("sureness", sureness(run)))
     if not run.confirmed:
         stated = as_stated(run)
         clear = all((stated | checks).values()) and stated.keys() >= checks.keys()
-        expected["verdict"] = "cleared" if clear else "inconclusive"
-    return expected
+        claims.append(("verdict", "cleared" if clear else "inconclusive"))
+    return [(name, value) for name, value in claims if value is not OMIT]
+
+
+def _validated(run: Run, at_most: int, spot_checks: int) -> ValidateResult:
+    """The result of validation, as far as it follows."""
+    stated = run.claims["results"][-1]
+    nominal, out, stored = run.case(stated["nominal"], "nominal", run.nominal), left_out(run), sum(run.below)
+    spread, beyond = made(Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest), OMIT
+    if stated["encounter"].get("beyond") is not None:
+        beyond = made(Beyond, times=limits.CONTINUED, flights=_continued(run), **REST)
+    checked = min(stored, at_most) - out.get("violations", 0), min(spot_checks, len(run.costs))
+    by_stage = [made(StageCount, position=k, count=n) for k, n in enumerate(run.below) if n]
+    findings, spent, tolerance = OMIT, OMIT, OMIT
+    if run.sealed:
+        own, tolerance = run.campaign.stages.findings, run.campaign.stages.validate_.tolerance
+        findings = made(
+            Gathered, distance=own.distance, barrier=own.barrier, at_most=own.at_most,
+            statement=OMIT if run.reworded else gathered(run), **REST,
+        )  # fmt: skip
+        most = validation(run.campaign, run.calls.noisy).total
+        spent = made(Spent, at_most=most, stored=run.ended[-1].evaluations, **REST)  # the rest was made again
+    return made(
+        ValidateResult, nominal=nominal, ok=bool(nominal.ok) and all(f.validation.ok for f in run.findings),
+        violations=made(Violations, stored=stored, by_stage=by_stage, checked=checked[0], **REST),
+        encounter=made(Encounter, spread=spread, beyond=beyond, **REST),
+        spot_checks=made(SpotChecks, checked=checked[1] - out.get("spot_checks", 0), **REST), tolerance=tolerance,
+        findings=findings, modes=(modes.named(run) if run.sealed else None) or OMIT, spent=spent,
+    )  # fmt: skip
+
+
+def _row(run: Run, k: int, stated: list[str]) -> Compared:
+    """The row of a search in the comparison; stated: the findings that it names."""
+    known, stop = {finding.label for finding in run.findings}, OMIT
+    labels = [label for label in stated if label in known]
+    if run.sealed:
+        stop = run.claims["results"][k]["stop"]
+        by = [(f["label"], [one["position"] for one in f.get("found") or ()]) for f in run.claims["findings"]]
+        labels = [label for label, positions in by if k in positions]
+    evaluations, failed, excluded = run.ended[k]
+    return made(
+        Compared, position=k, best=run.best[k], method=run.methods[k].name, title=run.methods[k].title,
+        kind=run.methods[k].kind, evaluations=evaluations, failed=failed, excluded=excluded, findings=labels,
+        stop=stop, **REST,
+    )  # fmt: skip
+
+
+def _statistics(run: Run) -> Sample | Statistics | None:
+    """The sample that the probability is claimed by, without what the verdict has not."""
+    if run.claimed is None or not run.sealed:
+        return run.claimed and changed(run.claimed, **dict.fromkeys(BESIDE, OMIT))
+    source: BoundSource = "certify" if any(stage.kind == "certify" for stage in run.plan) else "search"
+    known = {name: value for name, value in vars(run.claimed).items() if name in run.claimed.model_fields_set}
+    return made(Statistics, **{name: value for name, value in known.items() if name not in BESIDE}, source=source)
 
 
 def _possible(run: Run) -> bool:
@@ -124,100 +162,128 @@ def _continued(run: Run) -> int:
     return total
 
 
-def _stage(run: Run, k: int) -> Tree:
+def _stage(run: Run, k: int) -> Result:
     """What the result of a stage states, as far as its evaluations and the campaign decide it."""
     if k == 0:
-        return _nominal(run, run.claims["results"][0]) if run.sealed else {}
-    sample = run.samples.get(k)
+        return _nominal(run)
     if run.plan[k].kind == "sensitivity" and run.sealed:
         request = run.campaign.stages.sensitivity
-        return {"curves": charts.curves(run, k)} | ({} if request is None else {"points": request.points})
+        points = OMIT if request is None else request.points
+        return made(SensitivityResult, curves=charts.curves(run, k), points=points)
     if run.plan[k].kind == "estimate":
         return estimated(run, k)
     if run.plan[k].kind == "attraction":
         return attracted(run, k)
-    if sample is None:
-        return {"sample": None} if k in run.searches else {}
-    if not run.sealed:
-        return {"sample": sample}
-    made = of_sample(run, k, sample)
-    full_sample = sample | made | ({"quantile": sample["quantile"] | made["quantile"]} if "quantile" in made else {})
-    found: Tree = {"sample": full_sample} | of_stage(run, k, full_sample, (run.claims["results"][k] or {}).get("stop"))
     if run.plan[k].kind == "certify":
-        found |= run.ended[k] | {"grid": grid(run, k) if run.grid(k) else None}
-        found |= _blocks(run, k)
-    return found
+        return _certified(run, k)
+    if k in run.searches:
+        return _searched(run, k)
+    return made(Result)
 
 
-def _blocks(run: Run, k: int) -> Tree:
-    """What a sample of which only the lowest are stored states of its blocks and of the noise of its flights."""
+def _certified(run: Run, k: int) -> CertifyResult:
+    sample = run.samples[k]
+    if not run.sealed:
+        return made(CertifyResult, sample=sample, **REST)
+    sample, (evaluations, failed, excluded) = of_sample(run, k, sample), run.ended[k]
+    found = made(
+        CertifyResult, sample=sample, statement=of_certified(run, k, sample) or OMIT, evaluations=evaluations,
+        failed=failed, excluded=excluded, grid=grid(run, k) if run.grid(k) else None,
+    )  # fmt: skip
     certify, result = run.campaign.stages.certify, run.claims["results"][k]
     if certify is None or certify.keep == "all":
-        return {"blocks": None, "flights": None, "realisations": None}
-    flights, (_, raw, status) = np.array(result["flights"], dtype=np.int64), run.rows(k)
+        return changed(found, blocks=None, flights=None, realisations=None)
+    # Of a sample of which only the lowest are stored: its blocks and the noise of its flights.
+    blocks, flights, (_, raw, status) = run.counted[k], np.array(result["flights"], dtype=np.int64), run.rows(k)
     seeds = of_indices(int(result["seed"]), flights).tolist() if run.random else None
-    before = run.raw[(run.stage < k) & (run.status == OK)].tolist()
-    beside = counted.beside(run.counted[k], int(np.count_nonzero(raw[status == OK] <= run.threshold)), status)
-    sentence = {} if run.reworded else {"statement": counted.statement(run.counted[k], len(status))}
-    return {"blocks": counted.scale(before, run.threshold) | {"beside": beside} | sentence, "realisations": seeds}
+    low, width = counted.scale(run.raw[(run.stage < k) & (run.status == OK)].tolist(), run.threshold)
+    beside = counted.beside(blocks, int(np.count_nonzero(raw[status == OK] <= run.threshold)), status)
+    statement = OMIT if run.reworded else counted.statement(blocks, len(status))
+    shown = made(Blocks, low=low, width=width, beside=beside, statement=statement, **REST)
+    return changed(found, blocks=shown, realisations=seeds)
 
 
-def _nominal(run: Run, stated: Tree) -> Tree:
+def _nominal(run: Run) -> NominalCase:
     """The nominal case; earlier versions stored no parameters of it."""
-    first = run.stage == 0
-    state = dict(enumerate(STATUS)).get(run.status[first][0])
-    found: Tree = {"cost": run.nominal, "margin": run.nominal - run.threshold, "status": state}
-    found |= {"parameters": run.values(run.points[first][0])} if stated.get("parameters") else {}
-    return found | ({"reason": ""} if state == STATUS[OK] else {})
+    measured = run.calls.measured or OMIT
+    if not run.sealed:
+        return made(NominalCase, measured=measured, **REST)
+    first, stated = run.stage == 0, run.claims["results"][0]
+    state: Any = dict(enumerate(STATUS)).get(run.status[first][0])
+    return made(
+        NominalCase, cost=run.nominal, margin=run.nominal - run.threshold, status=state,
+        parameters=run.values(run.points[first][0]) if stated.get("parameters") else OMIT,
+        reason="" if state == STATUS[OK] else OMIT, measured=measured,
+    )  # fmt: skip
 
 
-def _charts(run: Run, k: int) -> Tree:
-    """What a search shows besides its best."""
-    stated = run.claims["results"][k]
-    found = charts.front(run, k) | {"minima": charts.minima(run, k, stated["minima"]), "family": family(run, k)}
-    if stated.get("apart"):
-        found["apart"] = apart(run, k)
-    if stated.get("gap") and run.wording >= limits.BASELINES:
-        found["gap"] = _gap(run, k, stated["gap"])
-    return found
+def _searched(run: Run, k: int) -> SearchResult:
+    """What a search states: its sample if it is random, its end, its best, and what it shows besides."""
+    planned, method, stated, sample = run.plan[k].planned, run.methods[k], run.claims["results"][k], run.samples.get(k)
+    spent, worded = run.ended[k].evaluations >= planned, OMIT
+    if sample is not None and run.sealed:
+        sample = of_sample(run, k, sample)
+        if spent and not run.reworded and ((stated or {}).get("stop") or {}).get("kind") == "budget":
+            worded = budget(planned)
+    stop = made(Stop, kind="budget" if spent else "rule", statement=worded, **REST)
+    found = made(SearchResult, sample=sample, stop=OMIT if worded is OMIT else stop, **REST)
+    named = {"method": method.name, "title": method.title, "kind": method.kind, "best": lowest_of(run, k)}
+    found = changed(found, **run.ended[k]._asdict(), stop=stop, **named)
+    if not run.sealed:
+        return found
+    (criteria, front, size), minima = charts.front(run, k), charts.minima(run, k)
+    parts = apart(run, k) if stated.get("apart") else OMIT
+    bound = bool(stated.get("gap")) and run.wording >= limits.BASELINES
+    return changed(
+        found, criteria=criteria, front=front, front_size=size, minima=minima, family=family(run, k), apart=parts,
+        gap=_gap(run, k, read(Gap, stated["gap"])) if bound else OMIT,
+    )  # fmt: skip
 
 
-def _gap(run: Run, k: int, gap: Tree) -> Tree:
+def _gap(run: Run, k: int, gap: Gap) -> Gap:
     """The sentence on DIRECT's possible gain; its lower bound and gap must end at the lowest value of the search, of
     earlier versions at that of some evaluation, and the gap is not negative."""
     _, raw, status = run.rows(k)
-    best = gap["lower_bound"] + gap["gap"]  # the sum has lost digits
+    best = gap.lower_bound + gap.gap  # the sum has lost digits
     known = raw[status == OK]
     if run.wording >= limits.LOWEST:
         known = np.array([run.best[k]])
     nearest = float(known[np.argmin(np.abs(known - best))]) if len(known) else math.nan
-    lost = 4 * np.finfo(float).eps * max(abs(gap["lower_bound"]), abs(gap["gap"]))
-    numbers = (gap["rectangles"], gap["without_value"], run.quantity, gap["lower_bound"], nearest, run.unit)
-    found: Tree = {} if run.reworded else {"statement": possible_gain(*numbers)}
-    found["rectangles"] = min(gap["rectangles"], run.ended[k]["evaluations"])
-    return found if abs(nearest - best) <= lost and gap["gap"] >= 0.0 else found | {"lower_bound": math.nan}
+    lost = 4 * np.finfo(float).eps * max(abs(gap.lower_bound), abs(gap.gap))
+    numbers = (gap.rectangles, gap.without_value, run.quantity, gap.lower_bound, nearest, run.unit)
+    ends = abs(nearest - best) <= lost and gap.gap >= 0.0
+    return made(
+        Gap, statement=OMIT if run.reworded else possible_gain(*numbers),
+        rectangles=min(gap.rectangles, run.ended[k].evaluations), lower_bound=OMIT if ends else math.nan, **REST,
+    )  # fmt: skip
 
 
-def _found(run: Run, made: Tree, finding: Tree) -> Tree:
-    """The slices of a finding, the methods that found it, each by its position, and its noise; made: what is known."""
-    by = found_by(run, finding)
-    found: Tree = {"found": by, "methods": list(dict.fromkeys(one["method"] for one in by))}
-    found["validation"] = made["validation"] | noise(run, finding)
-    return found | (
-        {"slices": charts.slices(run, finding["point"], finding["slices"])} if finding.get("slices") else {}
-    )
+def _found(run: Run, position: int) -> Finding:
+    """The slices of a finding, the methods that found it, each by its position, and its noise."""
+    finding, recorded = run.findings[position], run.claims["findings"][position]
+    by, slices = found_by(run, position), recorded.get("slices")
+    finding = finding._replace(found=by, methods=list(dict.fromkeys(one.method for one in by)))
+    finding = finding._replace(validation=noise(run, position, finding.validation))
+    if not slices:
+        return finding
+    return finding._replace(slices=charts.slices(run, recorded["point"], slices["at"]))
 
 
-def _worst(run: Run) -> Tree:
+def _worst(run: Run) -> Worst:
     """The worst finding, or of a violated verdict the worst of those that were confirmed."""
-    stated = run.worst or run.findings[0]
-    found = {"cost": run.stated, "margin": run.stated - run.threshold, "method": finder(run)}
-    found |= {"evaluated": stated["cost"], "parameters": stated["parameters"]}
-    return found | ({"finding": stated["label"]} if "run" in run.claims else {})
+    stated = run.findings[run.worst or 0]
+    return made(
+        Worst, cost=run.stated, margin=run.stated - run.threshold, method=finder(run), evaluated=stated.cost,
+        parameters=stated.parameters, finding=stated.label if "run" in run.claims else OMIT,
+    )  # fmt: skip
 
 
-def _incumbents(run: Run) -> Iterator[Tree]:
+def _incumbents(run: Run) -> Iterator[Incumbent]:
     """The independent calls of every search's best, recomputed; one too few is missing at the end."""
     stated = run.claims["results"][-1].get("incumbents", [])
-    yield from (run.calls.case(best["validation"]) for best in stated)
-    yield from ({"repeats": {"violating": MISSING}} for _ in range(len(run.searches) - len(stated)))
+    unknown = made(Calls, violating=MISSING, **REST)
+    for number, k in enumerate(k for k in run.searches if not math.isnan(run.best[k])):
+        case = made(Validation, cost=run.best[k], repeats=unknown, **REST)
+        if number < len(stated):
+            case = run.calls.case(stated[number]["validation"], cost=run.best[k])
+        yield made(Incumbent, position=k, cost=run.best[k], validation=case, **REST)

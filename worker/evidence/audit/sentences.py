@@ -16,7 +16,9 @@ from campaigns.claims.say import count, say
 from campaigns.claims.spans import Quantity, Span, Spans, values, words
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as templates
-from worker.evidence.audit.recompute import Run, Tree
+from campaigns.results.sample import Sample
+from worker.evidence.audit.parts import changed
+from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import Missing
 
 SPANS: TypeAdapter[Spans] = TypeAdapter(Spans)
@@ -47,51 +49,40 @@ def shown(stated: Any, expected: Spans | Missing) -> tuple[Any, Any]:
     return (found, text) if found != text else (str(stated), str([span.model_dump(mode="json") for span in expected]))
 
 
-def of_sample(run: Run, k: int, sample: Tree) -> Tree:
-    """The sentences of a sample that gives a bound; those of any other name what its method drew, as taken."""
+def of_sample(run: Run, k: int, sample: Sample) -> Sample:
+    """The sample with its sentences if it gives a bound; those of any other name what its method drew, as taken."""
     certify = run.campaign.stages.certify
-    if sample["upper_bound"] is None or run.reworded:
-        return {}
-    failed, excluded, outside = sample["failed"], sample["excluded"], sample["outside"]
+    if sample.upper_bound is None or run.reworded:
+        return sample
     terms = _terms(run, certify=k not in run.searches)
     # One that is short of samples has the number that was requested, so that another one disagrees.
-    size = run.draws(k) - excluded
-    numbers = sample["violations"], size, failed, excluded, outside, run.campaign.confidence
+    size, (failed, excluded, outside) = run.draws(k) - sample.excluded, (sample.failed, sample.excluded, sample.outside)
+    numbers = sample.violations, size, failed, excluded, outside, run.campaign.confidence
     counts = templates.Counts(*numbers, terms, run.campaign.simulator is not None, _seed(run, k))
-    statement = counts.bound(sample["upper_bound"])
-    if sample.get("looks"):
-        level = 1.0 - (1.0 - run.campaign.confidence) / (sample["looks"] * (sample["looks"] + 1))
-        statement = templates.interim(statement, sample["looks"], level)
+    statement = counts.bound(sample.upper_bound)
+    if sample.looks:
+        level = 1.0 - (1.0 - run.campaign.confidence) / (sample.looks * (sample.looks + 1))
+        statement = templates.interim(statement, sample.looks, level)
     allowed, before = run.early(k)
     if before is not None and certify is not None:
         target = run.campaign.target_probability or 1.0
         statement = templates.curtailed(statement, allowed, target, certify.samples, before)
-    found: Tree = {"statement": statement}
-    if sample.get("quantile"):
-        quantile = sample["quantile"]
-        assert certify is not None
-        fields = certify.quantile, run.quantity, run.unit, quantile["order"] or 0, quantile["needed"], quantile["bound"]
-        found["quantile"] = {"statement": counts.quantile(*fields)}
-    return found
+    if (quantile := sample.quantile) is None:
+        return changed(sample, statement=statement)
+    assert certify is not None
+    fields = certify.quantile, run.quantity, run.unit, quantile.order or 0, quantile.needed, quantile.bound
+    return changed(sample, quantile=changed(quantile, statement=counts.quantile(*fields)), statement=statement)
 
 
-def of_stage(run: Run, k: int, sample: Tree | None, stop: Any) -> Tree:
-    """The sentences of a stage: of a sample as a whole, and how it ended if that is by its budget or a drawn sample."""
-    found: Tree = {}
-    if run.reworded:
-        return found
+def of_certified(run: Run, k: int, sample: Sample) -> Spans | None:
+    """The sentence of a certify stage on its sample as a whole, if it gives a bound."""
     certify = run.campaign.stages.certify
-    if run.plan[k].kind == "certify" and sample is not None and certify is not None and "statement" in sample:
-        size, quantile = run.draws(k) - sample["excluded"], sample["quantile"]
-        whole = quantile and templates.certified(sample["statement"], quantile["statement"], size, certify.samples)
-        found["statement"] = whole or sample["statement"]
-    if (
-        k in run.searches
-        and run.ended[k]["evaluations"] >= run.plan[k].planned
-        and (stop or {}).get("kind") == "budget"
-    ):
-        found["stop"] = {"statement": budget(run.plan[k].planned)}
-    return found
+    if certify is None or sample.upper_bound is None or run.reworded:
+        return None
+    size, quantile = run.draws(k) - sample.excluded, sample.quantile
+    if quantile is None:
+        return sample.statement
+    return templates.certified(sample.statement, quantile.statement, size, certify.samples) or sample.statement
 
 
 def unlike(document: Any, path: str = "") -> Iterator[tuple[str, str, str]]:

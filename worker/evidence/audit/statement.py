@@ -9,15 +9,15 @@ from campaigns.claims.numbers import Format, count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import Quantity, values, words
 from campaigns.results.verdict import SCOPE
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.sentences import SPANS
 
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
 
 
-def compared_sentence(run: Run) -> tuple[Tree, Tree]:
-    """The stated and the required content of the sentence: its opening, methods, numbers by name, and all words.
+def compared_sentence(run: Run) -> dict[str, tuple[object, object]]:
+    """Pairs of the stated and the required content of the sentence: its opening, methods, numbers, and all words.
 
     Versions that stored only text rounded the numbers to the digits of the text: they are compared as written.
     """
@@ -27,7 +27,7 @@ def compared_sentence(run: Run) -> tuple[Tree, Tree]:
     spans = {span.name: span for span in statement if isinstance(span, Quantity)}
     numbers, begun = _numbers(run), text.partition(".")[0]
     for k in run.searches:
-        spent[run.methods[k].title] = spent.get(run.methods[k].title, 0) + run.ended[k]["evaluations"]
+        spent[run.methods[k].title] = spent.get(run.methods[k].title, 0) + run.ended[k].evaluations
     methods = f"{words(listed([f'{title} ({count(n)})' for title, n in spent.items()]))}."
     nothing = f"No {'flight' if run.campaign.simulator is None else 'case'} could be evaluated"
     opening = OPENINGS.get(claims["verdict"], "Nothing may be claimed") if len(run.costs) else nothing
@@ -39,30 +39,32 @@ def compared_sentence(run: Run) -> tuple[Tree, Tree]:
         upward = words((span.model_copy(update={"format": Format.AT_MOST}),)) if name == "upper_bound" else ""
         return upward if upward == words((spans[name],)) else words((span,))
 
-    stated: Tree = {"opening": opening if opening in begun else begun, "words": claims["reason"]}
-    expected: Tree = {"opening": opening, "words": f"{text} {SCOPE}{scope}" if scope else text}
+    pairs: dict[str, tuple[object, object]] = {"opening": (opening if opening in begun else begun, opening)}
+    pairs["words"] = (claims["reason"], f"{text} {SCOPE}{scope}" if scope else text)
     if run.sealed:
-        stated |= {k: claims.get(k) for k in ("sentence", "scope", "values")}
-        expected |= {"sentence": text, "scope": f"{SCOPE}{scope}" if scope else "", "values": values(statement)}
+        pairs["sentence"] = (claims.get("sentence"), text)
+        pairs["scope"] = (claims.get("scope"), f"{SCOPE}{scope}" if scope else "")
+        pairs["values"] = (claims.get("values"), values(statement))
     if len(run.costs):
-        stated |= {name: written(name, spans[name].value if name in spans else None) for name in numbers}
-        expected |= {name: written(name, value) for name, value in numbers.items()}
-        stated["methods"], expected["methods"] = text.partition("searched by ")[2][: len(methods)], methods
-    stated["checks"] = {c["name"]: c["text"] for c in claims["checks"]}
+        for name, value in numbers.items():
+            pairs[name] = (written(name, spans[name].value if name in spans else None), written(name, value))
+        pairs["methods"] = (text.partition("searched by ")[2][: len(methods)], methods)
     checks = {c["name"]: words(SPANS.validate_python(c["statement"])) for c in claims["checks"] if "statement" in c}
-    return stated, expected | {"checks": checks}
+    return pairs | {"checks": ({c["name"]: c["text"] for c in claims["checks"]}, checks)}
 
 
-def _numbers(run: Run) -> Tree:
+def _numbers(run: Run) -> dict[str, float | None]:
     """The numbers that the sentence must state, by name; None for one that it must not state."""
-    verdict, sample = run.claims["verdict"], run.claimed
-    numbers: Tree = {
+    verdict = run.claims["verdict"]
+    sample = run.claimed if verdict != "inconclusive" else None
+    return {
         "threshold": None if verdict == "inconclusive" else run.threshold,
-        "evaluations": run.made["succeeded" if verdict == "cleared" else "evaluations"],
+        "evaluations": run.succeeded if verdict == "cleared" else run.made.evaluations,
         "worst": run.stated,
         "margin": run.stated - run.threshold,
-        "excluded": run.made["excluded"] or None if verdict == "cleared" else None,
-        "violating": run.made["violating"] or None,
+        "excluded": run.made.excluded or None if verdict == "cleared" else None,
+        "violating": run.violating or None,
+        "violations": sample.violations if sample else None,
+        "samples": sample.samples if sample else None,
+        "upper_bound": sample.upper_bound if sample else None,
     }
-    claimed = sample if verdict != "inconclusive" else None
-    return numbers | {name: claimed and claimed[name] for name in ("violations", "samples", "upper_bound")}

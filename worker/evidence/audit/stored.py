@@ -3,58 +3,74 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from campaigns.results.base import OK, STATUS
+from campaigns.results.search import Best
+from campaigns.results.verdict import Counts, NominalCost, Provenance, Worst
 from campaigns.stages.plan import most
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.parts import OMIT, REST, made
+from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import MISSING
 
 
-def of_evaluations(run: Run) -> Tree:
-    """The claims that follow from the evaluations and findings alone."""
-    method = finder(run)
-    worst = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
-    beside = run.made["evaluations"] - len(run.status)
-    total = {"stored": len(run.status), "lowest": run.lowest} | ({"counted": beside} if beside else {})
-    total |= {name: run.made[name] for name in ("succeeded", "failed", "excluded", "violating")}
-    stages = zip(run.plan, run.best, run.ended, strict=True)
-    stops = [_stop(run, k) for k in range(len(run.plan))]
-    expected: Tree = {
-        "sound": bool((((run.status == OK) == np.isfinite(run.raw)) & (run.status < len(STATUS))).all()),
-        "placed": bool((np.abs(run.points - 0.5) <= 0.5 + 1e-9).all() and (run.stage < len(run.plan)).all()),
-        "stages": [
-            {"kind": s.kind, "method": s.method, "best": best} | ended | stop
-            for (s, best, ended), stop in zip(stages, stops, strict=True)
-        ],
-        "evaluations": total,
-        "nominal": {"cost": run.nominal, "margin": run.nominal - run.threshold},
-        "worst": worst if len(run.costs) else None,
-        "findings": run.findings,
-        "verdict": "violated" if run.confirmed else MISSING,
-    }
+class Row(NamedTuple):
+    """What a list of stages states of one; in a database, what its row repeats."""
+
+    kind: str
+    method: str | None
+    best: float
+    evaluations: int
+    failed: int
+    excluded: int
+    planned: int = OMIT
+    best_index: int | None = OMIT
+    stop: str | None = OMIT
+    minima: list[Any] = OMIT
+    counted: int = OMIT
+    violations: int = OMIT
+
+
+def of_evaluations(run: Run) -> Iterator[tuple[str, object]]:
+    """The claims that follow from the evaluations and findings alone, by name."""
+    evaluations, failed, excluded = run.made
+    yield "sound", bool((((run.status == OK) == np.isfinite(run.raw)) & (run.status < len(STATUS))).all())
+    yield "placed", bool((np.abs(run.points - 0.5) <= 0.5 + 1e-9).all() and (run.stage < len(run.plan)).all())
+    rows = len(run.claims["stages"]) if "run" in run.claims else 0
+    yield "stages", [_row(run, k) for k in range(max(len(run.plan), rows))]
+    flaky = run.flaky if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]) else OMIT
+    yield (
+        "evaluations",
+        made(
+            Counts,
+            stored=len(run.status),
+            lowest=run.lowest,
+            counted=evaluations - len(run.status) or OMIT,
+            succeeded=run.succeeded,
+            failed=failed,
+            excluded=excluded,
+            violating=run.violating,
+            flaky=flaky,
+        ),
+    )
+    yield "nominal", made(NominalCost, cost=run.nominal, margin=run.nominal - run.threshold)
+    worst = made(Worst, cost=run.stated, margin=run.stated - run.threshold, method=finder(run), **REST)
+    yield "worst", worst if len(run.costs) else None
+    yield "findings", run.findings
+    yield "verdict", "violated" if run.confirmed else MISSING
     if "run" in run.claims if run.sealed else "quantity" in run.claims:  # the table of runs has the whole verdict
-        expected |= {"provenance": {"seed": run.campaign.seed}, "quantity": run.quantity, "unit": run.unit}
+        yield "provenance", made(Provenance, seed=run.campaign.seed)
+        yield from (("quantity", run.quantity), ("unit", run.unit))
     elif run.sealed or "seed" in run.claims:
-        expected["seed"] = run.campaign.seed
-    if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]):
-        expected["evaluations"]["flaky"] = run.flaky
+        yield "seed", run.campaign.seed
     if "run" in run.claims:  # the columns of the database's table of runs
-        expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.stated}
-        expected["run"] |= {"evaluations": run.made["evaluations"], "failed_evaluations": run.made["failed"]}
-        for k, stage in enumerate(run.claims["stages"]):
-            if blocks := run.counted.get(k):  # a row has the stored ones, and how many there are beside them
-                stored = int((run.stage == k).sum())
-                expected["stages"][k] |= {"evaluations": stored, "counted": run.ended[k]["evaluations"] - stored}
-                expected["stages"][k] |= {"violations": sum(blocks["violations"])}
-            elif "counted" in stage:  # tables of earlier versions have no such columns
-                expected["stages"][k] |= {"counted": 0, "violations": 0}
-        expected["run"] |= {"worst_method": method, "upper_bound": run.bound}
-        if run.sealed:
-            expected["run"] |= {"planned": most(run.campaign), "state": "done", "error": None}
-    return expected
+        columns = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.stated}
+        columns |= {"evaluations": evaluations, "failed_evaluations": failed}
+        further = {"planned": most(run.campaign), "state": "done", "error": None} if run.sealed else {}
+        yield "run", {**columns, "worst_method": finder(run), "upper_bound": run.bound, **further}
 
 
 def finder(run: Run) -> str | None:
@@ -64,33 +80,41 @@ def finder(run: Run) -> str | None:
     """
     searched = [k for k in run.searches if not math.isnan(run.best[k])]
     lowest = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
-    worst = run.worst or next(iter(run.findings), None)
-    if worst is None or (run.claims.get("worst") or {}).get("method") == lowest:
+    if not run.findings or (run.claims.get("worst") or {}).get("method") == lowest:
         return lowest
-    stated = next(one for one, made in zip(run.claims["findings"], run.findings, strict=True) if made is worst)
+    stated = run.claims["findings"][run.worst or 0]
     drawn = (stated.get("validation") or {}).get("realisation") is not None
     by = sorted(() if drawn else stated.get("found") or (), key=lambda one: one["evaluations"])
     found = [run.plan[one["position"]].method for one in by]
     return lowest if lowest in found else next(iter(found), None)
 
 
-def _stop(run: Run, k: int) -> Tree:
-    """How a stage of a folder ended, and its minima, which repeat its result; in a database, what its row repeats."""
-    results = run.claims.get("results") or []
+def _row(run: Run, k: int) -> Row:
+    planned, results = run.plan[k], run.claims.get("results") or []
+    row = Row(planned.kind, planned.method, run.best[k], *run.ended[k])
     if not run.sealed:
-        return {}
-    if k >= len(results) or "run" in run.claims:
+        pass
+    elif k >= len(results) or "run" in run.claims:
         best = lowest_of(run, k)
-        return {"planned": run.plan[k].planned, "best_index": best and best["index"]}
-    result = results[k] or {}
-    return {"stop": (result.get("stop") or {}).get("text"), "minima": result.get("minima") or []}
+        row = row._replace(planned=planned.planned, best_index=None if best is None else best.index)
+    else:
+        result = results[k] or {}
+        row = row._replace(stop=(result.get("stop") or {}).get("text"), minima=result.get("minima") or [])
+    if "run" not in run.claims or k >= len(run.claims["stages"]):
+        return row
+    if blocks := run.counted.get(k):  # a row has the stored ones, and how many there are beside them
+        stored = int((run.stage == k).sum())
+        return row._replace(evaluations=stored, counted=row.evaluations - stored, violations=sum(blocks.violations))
+    # Tables of earlier versions have no such columns.
+    return row._replace(counted=0, violations=0) if "counted" in run.claims["stages"][k] else row
 
 
-def lowest_of(run: Run, k: int) -> Any:
+def lowest_of(run: Run, k: int) -> Best | None:
     """The lowest evaluation of a search, the first of equal ones."""
     if math.isnan(run.best[k]):
         return None
     points, raw, status = run.rows(k)
-    index = int(np.argmin(np.where(status == OK, raw, np.inf)))
-    best = {"cost": run.best[k], "margin": run.best[k] - run.threshold}
-    return best | {"index": index, "parameters": run.values(points[index])} if run.sealed else best
+    cost, index = run.best[k], int(np.argmin(np.where(status == OK, raw, np.inf)))
+    if not run.sealed:
+        return made(Best, cost=cost, margin=cost - run.threshold, **REST)
+    return made(Best, cost=cost, margin=cost - run.threshold, index=index, parameters=run.values(points[index]))

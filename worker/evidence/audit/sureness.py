@@ -11,8 +11,10 @@ import numpy as np
 
 from campaigns.limits import SEARCH
 from campaigns.results.base import OK
+from campaigns.results.sureness import Sureness
 from worker.evidence.audit import limits
-from worker.evidence.audit.recompute import Run, Tree
+from worker.evidence.audit.parts import made
+from worker.evidence.audit.recompute import Run
 
 MODEL, LOW, FEW = (696, -0.466, -1.231, 100), (324, -0.689, -3.026, 10), 3
 """Landscapes, constant, coefficient, and evaluations that are enough; and of so many parameters and fewer."""
@@ -24,7 +26,7 @@ HALF = 0.5
 """The fraction of the evaluations that must have a value."""
 
 
-def sureness(run: Run) -> Tree | None:
+def sureness(run: Run) -> Sureness | None:
     """What the record must state; None if it must state nothing."""
     if len(run.searches) != 1 or run.campaign.objectives or not run.calls.alike or _side_by_side(run):
         return None
@@ -50,11 +52,8 @@ def sureness(run: Run) -> Tree | None:
     accepted = (LOW, FORMER, FORMER_LOW) if n <= FEW else (MODEL, FORMER)
     landscapes, constant, near, enough = next((one for one in accepted if one[0] == stated), accepted[0])
     z = constant + near * math.log10(min(as_low, enough))
-    return {
-        "chance": 1.0 / (1.0 + math.exp(-z)),
-        "lower": lower,
-        "landscapes": landscapes,
-    }
+    chance = 1.0 / (1.0 + math.exp(-z))
+    return made(Sureness, chance=chance, lower=lower, landscapes=landscapes)
 
 
 def _side_by_side(run: Run) -> bool:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.estimate import ImportanceDensity
 from worker.engine.problem.distributions import Distributions
 from worker.engine.rare import starts
 from worker.engine.rare.estimate import Estimate, Refused, estimated
@@ -46,8 +47,10 @@ def _repeated(run: Run, k: int) -> Searched | None:
     if made is None or (not len(first) and (run.stage == k).any()):
         return None
     if isinstance(made, Refused):
-        return Searched((made.why, made.limit), {}, [], {})
-    density = {name: getattr(made.mixture, name).tolist() for name in ("designs", "centres", "covariances", "shares")}
+        nothing = ImportanceDensity(designs=[], centres=[], covariances=[], shares=[])
+        return Searched((made.why, made.limit), nothing, [], {})
+    names = ImportanceDensity.model_fields
+    density = ImportanceDensity.model_validate({name: getattr(made.mixture, name).tolist() for name in names})
     of_modes = [[origins[one] for one in mode.origins or ()] for mode in made.modes]
     return Searched(None, density, of_modes, {a.why: a.value for a in made.alarms if a.why in OF_SEARCH})
 

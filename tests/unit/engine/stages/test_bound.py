@@ -100,7 +100,7 @@ def test_every_fraction_has_a_size_or_none_in_engine_and_audit(fraction: float, 
     for samples in (0, 1, 59, 1000):
         r = order(samples, fraction, confidence)
         assert (r > 0) == (size is not None and samples >= size)
-        assert r == (recompute._of_quantile(samples, fraction, confidence)["order"] or 0)
+        assert r == (recompute._of_quantile(samples, fraction, confidence).order or 0)
     wanted = remedies.needed(0, 0, fraction, confidence)
     assert wanted is None or bound(0, wanted, confidence) <= fraction
     assert (wanted is None) == (size is None or remedies._rounded(size) > MAX_COUNTED)

@@ -28,6 +28,7 @@ from worker.engine.stages.parts.counting import STREAM
 from worker.engine.stages.parts.sample import Sample
 from worker.engine.stages.parts.shape import Binned, Ordered
 from worker.engine.systems.base import CampaignUnusable
+from worker.evidence.audit.parts import written
 from worker.evidence.audit.recompute import histogram
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
@@ -302,4 +303,4 @@ def test_a_histogram_of_any_values_has_them_all(values: list[float]) -> None:
     found = Ordered(np.array(values)).histogram()
     assert sum(found.counts) == len(values)
     assert all(found.edges[0] <= value <= found.edges[-1] for value in values)
-    assert histogram(np.array(values)) == found.model_dump(), "as the audit has it"
+    assert written(histogram(np.array(values))) == found.model_dump(), "as the audit has it"

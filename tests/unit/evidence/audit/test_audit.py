@@ -19,6 +19,7 @@ from backend.db.queue import submit
 from backend.db.tables import CampaignRow, CatalogueSnapshot, EvaluationChunk, Run
 from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.refusals import RefusalCode
+from campaigns.results.search import Gap
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.audited import audited, recorded
 from tests.given.case_campaigns import searching
@@ -38,7 +39,7 @@ from tests.given.corrupted_records import (
 from tests.given.refused_commands import refused
 from tests.migrated import migrated
 from worker.engine.stages.parts import claims
-from worker.evidence.audit import results
+from worker.evidence.audit import parts, results
 from worker.evidence.audit.binomial import cumulative, upper_bound
 from worker.evidence.audit.judge import Item, audit, closing
 from worker.evidence.audit.record import MISSING, SEAL, UnreadableError, of_folder
@@ -285,16 +286,21 @@ def test_its_order_is_wilks(samples: int, share: float) -> None:
 @pytest.mark.parametrize(("best", "lowest"), [(2.0675210081688604e-09, -0.12), (0.5, 0.5 - 1e-13), (3.0, -1e6)])
 def test_the_gap_of_direct_ends_at_an_evaluation_whatever_digits_the_sum_loses(best: float, lowest: float) -> None:
     rows = (np.zeros((3, 1)), np.array([best, best + 1.0, 7.0]), np.zeros(3, dtype=np.uint8))
-    common = {"quantity": "d", "unit": "m", "ended": [{"evaluations": 3}], "reworded": "", "best": [best]}
+    common = {"quantity": "d", "unit": "m", "ended": [parts.Ended(3, 0, 0)], "reworded": "", "best": [best]}
     runs: list[Any] = [SimpleNamespace(rows=lambda _: rows, wording=wording, **common) for wording in (9, 8)]
     run, earlier = runs
     gap = {"lower_bound": lowest, "gap": best - lowest, "rectangles": 3, "without_value": 0}
-    found = results._gap(run, 0, gap)
+
+    def compared(one: Any, stated: dict[str, float]) -> dict[str, Any]:
+        found: dict[str, Any] = parts.written(results._gap(one, 0, parts.read(Gap, stated)))
+        return found
+
+    found = compared(run, gap)
     assert found["statement"] == possible_gain(3, 0, "d", lowest, best, "m")
     assert "lower_bound" not in found
     for other, known in ((best - lowest + 0.25, False), (best + 1.0 - lowest, True)):
         wrong = gap | {"gap": other}
-        assert "lower_bound" in results._gap(run, 0, wrong)
-        assert ("lower_bound" in results._gap(earlier, 0, wrong)) is not known
+        assert "lower_bound" in compared(run, wrong)
+        assert ("lower_bound" in compared(earlier, wrong)) is not known
     above = {"lower_bound": best + 0.5, "gap": -0.5}
-    assert all("lower_bound" in results._gap(one, 0, gap | above) for one in runs)
+    assert all("lower_bound" in compared(one, gap | above) for one in runs)

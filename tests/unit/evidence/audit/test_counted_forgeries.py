@@ -99,7 +99,7 @@ def test_honest_blocks_fit_their_stored_flights_whatever_their_size(failing: flo
     found = Counted.of(parts, scale)
     document = json.loads(certify._blocks(found, threshold).model_dump_json())
     flights, kept = found.kept.indices, found.kept
-    told = counted.fitting(document, samples, flights, kept.costs[:, 0], kept.status, threshold)
+    told = counted.fitting(counted.stored(document), samples, flights, kept.costs[:, 0], kept.status, threshold)
     assert told == (len(parts), len(parts))
     assert size(samples) > FIRST
 

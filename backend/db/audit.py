@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, TypedDict, cast
 
 import sqlalchemy as sa
 
@@ -18,8 +18,21 @@ from backend.db.chain import COVERED, FIRST, Head, Verified, digest, verify
 from backend.db.engine import now, read
 from backend.db.tables import Audit, AuditHead, Token
 
-Row = dict[str, Any]
-"""A row of the trail by column."""
+
+class Row(TypedDict):
+    """A row of the trail; its detail is text where it is not JSON."""
+
+    id: int
+    at: float
+    user: str
+    via: str
+    action: str
+    subject: str
+    detail: object
+    previous: str
+    hash: str
+
+
 PAGE = 1000
 """Rows that are read at a time."""
 
@@ -66,9 +79,9 @@ def head(reader: sa.Connection) -> Head:
 
 def as_row(found: Mapping[Any, Any]) -> Row:
     """A row of `COLUMNS`; a detail that is not JSON stays text, of which the hash is another one."""
-    row = dict(found)
+    row = cast(Row, dict(found))
     with contextlib.suppress(ValueError, RecursionError, TypeError):
-        row["detail"] = json.loads(row["detail"])
+        row["detail"] = json.loads(found["detail"])
     return row
 
 

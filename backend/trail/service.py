@@ -55,7 +55,7 @@ def _lines(engine: sa.Engine, until: int) -> Iterator[str]:
         yield json.dumps(row, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
 
 
-def _entry(row: dict[str, object]) -> AuditEntry:
+def _entry(row: audit.Row) -> AuditEntry:
     """A row; a detail that is not an object was changed, and is shown as it is."""
     detail = row["detail"] if isinstance(row["detail"], dict) else {"unreadable": str(row["detail"])}
     return AuditEntry.model_validate({**row, "detail": detail})

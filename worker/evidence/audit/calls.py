@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from campaigns import Campaign
-from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.finding import Calls as Several
 from campaigns.results.finding import Validation
@@ -17,7 +15,7 @@ from campaigns.results.measured import Measured
 from worker.evidence.audit import limits
 from worker.evidence.audit.binomial import interval
 from worker.evidence.audit.parts import OMIT, REST, made
-from worker.evidence.audit.record import MISSING
+from worker.evidence.audit.record import MISSING, Record
 
 
 class Calls:
@@ -26,12 +24,12 @@ class Calls:
     Closed loops, and runs of versions that did not measure whether results repeat, have none.
     """
 
-    def __init__(self, campaign: Campaign, claims: JsonObject, points: Any, costs: Any, status: Any) -> None:
-        self.campaign, self.claims, simulator = campaign, claims, campaign.simulator
+    def __init__(self, record: Record, points: Any, costs: Any, status: Any) -> None:
+        self.campaign, self.claims, simulator = record.campaign, record.claims, record.campaign.simulator
         self.measures = simulator is not None and len(status) > 1
         self.number = simulator.calls if simulator is not None else 1
         self.measured = _measured(points, costs, status) if self.measures else None
-        declared = not self.measures or bool(claims["results"][0]["measured"]["declared"])
+        declared = not self.measures or bool(self.claims["results"][0]["measured"]["declared"])
         self.repeats = self.measured is None or (self.measured.identical and declared)
         self.noisy = self.measures and (self.number > 1 or not self.repeats)
 

@@ -121,7 +121,7 @@ class Run:
         first = np.flatnonzero(self.stage == 0)[:1]  # a simulator has further evaluations in the first stage
         self.nominal = float(self.raw[first][0]) if (self.status[first] == OK).any() else math.nan
         self.lowest = min(self.costs.tolist(), default=math.nan)
-        self.calls = Calls(self.campaign, self.claims, *self.rows(0))
+        self.calls = Calls(record, *self.rows(0))
         self.highest = max(self.costs.tolist(), default=math.nan)
         self.varies = self.highest - self.lowest > self._rounding()
         self.others = self.means()

@@ -232,6 +232,6 @@ def _digest(campaign: Any, columns: list[Rows], documents: Any) -> str:
         return f"none: {error}"
 
 
-def _reasons(arrays: Any, stage: int) -> JsonObject:
+def _reasons(arrays: Any, stage: int) -> dict[str, str]:
     name = f"reasons_{stage}"
     return dict(json.loads(str(arrays[name]))) if name in arrays.files else {}

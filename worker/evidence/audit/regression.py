@@ -114,10 +114,10 @@ def regression(run: Run, checks: dict[str, bool]) -> Regression:
     """What has become of every finding of either run; checks: whether each holds."""
     stated, policy = run.claims["regression"], run.campaign.regression
     cases = [_case(run, number) for number in range(len(stated["cases"]))]
-    violations = [case for case in cases if case.lowest <= 0]
-    known = bool(violations) and not any(case.new for case in violations)
+    violations = [case for case in cases if (case.margin or 0.0) <= 0]
+    known = bool(violations) and not any(case.newly_violating for case in violations)
     strictest = _thresholds(run)[1] - run.threshold
-    rows = [_row(run, case, _fails(policy.fail_on, case, strictest)) for case in cases]
+    rows = [changed(case, fails=_fails(policy.fail_on, case, strictest)) for case in cases]
     baseline = run.campaign.baseline
     assert baseline is not None
     left_out = {finding.label for finding in run.findings} - {recorded["now"] for recorded in stated["cases"]}
@@ -151,29 +151,13 @@ def _of_violations(run: Run, name: str) -> bool:
     return name in limits.OF_VIOLATIONS
 
 
-class Change(NamedTuple):
-    """What has become of a finding: its standing, margins before, again and lowest, the change with its tolerance,
-    and what a row names beside them."""
-
-    standing: str
-    before: float = math.nan
-    again: float = math.nan
-    lowest: float = math.nan
-    tolerance: float = math.nan
-    new: bool = False
-    evaluation: int | None = None
-    now: str | None = None
-    parameters: Mapping[str, float] = {}
-    change: float = math.nan
-
-
-def _case(run: Run, number: int) -> Change:
+def _case(run: Run, number: int) -> FindingChange:
     """The case of one row, NaN where there is no number; before and now are taken as given."""
     recorded = run.claims["regression"]["cases"][number]
     if recorded["before"] is None:
         found = {f.label: f for f in run.findings}[recorded["now"]]
-        new = found.margin <= 0
-        return Change("new", lowest=found.margin, new=new, now=found.label, parameters=found.parameters)
+        identity, margins = (None, found.label, found.parameters), (math.nan, math.nan, found.margin)
+        return _row(run, "new", margins, identity, new=found.margin <= 0)
     baseline = run.campaign.baseline
     assert baseline is not None
     case = next(case for case in baseline.cases if case.label == recorded["before"])
@@ -187,7 +171,7 @@ def _case(run: Run, number: int) -> Change:
     index = {one["label"]: one["index"] for one in run.claims["results"][position(run)]["cases"]}
     before, k = case.cost, index[case.label] if _compares(run) else recorded["evaluation"]
     if k is None or status[k] != OK:
-        return Change("not compared", before - limit, evaluation=k, parameters=case.parameters)
+        return _row(run, "not compared", (before - limit, math.nan, math.nan), (k, None, case.parameters))
     again = float(costs[k])
     lowest = min(again, basin) if stands else again
     tolerance = _tolerance(run, case.difference, recorded["now"])
@@ -201,7 +185,7 @@ def _case(run: Run, number: int) -> Change:
         standing = "worse" if worse else "better" if lowest > before + tolerance else "same"
     place = own.parameters if stands and basin < again else run.values(run.rows(position(run))[0][k])
     margins = before - limit, again - limit, lowest - limit
-    return Change(standing, *margins, tolerance, new, k, own.now, place, lowest - before)
+    return _row(run, standing, margins, (k, own.now, place), tolerance, new, lowest - before)
 
 
 def _compares(run: Run) -> bool:
@@ -209,14 +193,18 @@ def _compares(run: Run) -> bool:
     return run.wording >= limits.BASELINES
 
 
-def _row(run: Run, case: Change, fails: bool) -> FindingChange:
-    """A row; earlier versions are not judged by what it names besides its numbers."""
-    identity = (case.evaluation, case.now, dict(case.parameters)) if _compares(run) else (OMIT, OMIT, OMIT)
-    standing: Any = case.standing
+def _row(
+    run: Run, standing: Any, margins: tuple[float, float, float],
+    identity: tuple[int | None, str | None, Mapping[str, float]],
+    tolerance: float = math.nan, new: bool = False, change: float = math.nan,
+) -> FindingChange:  # fmt: skip
+    """A row with its margins before, again and lowest; identity: the evaluation, the finding and the parameters that it
+    names, by which earlier versions are not judged."""
+    evaluation, now, parameters = (*identity[:2], dict(identity[2])) if _compares(run) else (OMIT, OMIT, OMIT)
     return made(
-        FindingChange, standing=standing, margin_before=case.before, margin_again=case.again, margin=case.lowest,
-        change=case.change, tolerance=case.tolerance, newly_violating=case.new, evaluation=identity[0],
-        now=identity[1], parameters=identity[2], fails=fails, **REST,
+        FindingChange, standing=standing, margin_before=margins[0], margin_again=margins[1], margin=margins[2],
+        change=change, tolerance=tolerance, newly_violating=new, evaluation=evaluation, now=now, parameters=parameters,
+        **REST,
     )  # fmt: skip
 
 
@@ -263,10 +251,11 @@ def _thresholds(run: Run) -> list[float]:
     return sorted((baseline.threshold if baseline is not None and _compares(run) else run.threshold, run.threshold))
 
 
-def _fails(fail_on: list[FailOn], case: Change, strictest: float) -> bool:
+def _fails(fail_on: list[FailOn], case: FindingChange, strictest: float) -> bool:
     if case.standing == "not compared":
-        return "not_compared" in fail_on or ("violation" in fail_on and case.before <= strictest)
+        violated = (case.margin_before or 0.0) <= strictest
+        return "not_compared" in fail_on or ("violation" in fail_on and violated)
     if case.standing == "unresolved":
         return "not_compared" in fail_on
-    kinds = {case.standing, *(["new_violation"] if case.new else [])}
+    kinds = {str(case.standing), *(["new_violation"] if case.newly_violating else [])}
     return bool(kinds & {"new", "worse", "new_violation"} & set(fail_on))

@@ -13,25 +13,13 @@ import numpy as np
 
 from campaigns.asked.allowance import validation
 from campaigns.claims.stages.surroundings import possible_gain
+from campaigns.results import validate as forms
 from campaigns.results.base import OK, STATUS, Result, Stop
 from campaigns.results.draws import of_indices
 from campaigns.results.finding import Calls, Validation
 from campaigns.results.nominal import NominalCase
 from campaigns.results.sample import Blocks, Sample
 from campaigns.results.search import Gap, SearchResult
-from campaigns.results.validate import (
-    Beyond,
-    Compared,
-    Encounter,
-    Gathered,
-    Incumbent,
-    Spent,
-    SpotChecks,
-    Spread,
-    StageCount,
-    ValidateResult,
-    Violations,
-)
 from campaigns.results.verdict import BoundSource, Statistics, Worst
 from campaigns.stages.certify import CertifyResult
 from campaigns.stages.sensitivity import SensitivityResult
@@ -51,6 +39,8 @@ from worker.evidence.audit.sentences import budget, of_certified, of_sample
 from worker.evidence.audit.stored import finder, lowest_of
 from worker.evidence.audit.sureness import sureness
 
+GAP = ("rectangles", "without_value", "lower_bound", "gap")
+"""Numbers of DIRECT's possible gain."""
 BESIDE = ("outside", "lowest", "mean", "deviation", "histogram", "distribution", "looks")
 """Fields of a sample that the statistics of the verdict do not have."""
 
@@ -85,34 +75,34 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> list[tuple[str, obje
     return [(name, value) for name, value in claims if value is not OMIT]
 
 
-def _validated(run: Run, at_most: int, spot_checks: int) -> ValidateResult:
+def _validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
     """The result of validation, as far as it follows."""
     stated = run.claims["results"][-1]
     nominal, out, stored = run.case(stated["nominal"], "nominal", run.nominal), left_out(run), sum(run.below)
-    spread, beyond = made(Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest), OMIT
+    spread, beyond = made(forms.Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest), OMIT
     if stated["encounter"].get("beyond") is not None:
-        beyond = made(Beyond, times=limits.CONTINUED, flights=_continued(run), **REST)
+        beyond = made(forms.Beyond, times=limits.CONTINUED, flights=_continued(run), **REST)
     checked = min(stored, at_most) - out.get("violations", 0), min(spot_checks, len(run.costs))
-    by_stage = [made(StageCount, position=k, count=n) for k, n in enumerate(run.below) if n]
+    by_stage = [made(forms.StageCount, position=k, count=n) for k, n in enumerate(run.below) if n]
     findings, spent, tolerance = OMIT, OMIT, OMIT
     if run.sealed:
         own, tolerance = run.campaign.stages.findings, run.campaign.stages.validate_.tolerance
         findings = made(
-            Gathered, distance=own.distance, barrier=own.barrier, at_most=own.at_most,
+            forms.Gathered, distance=own.distance, barrier=own.barrier, at_most=own.at_most,
             statement=OMIT if run.reworded else gathered(run), **REST,
         )  # fmt: skip
         most = validation(run.campaign, run.calls.noisy).total
-        spent = made(Spent, at_most=most, stored=run.ended[-1].evaluations, **REST)  # the rest was made again
+        spent = made(forms.Spent, at_most=most, stored=run.ended[-1].evaluations, **REST)  # the rest was made again
     return made(
-        ValidateResult, nominal=nominal, ok=bool(nominal.ok) and all(f.validation.ok for f in run.findings),
-        violations=made(Violations, stored=stored, by_stage=by_stage, checked=checked[0], **REST),
-        encounter=made(Encounter, spread=spread, beyond=beyond, **REST),
-        spot_checks=made(SpotChecks, checked=checked[1] - out.get("spot_checks", 0), **REST), tolerance=tolerance,
+        forms.ValidateResult, nominal=nominal, ok=bool(nominal.ok) and all(f.validation.ok for f in run.findings),
+        violations=made(forms.Violations, stored=stored, by_stage=by_stage, checked=checked[0], **REST),
+        encounter=made(forms.Encounter, spread=spread, beyond=beyond, **REST),
+        spot_checks=made(forms.SpotChecks, checked=checked[1] - out.get("spot_checks", 0), **REST), tolerance=tolerance,
         findings=findings, modes=(modes.named(run) if run.sealed else None) or OMIT, spent=spent,
     )  # fmt: skip
 
 
-def _row(run: Run, k: int, stated: list[str]) -> Compared:
+def _row(run: Run, k: int, stated: list[str]) -> forms.Compared:
     """The row of a search in the comparison; stated: the findings that it names."""
     known, stop = {finding.label for finding in run.findings}, OMIT
     labels = [label for label in stated if label in known]
@@ -122,7 +112,7 @@ def _row(run: Run, k: int, stated: list[str]) -> Compared:
         labels = [label for label, positions in by if k in positions]
     evaluations, failed, excluded = run.ended[k]
     return made(
-        Compared, position=k, best=run.best[k], method=run.methods[k].name, title=run.methods[k].title,
+        forms.Compared, position=k, best=run.best[k], method=run.methods[k].name, title=run.methods[k].title,
         kind=run.methods[k].kind, evaluations=evaluations, failed=failed, excluded=excluded, findings=labels,
         stop=stop, **REST,
     )  # fmt: skip
@@ -233,10 +223,12 @@ def _searched(run: Run, k: int) -> SearchResult:
         return found
     (criteria, front, size), minima = charts.front(run, k), charts.minima(run, k)
     parts = apart(run, k) if stated.get("apart") else OMIT
-    bound = bool(stated.get("gap")) and run.wording >= limits.BASELINES
+    gap = OMIT
+    if stated.get("gap") and run.wording >= limits.BASELINES:
+        gap = _gap(run, k, read(Gap, {name: stated["gap"][name] for name in GAP}))
     return changed(
         found, criteria=criteria, front=front, front_size=size, minima=minima, family=family(run, k), apart=parts,
-        gap=_gap(run, k, read(Gap, stated["gap"])) if bound else OMIT,
+        gap=gap,
     )  # fmt: skip
 
 
@@ -278,7 +270,7 @@ def _worst(run: Run) -> Worst:
     )  # fmt: skip
 
 
-def _incumbents(run: Run) -> Iterator[Incumbent]:
+def _incumbents(run: Run) -> Iterator[forms.Incumbent]:
     """The independent calls of every search's best, recomputed; one too few is missing at the end."""
     stated = run.claims["results"][-1].get("incumbents", [])
     unknown = made(Calls, violating=MISSING, **REST)
@@ -286,4 +278,4 @@ def _incumbents(run: Run) -> Iterator[Incumbent]:
         case = made(Validation, cost=run.best[k], repeats=unknown, **REST)
         if number < len(stated):
             case = run.calls.case(stated[number]["validation"], cost=run.best[k])
-        yield made(Incumbent, position=k, cost=run.best[k], validation=case, **REST)
+        yield made(forms.Incumbent, position=k, cost=run.best[k], validation=case, **REST)

@@ -42,20 +42,11 @@ def of_evaluations(run: Run) -> Iterator[tuple[str, object]]:
     rows = len(run.claims["stages"]) if "run" in run.claims else 0
     yield "stages", [_row(run, k) for k in range(max(len(run.plan), rows))]
     flaky = run.flaky if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]) else OMIT
-    yield (
-        "evaluations",
-        made(
-            Counts,
-            stored=len(run.status),
-            lowest=run.lowest,
-            counted=evaluations - len(run.status) or OMIT,
-            succeeded=run.succeeded,
-            failed=failed,
-            excluded=excluded,
-            violating=run.violating,
-            flaky=flaky,
-        ),
-    )
+    total = made(
+        Counts, stored=len(run.status), lowest=run.lowest, counted=evaluations - len(run.status) or OMIT,
+        succeeded=run.succeeded, failed=failed, excluded=excluded, violating=run.violating, flaky=flaky,
+    )  # fmt: skip
+    yield "evaluations", total
     yield "nominal", made(NominalCost, cost=run.nominal, margin=run.nominal - run.threshold)
     worst = made(Worst, cost=run.stated, margin=run.stated - run.threshold, method=finder(run), **REST)
     yield "worst", worst if len(run.costs) else None
@@ -92,12 +83,10 @@ def finder(run: Run) -> str | None:
 def _row(run: Run, k: int) -> Row:
     planned, results = run.plan[k], run.claims.get("results") or []
     row = Row(planned.kind, planned.method, run.best[k], *run.ended[k])
-    if not run.sealed:
-        pass
-    elif k >= len(results) or "run" in run.claims:
+    if run.sealed and (k >= len(results) or "run" in run.claims):
         best = lowest_of(run, k)
         row = row._replace(planned=planned.planned, best_index=None if best is None else best.index)
-    else:
+    elif run.sealed:
         result = results[k] or {}
         row = row._replace(stop=(result.get("stop") or {}).get("text"), minima=result.get("minima") or [])
     if "run" not in run.claims or k >= len(run.claims["stages"]):

@@ -7,6 +7,7 @@ the search that the engine repeats over the stored evaluations (`Searched`).
 from __future__ import annotations
 
 import math
+from itertools import zip_longest
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
@@ -129,7 +130,7 @@ def estimated(run: Run, k: int) -> Estimation:
     shares = (terms @ responsible / max(float(terms.sum()), 1e-300)).tolist()
     found = changed(
         found, **near, draws=drawn, failed_draws=int(np.count_nonzero(failed)), final=made(Rows, first=last, **REST),
-        independent=made(Rows, count=count, **REST), modes=_modes(run, stated["modes"], density, shares, again),
+        independent=made(Rows, count=count, **REST), modes=_modes(run, k, density, shares),
         alarms=[_with_statement(run, k, alarm, sample, near["probability"]) for alarm in alarms],
     )  # fmt: skip
     return found if run.reworded else changed(found, statement=_statement(run, k, found, count - kept))
@@ -256,19 +257,18 @@ def _with_statement(
     return alarm if run.reworded else changed(alarm, statement=worded[alarm.why]())
 
 
-def _modes(
-    run: Run, stated: Any, density: ImportanceDensity, shares: list[float], again: Searched | None
-) -> list[ViolationMode]:
+def _modes(run: Run, k: int, density: ImportanceDensity, shares: list[float]) -> list[ViolationMode]:
     """The modes at the centres of the density, with the stored violations that led to them."""
     found = []
-    for design, share, mode in zip(density.designs, shares, stated, strict=True):
+    for design, share, mode in zip(density.designs, shares, run.claims["results"][k]["modes"], strict=True):
         at = run.values(_cube(run, np.array([design]))[0])
         near = share if abs(share - mode["share"]) > TOLERANCE else mode["share"]
         distance = float(np.linalg.norm(design))
         found.append(made(ViolationMode, share=near, parameters=at, distance=distance, **REST))
-    for k, origins in zip(range(len(found)), () if again is None else again.origins, strict=False):
-        found[k] = changed(found[k], origins=origins)
-    return found
+    if (again := _again(run, k)) is None:
+        return found
+    pairs = zip_longest(found, again.origins[: len(found)], fillvalue=OMIT)
+    return [changed(mode, origins=origins) for mode, origins in pairs]
 
 
 def _statement(run: Run, k: int, found: Estimation, excluded: int) -> Spans:

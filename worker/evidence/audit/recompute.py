@@ -127,11 +127,8 @@ class Run:
         self.others = self.means()
         self.findings = [self.finding(k) for k in range(len(self.claims["findings"]))]
         again = self._again()
-        violating = [
-            k
-            for k, f in enumerate(self.findings)
-            if f.validation.violates and (self.calls.noisy or (f.margin <= 0.0 and again))
-        ]
+        violating = [k for k, f in enumerate(self.findings) if f.validation.violates]
+        violating = [k for k in violating if self.calls.noisy or (self.findings[k].margin <= 0.0 and again)]
         self.confirmed = bool(violating)
         known = "evaluated" in (self.claims.get("worst") or {})  # earlier versions stated the lowest evaluation
         costs = {k: self._granted(self.findings[k]) for k in violating}
@@ -274,8 +271,8 @@ class Run:
         costs, blocks = np.sort(self.raw[drawn][self.status[drawn] == OK]), self.counted.get(k)
         draws, failed, excluded = counts(self.status[drawn]) if blocks is None else counted.ended(blocks)
         outside, level, size = self.outside(), self.campaign.confidence, draws - excluded
-        violations = failed + int(np.count_nonzero(costs <= self.threshold))
-        violations = violations if blocks is None else sum(blocks.violations)
+        below = failed + int(np.count_nonzero(costs <= self.threshold))
+        violations = below if blocks is None else sum(blocks.violations)
         noise: Noise = "none"
         if self.random:
             own = certify and self.claims["results"][k]["drawn_realisations"] == (len(drawn) if blocks else draws)
@@ -317,12 +314,11 @@ class Run:
         else:
             shown = distribution(costs, failed, level) if self.sealed else OMIT
             bound = None if rank is None or rank <= failed else float(costs[rank - failed - 1])
-        quantile = changed(quantile, bound=bound)
-        if self.sealed:
-            needed = _needed(certify.quantile - outside, level)
-            quantile = changed(quantile, share=certify.quantile, needed=needed)
+        needed = _needed(certify.quantile - outside, level) if self.sealed else OMIT
+        share = certify.quantile if self.sealed else OMIT
+        quantile = changed(quantile, bound=bound, share=share, needed=needed)
+        # Excluded draws are repeated, at most so often.
         short = size < certify.samples and draws < limits.draws(certify.samples, draws)
-        # An excluded draw is repeated, so often.
         return changed(found, distribution=shown, quantile=quantile, samples=certify.samples if short else size)
 
     def early(self, k: int) -> tuple[int, int | None]:

@@ -92,14 +92,10 @@ def attracted(run: Run, k: int) -> Attraction:
     with np.errstate(all="ignore"):
         drawn = rays.drawn(stated.proof.v.polynomial(), stated.proof.matrix())
     ended = np.array([math.inf if r is None else r for r in stated.simulated])
+    sections = [made(Section, states=list(at), proved=radii.tolist(), **REST) for at, radii in drawn.sections.items()]
     return changed(
-        found,
-        states=[changed(state, reach=reach) for state, reach in zip(states, drawn.reach, strict=True)],
-        degree=degree(stated.proof.v.polynomial()),
-        fraction=rays.fraction(drawn.certified, ended, len(stated.states)),
-        contradicting=rays.contradicting(drawn.certified, ended),
-        sections=[
-            made(Section, states=list(pair), proved=radii.tolist(), **REST) for pair, radii in drawn.sections.items()
-        ],
+        found, states=[changed(state, reach=reach) for state, reach in zip(states, drawn.reach, strict=True)],
+        degree=degree(stated.proof.v.polynomial()), fraction=rays.fraction(drawn.certified, ended, len(stated.states)),
+        contradicting=rays.contradicting(drawn.certified, ended), sections=sections,
         statement=OMIT if run.reworded else templates.proved(stated.facts()),
-    )
+    )  # fmt: skip

@@ -41,17 +41,10 @@ class Calls:
         low, high = interval(violating, len(values), confidence, failed)
         own = math.nan if recorded["cost"] is None else recorded["cost"]
         agrees = own > threshold and not violating and not failed
+        ok = len(values) == self.campaign.stages.validate_.repeats and (agrees or violating > 0)
+        repeats = made(Several, violating=violating, failed=failed, low=low, high=high, confidence=confidence, **REST)
         return made(
-            Validation,
-            name=name,
-            cost=cost,
-            repeats=made(
-                Several, violating=violating, failed=failed, low=low, high=high, confidence=confidence, **REST
-            ),
-            agrees=agrees,
-            violates=violating > 0,
-            ok=len(values) == self.campaign.stages.validate_.repeats and (agrees or violating > 0),
-            **REST,
+            Validation, name=name, cost=cost, repeats=repeats, agrees=agrees, violates=violating > 0, ok=ok, **REST
         )
 
     def checks(self, noise: str, flaky: Any) -> dict[str, bool]:

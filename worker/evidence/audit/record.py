@@ -108,17 +108,8 @@ def of_folder(folder: Path) -> Record:
         twice |= files.compared(folder, claims, campaign, rows, stage, reasons) if sealed else {}
     except UNREADABLE as error:
         raise UnreadableError(f"the files of {folder} are not those of a run: {error}") from None
-    return Record(
-        campaign,
-        throughout(claims),
-        {"digests.result": (campaign_digest, campaign.digest), **twice},
-        stage,
-        rows[0],
-        rows[1],
-        rows[2],
-        again,
-        left_out,
-    )
+    twice = {"digests.result": (campaign_digest, campaign.digest), **twice}
+    return Record(campaign, throughout(claims), twice, stage, rows[0], rows[1], rows[2], again, left_out)
 
 
 def of_database(connection: sa.Connection, run_id: int) -> Record:

@@ -66,9 +66,9 @@ def installed(live: Live, campaign: Campaign, version: str) -> CaseInstalled:
 
 def evaluated(live: Live, wanted: Case, rows: int) -> CaseReply:
     """The answer of the process; raises `RefusedError`."""
-    request = {"campaign": wanted.document, "simulator": wanted.simulator, "parameters": wanted.values}
+    request = {"campaign": wanted.campaign.document(), "simulator": wanted.simulator, "parameters": wanted.values}
     try:
-        found: CaseReply = live.ask(wanted.digest, request | {"rows": max(rows, ROWS)})
+        found: CaseReply = live.ask(wanted.campaign.digest, request | {"rows": max(rows, ROWS)})
         return found
     except FlightRefusedError as error:
         raise RefusedError("not-flyable", f"this case cannot be evaluated: {error}") from None

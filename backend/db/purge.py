@@ -38,11 +38,6 @@ from backend.db.tables import (
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import ACTIVE, ENDED, RunState, run_name
 
-_EMPTY: dict[str, object] = {
-    "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
-    "snapshot": None, "size": 0,
-}  # fmt: skip
-
 
 @dataclass(frozen=True)
 class Removed:
@@ -136,10 +131,13 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
         lowest = _lowest(writer, run_id, row.worst_cost)
         for table in (*RESULTS, RunText, RunLabel, RunRefusal, RunBaseline):
             writer.execute(sa.delete(table).where(table.run_id == run_id))
-        left = {**_EMPTY, "purged": at, "purged_by": user[:64], "purged_digest": digest, "worst_cost": lowest}
+        update = sa.update(Run).where(Run.id == run_id)
+        update = update.values(purged=at, purged_by=user[:64], purged_digest=digest, worst_cost=lowest)
+        update = update.values(tags=[], notes="", summary={}, best_so_far=[], reason=None, error=None, pinned=False)
+        update = update.values(snapshot=None, size=0)
         if row.removed is None:
-            left |= {"removed": at, "removed_by": user[:64], "removed_reason": reason}
-        writer.execute(sa.update(Run).where(Run.id == run_id).values(**left))
+            update = update.values(removed=at, removed_by=user[:64], removed_reason=reason)
+        writer.execute(update)
         if row.removed is None:
             audit.note_command(writer, user, "run.removed", run_name(run_id), {"reason": reason})
         detail = {"results_digest": digest, "evaluations": row.evaluations}

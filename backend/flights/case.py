@@ -32,8 +32,7 @@ class Case:
     """A flight of a run, or a case of its simulator, ready to be simulated."""
 
     run_id: int
-    document: dict[str, object]
-    digest: str
+    campaign: Campaign
     threshold: float
     criteria: list[CriterionOut]
     like: str
@@ -59,8 +58,7 @@ def case(
     _permit(campaign, catalogue, base, values)
     return Case(
         run_id=run_id,
-        document=campaign.document(),
-        digest=campaign.digest,
+        campaign=campaign,
         threshold=campaign.criterion.threshold,
         criteria=criteria(campaign.document(), catalogue),
         like=like,

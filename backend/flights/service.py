@@ -30,7 +30,8 @@ def simulated(live: Live, wanted: Case, rows: int) -> FlightReply:
     """The answer of the simulation process; raises `RefusedError`."""
     # A drawn flight needs its poses, so a time series is always requested.
     try:
-        return live.simulate(wanted.document, wanted.digest, wanted.values, max(rows, ROWS), wanted.seed)
+        campaign = wanted.campaign
+        return live.simulate(campaign.document(), campaign.digest, wanted.values, max(rows, ROWS), wanted.seed)
     except FlightRefusedError as error:
         raise RefusedError("not-flyable", f"this flight cannot be simulated: {error}") from None
     except LiveError as error:

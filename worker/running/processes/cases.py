@@ -39,7 +39,7 @@ from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
-from campaigns.stored.replies import CaseReply
+from campaigns.stored.replies import CaseReply, InstalledReply
 from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable, NoResult, NoTrace, System, Trace, indices, slotted
 from worker.engine.systems.simulators.called import Called
@@ -103,7 +103,7 @@ def answer(line: str | bytes, systems: Systems) -> Mapping[str, object]:
     return answering.answered(line, respond, "the evaluation", lambda error: close(systems))
 
 
-def _response(request: Mapping[str, Any], systems: Systems) -> Mapping[str, object]:
+def _response(request: Mapping[str, Any], systems: Systems) -> CaseReply | InstalledReply:
     campaign = load_document(request["campaign"], "the campaign of a case")
     if request.get("kind") == "installed":
         return {"missing": "" if campaign.digest in systems else missing(campaign, request["simulator"])}

@@ -18,6 +18,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import Field
+from pydantic_core import ErrorDetails
 from starlette.exceptions import HTTPException
 
 from backend.db.access import AccessError
@@ -297,7 +298,7 @@ _PARTS = {"body", "query", "path", "header"}
 """Of a request; the first part of a location."""
 
 
-def problem_of(error: Mapping[str, Any], location: Iterable[object]) -> Problem:
+def problem_of(error: ErrorDetails, location: Iterable[object]) -> Problem:
     """A problem of a request as found by pydantic, at a location in it."""
     value = error.get("input", "")
     shortened = (

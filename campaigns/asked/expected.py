@@ -7,6 +7,7 @@ from functools import cache
 from typing import Any
 
 from pydantic import BaseModel
+from pydantic_core import ErrorDetails
 
 LIMITS = {"exclusiveMinimum": "above", "minimum": "of at least", "exclusiveMaximum": "below", "maximum": "of at most"}
 """By the words of a JSON Schema; an interval names the lower end first."""
@@ -31,7 +32,7 @@ WORDS = {
 }
 
 
-def expected(error: Mapping[str, Any], model: type[BaseModel]) -> str:
+def expected(error: ErrorDetails, model: type[BaseModel]) -> str:
     """The clause for one error of a model, as `ValidationError.errors` gives it with its context."""
     kind, context = str(error["type"]), error.get("ctx", {})
     if kind.startswith(("greater_than", "less_than")):

@@ -170,7 +170,7 @@ class MethodEntry(Entry):
     families: Annotated[dict[str, dict[str, str]], UNSTATED] = {}
     """The family by option and value, where an option decides it; omitted if none does."""
     apart: Annotated[dict[str, str], UNSTATED] = {}
-    """Families of its members, by method, that are told nothing of the others' evaluations; omitted without any."""
+    """Families of its members, by method, that do not use the others' evaluations; omitted without any."""
     whole_budget: Annotated[bool, UNSTATED] = False
     """Whether it uses its whole budget; omitted if it may end by its own rule."""
     own_rule: Annotated[str, UNSTATED] = ""

@@ -163,7 +163,7 @@ RULES = (
         "At least one global method searched, every one reaches the worst case within the campaign's agreement, by "
         f"default {percent(AGREEMENT)} of nominal minus worst, and {percent(AGREEMENT_OF_MARGIN)} of the margin, "
         f"and methods of at least {METHODS.value} families do, which the campaign did not start there. Parts of a "
-        "search that were told nothing of each other's evaluations count as methods. Members that share evaluations or "
+        "search that do not share their evaluations count as methods. Members that share evaluations or "
         "starting points count as one method, in all searches by the same method together.",
         ("search", "validate"),
         RemedyKind.EVALUATIONS,
@@ -262,7 +262,7 @@ RULES = (
         CheckCode.SAMPLE,
         "Independent sample",
         f"An independent sample of at least {SAMPLE.value} was drawn from the distributions, with a seed that was "
-        "drawn at launch and that nobody chose.",
+        "drawn at launch, not chosen by a user.",
         ("certify",),
         RemedyKind.SAMPLE,
     ),
@@ -306,5 +306,5 @@ def rule(code: str) -> Rule | None:
 
 
 def position(code: str) -> int:
-    """Of a check among all; one without a rule comes last."""
+    """The position of a check among all; one without a rule comes last."""
     return RULES.index(_BY_CODE[code]) if code in _BY_CODE else len(RULES)

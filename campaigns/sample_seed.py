@@ -1,4 +1,4 @@
-"""The seed of a run's independent sample: drawn when the run is launched, so that nobody has chosen its points.
+"""The seed of a run's independent sample: drawn when the run is launched, so that no user has chosen its points.
 
 Whoever may try several seeds before the run finds one whose sample misses what it should show.
 """

@@ -93,7 +93,7 @@ def _table_of_trusted() -> str:
 
 
 def _table_of_verdicts() -> str:
-    """Of the library, by `tools.library_verdicts`."""
+    """The table of the library's verdicts, from what `tools.library_verdicts` stores."""
     known = json.loads((ROOT / "tests" / "golden" / "library_verdicts.json").read_text("utf-8"))
     rows = [
         (
@@ -225,19 +225,19 @@ def _class(one: Class, known: Schema, inherited: set[str]) -> str:
 
 
 def _optional(name: str, kind: str) -> str:
-    """None: the service did not send it."""
+    """A field with its default: None if the service did not send it."""
     empty = "None" if kind.endswith("| None") else EMPTY.get(kind.partition("[")[0])
     return f"{name}: {kind} | None = None" if empty is None else f"{name}: {kind} = {empty}"
 
 
 def _members(schema: Schema, known: Schema) -> list[str]:
-    """Of an enumeration, nullable or not; else empty."""
+    """The members of an enumeration, nullable or not; empty for any other schema."""
     options = [option["$ref"].rsplit("/", 1)[-1] for option in schema.get("anyOf", [schema]) if "$ref" in option]
     return [str(member) for name in options for member in known[name].get("enum", ())]
 
 
 def _quoted(description: str) -> list[str]:
-    """As a docstring, in the words of Python, where times are no seconds."""
+    """The description as the lines of a docstring, in the words of Python, where times are no seconds."""
     for word, ours in (("null", "None"), ("Null", "None"), ("Times are seconds since 1970; costs", "Costs")):
         description = description.replace(word, ours)
     if not description:
@@ -249,7 +249,7 @@ def _quoted(description: str) -> list[str]:
 
 
 def _type(schema: Schema, known: Schema) -> str | None:
-    """None of a schema that has no class."""
+    """The annotation of a schema; None if it has no class."""
     if "$ref" in schema:
         name = schema["$ref"].rsplit("/", 1)[-1]
         return "str" if "enum" in known[name] else NAMES.get(name)

@@ -24,12 +24,12 @@ create_venv() {
 # files that are no Python.
 compiled() { "$VENV/bin/python" -m compileall -q -j 0 -x '/(tests?|pip|setuptools|mypyc?|fontTools)/' "$VENV"/lib/python*/site-packages || true; }
 
-# A virtual environment knows where it stands: one that was copied along with its folder is made anew.
+# A virtual environment knows where it stands: one that was copied along with its folder is made again.
 stamp="$VENV/.installed"
 wanted="$HERE $(digest requirements.lock pyproject.toml)"
 current="$(cat "$stamp" 2>/dev/null || true)"
 if [ -n "$current" ] && [ "${current% *}" != "$HERE" ]; then
-    say ".venv belongs to ${current% *}: it is made anew"
+    say ".venv belongs to ${current% *}: it is made again"
     rm -rf "$VENV"
 fi
 [ -x "$VENV/bin/python" ] && suits "$VENV/bin/python" || create_venv

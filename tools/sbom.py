@@ -62,7 +62,7 @@ def python(lock: str) -> str:
 
 
 def _licence(name: str, version: str) -> str:
-    """As the installed package states it; empty if another version or nothing is installed."""
+    """The licence that the installed package states; empty if another version or nothing is installed."""
     try:
         found = importlib.metadata.metadata(name)
     except importlib.metadata.PackageNotFoundError:

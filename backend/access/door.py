@@ -75,7 +75,7 @@ class Door:
         task = self._under_way.get(name)
         if task is None or task.done():
             task = asyncio.ensure_future(to_thread.run_sync(question, self._engine, limiter=self._health))
-            task.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # also if nobody waits
+            task.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # also if no request waits
             self._under_way[name] = task
         return await asyncio.shield(task)
 

@@ -64,7 +64,7 @@ class Frames:
         return found if found is not None and await found.still() else None
 
     def stop(self) -> None:
-        """Nobody waits any longer: the service stops."""
+        """End all waits, because the service stops."""
         self._most = 0
         self._tell()
 

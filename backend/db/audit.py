@@ -60,7 +60,7 @@ def note_command(writer: sa.Connection, user: str, action: str, subject: str, de
 
 
 def note_unchained(writer: sa.Connection, user: str, action: str, subject: str, detail: Mapping[str, object]) -> None:
-    """The same in migrations up to 0017: the next one adds the chain."""
+    """Add a row to the trail in migrations up to 0017: the next one adds the chain."""
     names = ("at", "user", "via", "action", "subject")
     table = sa.table("audit", *map(sa.column, names), sa.column("detail", sa.JSON()))
     values = (now(writer), user[:64], "cli", action, subject)
@@ -94,7 +94,7 @@ def rows(reader: sa.Connection) -> Iterator[Row]:
 
 
 def all_rows(engine: sa.Engine, until: int) -> Iterator[Row]:
-    """As `rows`, up to a number, for a slow reader: between pages it holds no connection and no snapshot."""
+    """Yield the rows up to a number, for a slow reader: between pages it holds no connection and no snapshot."""
     after = None
     while True:
         with read(engine) as reader:

@@ -180,7 +180,8 @@ def _refuse_unusable(file: Path) -> None:
 
 @contextmanager
 def _unused(target: Path) -> Iterator[None]:
-    """While the block lasts, nobody else has the file: exclusive locking fails while another process has it open."""
+    """While the block lasts, no other process has the file: exclusive locking fails while another process has it
+    open."""
     if not target.exists():
         yield
         return
@@ -221,7 +222,7 @@ def _refuse_shared(url: str) -> None:
 
 def _set_aside(target: Path) -> Path | None:
     """Give the file another name, and all that SQLite would play back into the one that takes its place: such files
-    are there without it after a crash, when somebody moved or deleted the file alone."""
+    are there without it after a crash, when the file alone was moved or deleted."""
     if target.exists() and target.stat().st_size == 0:
         target.unlink()
     at = f"{target.name}.{time.strftime('%Y%m%d-%H%M%S')}"
@@ -233,15 +234,15 @@ def _set_aside(target: Path) -> Path | None:
 
 
 def _give_to_owner(fresh: Path, target: Path) -> None:
-    """By root, to the user of the service, who could not open it otherwise."""
+    """Give the file to the user of the service if root made it: that user could not open it otherwise."""
     if os.geteuid() == 0:
         owner = (target if target.exists() else target.parent).stat()
         os.chown(fresh, owner.st_uid, owner.st_gid)
 
 
 def _replace_tables(url: str, file: Path) -> None:
-    """In one transaction, which is ended after a whole backup only: psql takes the end of one that is cut off for the
-    end of its input."""
+    """Replace all tables in one transaction, which ends only after a whole backup: psql takes the end of one that is
+    cut off for the end of its input."""
     read_out, _ = _command(url, "pg_restore", "--clean", "--if-exists", "--no-owner", "--file=-", str(file))
     write_in, environment = _command(url, "psql", "--no-psqlrc", "--quiet", "--set=ON_ERROR_STOP=1", "--dbname={}")
     with tempfile.TemporaryFile("w+") as errors:

@@ -75,7 +75,7 @@ def _labelled(reader: sa.Connection, campaign: Campaign, request: str, here: Cat
     except ValueError as error:
         raise CannotCompare(f"invalid baseline {request[:60]!r}: {error}") from None
     found = sa.exists().where(Finding.run_id == Run.id)
-    # A variant of a sweep carries its labels and is of another value, which nobody chose as what to compare with.
+    # A variant of a sweep carries its labels and is of another value, which was not chosen to compare with.
     ended = (Run.state.in_(ENDED), Run.removed.is_(None), Run.purged.is_(None), found, ~in_sweep())
     named = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == campaign.name))
     of = sa.select(Run.id).where(*ended, named, *labels.conditions([wanted]))

@@ -1,4 +1,4 @@
-"""The files beside an SQLite file, -wal and -shm: whether somebody deleted them while this process uses them.
+"""The files beside an SQLite file, -wal and -shm: whether they were deleted while this process uses them.
 
 SQLite goes on writing into deleted files, and what others open meanwhile has other ones: what both write destroys the
 database. As long as a connection is open, SQLite itself neither deletes nor replaces them. Source: sqlite.org,

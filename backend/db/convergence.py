@@ -30,7 +30,8 @@ def extended(history: Sequence[Sequence[float]], done: int, costs: NDArray[np.fl
 
 
 def thinned(history: History) -> History:
-    """At most `MOST` points: the first, the last, and the last point in each of equal intervals of a log axis."""
+    """Choose at most `MOST` points: the first, the last, and the last point in each of equal intervals of a log
+    axis."""
     if len(history) <= MOST:
         return history
     first, last = math.log(history[0][0]), math.log(history[-1][0])

@@ -52,8 +52,8 @@ CLIENT_LIMITS = {
     "idle_in_transaction_session_timeout": 60_000,
 }
 """After which the server gives up a client that is silent [s, the last two ms]. By the system's own, two hours and
-never, a machine that is cut off and a process that is stopped within a transaction keep its locks, and nobody can take
-its run."""
+never, a machine that is cut off and a process that is stopped within a transaction keep its locks, and no worker can
+take its run."""
 
 
 class NewerSchemaError(ValueError):

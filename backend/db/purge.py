@@ -1,6 +1,7 @@
 """Permanently deletes runs that were removed long ago, or the oldest above a size, and reclaims SQLite's disk space.
 
-One rule says what may go, see `_may_go`; by size, runs that were not removed go as well unless somebody keeps them.
+One rule says what may go, see `_may_go`; by size, runs that were not removed go as well unless something below keeps
+them.
 
 The row of a purged run stays as a tombstone: its number is never reused, links to it explain what happened, and runs
 that extend it still cite it. The audit trail, withdrawn sign-offs and the campaign also stay.
@@ -186,7 +187,7 @@ def reclaim(engine: sa.Engine) -> Space:
 def _may_go(at: float, age: float | None) -> tuple[sa.ColumnElement[bool], ...]:
     """Ended, not yet purged, without a valid sign-off, and no run that continues it may still need its evaluations.
 
-    By age [s]: removed so long before `at`. Without one: removed, or kept by nobody.
+    By age [s]: removed so long before `at`. Without one: removed, or not kept by a rule.
     """
     signed = sa.select(Signoff.id).where(Signoff.run_id == Run.id, Signoff.withdrawn.is_(None)).exists()
     other = orm.aliased(Run)

@@ -19,7 +19,7 @@ from campaigns.stored.records import Columns
 
 
 def read(connection: sa.Connection, run_id: int, position: int, known: Collection[int] = ()) -> list[Block]:
-    """Those of a stage, by their first draw, but the known ones."""
+    """The blocks of a stage in the order of their first draws, without the known ones."""
     of = _of(run_id, position)
     firsts = connection.execute(sa.select(SampleBlock.first).where(*of)).scalars()
     new = [first for first in firsts if first not in known]
@@ -50,7 +50,7 @@ def take(
 
 
 def fresh(connection: sa.Connection, run_id: int, position: int, blocks: Sequence[Block]) -> list[Block]:
-    """Those that are not stored; all were, if a write is repeated because its answer was lost."""
+    """The blocks that are not stored: none, if a write is repeated because its answer was lost."""
     query = sa.select(SampleBlock.first).where(*_of(run_id, position), SampleBlock.first.in_([b.first for b in blocks]))
     stored = set(connection.execute(query).scalars())
     return [block for block in blocks if block.first not in stored]

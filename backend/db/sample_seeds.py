@@ -1,4 +1,4 @@
-"""The seed of a run's independent sample where other runs have it, too: whether it still counts as chosen by nobody.
+"""The seed of a run's independent sample where other runs have it, too: whether it still counts as drawn.
 
 Whoever knows the points of a sample may write code that passes them. A seed is therefore new only to the code for which
 it was drawn; to run that code once more with it repeats a run. Read `settle`.
@@ -16,7 +16,7 @@ from campaigns.versions import Versions
 
 
 def requested(reader: sa.Connection, campaign_digest: str, seed: int) -> SampleSeed:
-    """The seed that a launch states; nobody chose it if an earlier run of the campaign with a verdict had drawn it."""
+    """The seed that a launch states; it counts as drawn if an earlier run of the campaign with a verdict drew it."""
     drawn = sa.select(Run.id).where(
         Run.campaign_digest == campaign_digest,
         Run.sample_seed == seed,

@@ -194,8 +194,8 @@ class RunStore:
     def take(
         self, connection: sa.Connection, position: int, firsts: Sequence[int], most: int, others: bool
     ) -> list[int]:
-        """Of the blocks with these first draws at most so many, which nobody has stored or taken; others: if there are
-        none of these, those that others have taken and may have lost."""
+        """Take at most `most` blocks with these first draws that are neither stored nor taken, and return their first
+        draws; others: if there are none, those that other workers have taken and may have lost."""
         self._under_way(connection, position)
         return sample_blocks.take(connection, self._run, position, self.claim.worker, firsts, most, others)
 

@@ -159,7 +159,7 @@ def own_sign_offs(reader: sa.Connection) -> bool:
 
 
 def only_local(reader: sa.Connection) -> bool:
-    """Whether the service has no accounts but the one of the login link, which is nobody's in particular."""
+    """Whether the service has no accounts but the one of the login link, which belongs to no particular user."""
     return reader.scalar(sa.select(User.name).where(User.name != LOCAL).limit(1)) is None
 
 

@@ -126,7 +126,7 @@ class Watch:
         return [Event(service.number(s.id), "run", s.model_dump_json()) for s in found]
 
     def _summaries(self, reader: sa.Connection, wanted: sa.Select[int]) -> list[RunSummary]:
-        """Those of the wanted runs; one by one if one of them cannot be read."""
+        """The summaries of the wanted runs, read one by one if one of them cannot be read."""
         ids = reader.scalars(wanted).all()
         try:
             return listing.summaries(reader, Run.id.in_(ids))

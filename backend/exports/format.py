@@ -47,7 +47,7 @@ class Words(NamedTuple):
 
 
 def words(title: str, text: str, simulated: tuple[str, str] | None = None) -> Callable[[Stored], Words]:
-    """The same for every run, or others for a run that evaluates a simulator."""
+    """A function that returns title and text of a format; `simulated` replaces them for a run of a simulator."""
     return lambda stored: Words(*simulated) if simulated and stored.simulated else Words(title, text)
 
 

@@ -55,7 +55,7 @@ def _stored(reader: sa.Connection, run_id: int) -> Stored:
 
 
 def headers(reader: sa.Connection, run_id: int, file: str) -> dict[str, str]:
-    """Of the answer with a file: the name under which it is saved, and its entity tag once the run has ended."""
+    """The headers of a file: the name under which it is saved, and its entity tag once the run has ended."""
     run, known_as = runs.summary(reader, run_id), tag(reader, run_id)
     saved = {"Content-Disposition": disposition("attachment", named(run.id, run.name, file))}
     return saved if known_as is None else saved | {"ETag": known_as, "Cache-Control": "private, no-cache"}

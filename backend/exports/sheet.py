@@ -75,7 +75,7 @@ class Block(NamedTuple):
         text: Callable[[str | None], bytes],
         number: Callable[[Floats], list[bytes]] = cells,
     ) -> Iterator[Iterable[bytes]]:
-        """The same as cells; a column at a time, because a row of Python objects takes four times as long.
+        """The evaluations as cells, a column at a time, because a row of Python objects takes four times as long.
 
         number: writes working times and parameters.
         """

@@ -28,7 +28,7 @@ YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "
 
 
 def of(schema: str, yaml: bool = True) -> dict[str, object]:
-    """For `openapi_extra=` of a route that reads its body itself: JSON of this schema, or a campaign in YAML."""
+    """The `openapi_extra=` of a route that reads its body itself: JSON of this schema, or a campaign in YAML."""
     content = {"application/json": {"schema": {"$ref": f"#/components/schemas/{schema}"}}}
     text = {"application/yaml": {"schema": {"type": "string"}}} if yaml else {}
     return {"requestBody": {"required": True, "content": content | text}}

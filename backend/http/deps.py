@@ -54,7 +54,7 @@ Reader = Annotated[sa.Connection, Depends(reader)]
 
 
 def where(request: Request) -> space.Room:
-    """Where the service writes."""
+    """The folders to which the service writes."""
     found = request.app.state.room
     assert isinstance(found, space.Room)
     return found

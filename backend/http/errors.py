@@ -57,13 +57,13 @@ Responses = dict[int | str, dict[str, Any]]
 
 
 def answers(description: str, media: str, binary: bool = False) -> Responses:
-    """For `responses=` of a route: its answer is not JSON, but a text or a binary file of this media type."""
+    """The `responses=` of a route whose answer is not JSON, but a text or a binary file of this media type."""
     schema = {"type": "string", "format": "binary"} if binary else {"type": "string"}
     return {200: {"description": description, "content": {media: {"schema": schema}}}}
 
 
 def located(description: str, noun: str) -> Responses:
-    """For `responses=` of a route that makes something: its answer names the address."""
+    """The `responses=` of a route that makes something: its answer names the address."""
     location = {"description": f"The address of the {noun}.", "schema": {"type": "string"}}
     return {201: {"description": description, "headers": {"Location": location}}}
 
@@ -167,7 +167,7 @@ RETRY_AFTER = {"description": "Seconds to wait before the next request.", "schem
 
 
 def problems(*kinds: str) -> Responses:
-    """For `responses=` of a route: its problem types in addition to those of all routes."""
+    """The `responses=` of a route: its problem types in addition to those of all routes."""
     by_status: Responses = {}
     for kind in kinds:
         declare(by_status, kind)

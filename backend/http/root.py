@@ -17,7 +17,7 @@ def at(path: str) -> str:
 
 
 def cookie_path() -> str:
-    """Where the service's cookies are sent: below its own path only, so that neighbours on the host do not get them."""
+    """The path of the service's cookies, its own only, so that other services on the host do not get them."""
     return ROOT.get() or "/"
 
 

@@ -91,7 +91,7 @@ class BoundedProtocol(H11Protocol):
             self._refuse()
 
     def handle_events(self) -> None:
-        """Also called for requests that arrived in one piece with an earlier one."""
+        """Handle the events of requests, including those that arrived in one piece with an earlier one."""
         super().handle_events()
         if self._upgraded or self.transport.is_closing():
             return

@@ -127,7 +127,7 @@ def with_times(value: Any, schema: Mapping[str, Any], known: Mapping[str, Any]) 
 
 
 def _chosen(value: Any, options: Any, known: Mapping[str, Any]) -> Any:
-    """By the first alternative that changes it: their fields differ in nothing that is a time."""
+    """The value with its times written by the first alternative that changes it: they do not differ in times."""
     for option in options:
         found = with_times(value, option, known)
         if found != value:

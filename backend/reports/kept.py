@@ -69,7 +69,7 @@ class Kept:
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def get(self, run_id: int, known: str | None) -> Page | None:
-        """None if the report is to be written."""
+        """The stored page, or None if the report must be written."""
         with self._lock:
             kept, text, page = self._found.get(run_id, ("", b"", None))
             if page is None or kept != known:

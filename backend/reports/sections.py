@@ -166,7 +166,7 @@ def _near(other: Compared | None) -> str:
 
 
 def _state(record: Record, state: StageState) -> str:
-    """Of a run that has ended, no stage runs or waits any more."""
+    """The word for the state of a stage: in a run that has ended, no stage runs or waits."""
     if record.run.state not in ENDED:
         return state
     never = {StageState.RUNNING: "not finished", StageState.WAITING: "not started"}

@@ -43,7 +43,7 @@ Bounds = Mapping[str, tuple[float, float, float]]
 
 
 def read(reader: sa.Connection, run_id: int, most: int, position: int | None) -> Evaluations:
-    """At most `most` evaluations of each stage, and the first ones without a cost with reasons, those that failed
+    """Read at most `most` evaluations of each stage, and the first ones without a cost with reasons, those that failed
     before those that are excluded; 404 if there is no such run.
 
     Two passes over the chunks of a stage, because which evaluations are shown depends on all of its costs: memory is
@@ -169,7 +169,7 @@ class _Read:
         )
 
     def failures(self, position: int, without: dict[int, thin.Indices], most: int) -> list[EvaluationFailure]:
-        """At most `most` of these evaluations without a cost."""
+        """Read at most `most` of these evaluations without a cost."""
         if most <= 0 or not without:
             return []
         wanted = EvaluationChunk.first.in_(without)

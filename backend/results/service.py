@@ -40,7 +40,7 @@ def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
 
 
 def _stated(finding: FindingDetail, threshold: float | None) -> FindingDetail:
-    """With the margin of the value to state for it, as the list of runs has it of the worst case."""
+    """The finding with the margin of the value to state for it, which the list of runs has for the worst case too."""
     if finding.granted == finding.cost or threshold is None:
         return finding
     return finding.model_copy(update={"margin": finding.granted - threshold})

@@ -18,7 +18,8 @@ from campaigns.identity.identity import changes as differing
 
 
 def components(reader: sa.Connection, run_id: int) -> RunComponents:
-    """As stored with the run; if nothing was stored, as described now. 404 if there is no such run."""
+    """The descriptions stored with the run, or the installed ones if nothing was stored. 404 if there is no such
+    run."""
     campaign = service.campaign(reader, run_id)
     kept = snapshots.of_run(reader, run_id)
     digest = reader.scalar(sa.select(Run.snapshot).where(Run.id == run_id))

@@ -52,7 +52,7 @@ def _of_text(text: str | None, simulator: str | None) -> Identity | None:
 
 
 def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Identity]:
-    """Those of the runs that have one."""
+    """The identities of the runs that have one, by the run's number."""
     found = {}
     for some in chunks(run_ids):
         of = sa.select(Run.id, *COLUMNS).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)

@@ -51,7 +51,7 @@ class Outcome(Schema):
     """Upper bound on P(violation), from the sample that `bound_source` names; null without one."""
     bound_source: BoundSource | None = None
     """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which
-    somebody may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
+    a user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
     the campaign. Nothing is cleared by the last two. Null without a bound."""
     violations: int | None
     failed_samples: int | None

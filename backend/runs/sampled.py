@@ -16,10 +16,10 @@ from campaigns.results.verdict import VerdictWord, not_sampled
 from campaigns.runs import RunState
 
 BoundSource: TypeAlias = Literal["certify", "certify_stated", "search"]
-"""The sample of a bound on P(violation); that of a certify stage by whether somebody may have chosen its seed."""
+"""The sample of a bound on P(violation); that of a certify stage by whether a user may have chosen its seed."""
 
 STATED = sa.or_(Run.sample_seed.is_(None), Run.sample_seed_stated)
-"""Whether the seed of the sample was stated; without one it is that of the campaign, which somebody stated."""
+"""Whether the seed of the sample was stated; without one it is that of the campaign, which a user stated."""
 
 COLUMNS = (
     sa.case((Run.verdict == VerdictWord.INCONCLUSIVE, Run.summary["checks"].as_string())).label("checks"),

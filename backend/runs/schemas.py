@@ -195,7 +195,7 @@ class RunSummary(Schema):
     """Upper bound on P(violation), from the sample that `bound_source` names; None without one."""
     bound_source: BoundSource | None
     """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which
-    somebody may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
+    a user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
     the campaign. Nothing is cleared by the last two. Null without a bound."""
     removed: Instant | None
     """Time of removal from all lists; None if it is listed."""

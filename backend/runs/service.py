@@ -183,7 +183,7 @@ MOST_ENTRIES = 500
 
 
 def history(reader: sa.Connection, run_id: int) -> list[HistoryEntry]:
-    """At most `MOST_ENTRIES`, newest first, also of a purged run; 404 if there is no such run."""
+    """The newest `MOST_ENTRIES` entries of a run, newest first, also of a purged one; 404 if there is no such run."""
     if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
         raise not_found("run", run_name(run_id))
     of = sa.select(Audit.at, Audit.user, audit.ACCOUNT, Audit.via, Audit.action, Audit.detail)

@@ -50,7 +50,7 @@ class Texts:
 
 
 def texts(reader: sa.Connection, run_ids: Collection[int], ids: Collection[str] = ()) -> Texts:
-    """Of these requirements, and of those that these runs state."""
+    """The texts of these requirements, and of those that these runs state."""
     stated: dict[int, dict[str, str]] = defaultdict(dict)
     for some in chunks(run_ids):
         of = sa.select(RunRequirement.run_id, RunRequirement.requirement, RunRequirement.text)

@@ -60,8 +60,8 @@ class Outbox:
         return count
 
     def _still(self, writer: sa.Connection, ids: Sequence[int]) -> Sequence[int]:
-        """Those of these runs that have ended, held until the transaction ends: one may have been queued again since it
-        was read, and its end is yet to come."""
+        """The runs of these that have ended, locked until the transaction ends: one may have been queued again since it
+        was read."""
         ended_runs = sa.select(Run.id).where(Run.id.in_(ids), Run.state.in_(ENDED)).order_by(Run.id).with_for_update()
         return writer.scalars(ended_runs).all()
 

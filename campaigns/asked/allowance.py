@@ -45,8 +45,8 @@ class Evidence(NamedTuple):
 
 
 def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
-    """At most so many evaluations, and never fewer than confirming the nominal case and one finding takes (`least`):
-    where the searches or the stated number are smaller, that is the bound, and the estimate says so.
+    """The allowance of validation: never fewer evaluations than confirming the nominal case and one finding takes
+    (`least`). Where the searches or the stated number are smaller, `least` is the bound, and the estimate states so.
 
     noisy: whether a simulator does not repeat, which is measured only by the first stage; it needs at most as many
     evaluations if it repeats.
@@ -64,7 +64,7 @@ def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
 
 
 def per_finding(usual: int, at_most: int) -> int:
-    """As many points as usual, and proportionally more of them where more findings are listed than usual."""
+    """The number of points for each finding: the usual one, proportionally more where more findings are listed."""
     return usual * max(at_most, USUAL) // USUAL
 
 

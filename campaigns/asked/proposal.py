@@ -77,7 +77,7 @@ class Cost:
 
     @property
     def source(self) -> str:
-        """Where the time is known from: R-0012, or the command with its machine and time."""
+        """The source of the time: R-0012, or the command with its machine and time."""
         if self.run is not None:
             return self.run
         on = f" on {self.host}" if self.host else ""
@@ -130,7 +130,7 @@ class Cost:
 
     @property
     def fresh(self) -> str:
-        """Where evaluations are made again, for a sentence; empty if no start of a process was measured."""
+        """The clause on fresh processes for evaluations made again; empty if no start of a process was measured."""
         return ", each in a fresh process," if self.start else ""
 
     @property

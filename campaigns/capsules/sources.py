@@ -47,7 +47,7 @@ class SourceFile(Part):
 
     @property
     def file(self) -> str:
-        """Where it is below its folder: my_robot.py, acme/robots/__init__.py."""
+        """The path below its folder: my_robot.py, acme/robots/__init__.py."""
         if own := _OWN.fullmatch(self.module):
             return f"{own['stem']}.py"
         path = self.module.replace(".", "/")

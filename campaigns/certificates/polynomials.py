@@ -13,7 +13,7 @@ Polynomial = dict[Monomial, Any]
 
 
 def monomials(n: int, low: int, high: int) -> list[Monomial]:
-    """Of `n` variables with degrees from low to high, by degree."""
+    """The monomials of `n` variables with degrees from low to high, by degree."""
     every = [m for m in itertools.product(range(high + 1), repeat=n) if low <= sum(m) <= high]
     return sorted(every, key=lambda m: (sum(m), m))
 

@@ -53,7 +53,7 @@ def radii(v: Polynomial, rays: Floats) -> Floats:
 
 
 def volume(distances: Floats, n: int) -> float:
-    """Of the region whose boundary is so far along uniformly distributed rays."""
+    """The volume of the region whose boundary has these distances along uniformly distributed rays."""
     ball = math.pi ** (n / 2.0) / math.gamma(n / 2.0 + 1.0)
     return float(ball * np.mean(distances**n))
 

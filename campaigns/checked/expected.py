@@ -50,7 +50,7 @@ class Total(NamedTuple):
 
     @property
     def text(self) -> str:
-        """At most 22,314: the one number that bounds the run."""
+        """The words for the number that bounds the run: At most 22,314."""
         return f"At most {self.most:,}"
 
 
@@ -134,7 +134,7 @@ def _own_rule(search: Search, entry: MethodEntry) -> bool:
 
 
 def _iterations(effort: Iterations, stated: object, dimension: int) -> Range | None:
-    """None if the option is not a number."""
+    """The lowest and the usual number of evaluations of so many iterations; None if the option is not a number."""
     if not isinstance(stated, int | float) or stated <= 0:
         return None
     count = min(stated, 1e9)

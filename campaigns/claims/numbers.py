@@ -134,13 +134,13 @@ def fixed(value: float | None, decimals: int = 2) -> str:
 
 
 def difference(value: float | None, decimals: int = 2) -> str:
-    """As `fixed`, with a plus before positive numbers."""
+    """Write a number as `fixed` does, with a plus before positive ones."""
     text = fixed(value, decimals)
     return f"+{text}" if value is not None and value > 0 and any(c in "123456789" for c in text) else text
 
 
 def margin(value: float | None, decimals: int = 2) -> str:
-    """As `difference`, but never zero for a margin that is not: its sign is what counts."""
+    """Write a margin as `difference` does, but never as zero if it is not: its sign is what counts."""
     text = difference(value, decimals)
     if value is None or not known(value) or value == 0 or any(c in "123456789" for c in text):
         return text
@@ -167,7 +167,7 @@ def decimals_apart(values: Iterable[float | None], digits: int = 4, most: int = 
 
 
 def exact(value: float | None) -> str:
-    """As `plain`, with all digits of a threshold: nothing is compared with what it is not."""
+    """Write a threshold as `plain` does, with all digits: nothing is compared with what it is not."""
     if value is None or not known(value):
         return NONE
     text = repr(abs(float(value)))

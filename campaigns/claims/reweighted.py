@@ -88,7 +88,8 @@ def outside(fraction: float, most: float) -> Spans:
 
 
 def redrawn(fraction: float) -> Spans:
-    """Of correlated normal distributions, what was outside was drawn again inside, by no density."""
+    """The reason that there is no estimate: correlated draws outside the bounds were drawn again inside, by no
+    density."""
     return say(
         *(
             "no estimate: up to ",

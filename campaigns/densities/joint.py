@@ -103,7 +103,8 @@ class Joint:
         return own, joined
 
     def log_density(self, points: Floats) -> Floats:
-        """Of draws within the bounds, up to a constant if correlated ones have tails outside the bounds (m,)."""
+        """The log density of draws within the bounds (m,), up to a constant if correlated ones have tails outside
+        them."""
         columns = enumerate(self.shapes.values())
         own = sum((one.log_density(points[:, k]) for k, one in columns), np.zeros(len(points)))
         scores = np.nan_to_num(self.scores(points), neginf=LEAST, posinf=MOST)
@@ -111,7 +112,8 @@ class Joint:
         return np.asarray(own + joined / 2.0 + np.linalg.slogdet(self.whitening)[1])
 
     def log_density_at(self, values: Floats) -> Floats:
-        """The same at values (m, n) in the parameters' units, and per these; minus infinity outside the bounds (m,)."""
+        """The log density (m,) at values (m, n) in the parameters' units, per these; minus infinity outside the
+        bounds."""
         points = cube.share(values, self.low, self.high)
         inside = (np.abs(points - 0.5) <= 0.5 + ROUNDING).all(axis=1)
         found = np.full(len(points), -math.inf)

@@ -182,7 +182,7 @@ def wherever(violations: int, draws: int, ratios: Floats, confidence: float) -> 
 
 
 def _quantiles(shares: Floats, costs: Floats, wanted: Sequence[float]) -> list[EstimatedQuantile]:
-    """Of the stored draws; none where few are below it."""
+    """The quantiles of the stored draws; a value of None where few draws are below it."""
     order = np.argsort(costs, kind="stable")
     below, found = np.cumsum(shares[order]), list[EstimatedQuantile]()
     for share in wanted:

@@ -35,7 +35,7 @@ class Shape:
     """The probability of a draw outside the bounds."""
 
     def log_density(self, u: Floats) -> Floats:
-        """Of draws within the bounds."""
+        """The log density of draws within the bounds."""
         return np.zeros_like(u)
 
     def below(self, u: Floats) -> Floats:
@@ -162,7 +162,7 @@ class Hump(Shape):
         return special.beta(left, self.alpha, self.beta) + special.beta(1.0 - right, self.beta, self.alpha)
 
     def _level(self, q: Floats, end: float) -> Floats:
-        """Where `fall` is q between the mode and this end of the range, by bisection; the end if it is nowhere."""
+        """The point between the mode and this end of the range at which `fall` is q, by bisection; else the end."""
         inner, outer = np.full(q.shape, self.mode), np.full(q.shape, end)
         for _ in range(60):
             middle = (inner + outer) / 2.0

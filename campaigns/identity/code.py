@@ -34,7 +34,7 @@ def code_of(campaign: Campaign, known: CodeParts | None) -> str | None:
 
 
 def model_of(campaign: Campaign, known: CodeParts | None) -> str | None:
-    """As `code_of`, of the parts that evaluate a case only."""
+    """The digest of the parts of the code that evaluate a case; None if no part is known."""
     return None if known is None else _combined(_evaluating(campaign, known))
 
 

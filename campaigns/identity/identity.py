@@ -63,7 +63,7 @@ class Identity(Documented):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def digest(self) -> str | None:
-        """Of engine, loop, own files and packages; null unless all of them are identified."""
+        """The digest of engine, loop, own files and packages; null unless all of them are identified."""
         if self.unidentified:
             return None
         named = {ENGINE: self.engine, LOOP: self.loop or "", **self.files, **self.packages}
@@ -71,7 +71,7 @@ class Identity(Documented):
 
     @property
     def digests(self) -> dict[str, str]:
-        """Of the engine and of each own file, by name."""
+        """The digests of the engine and of each own file, by name."""
         return ({ENGINE: self.engine} if self.engine else {}) | self.files
 
     @property

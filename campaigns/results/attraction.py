@@ -83,7 +83,7 @@ class StoredCertificate(Result):
         return [values[n * i : n * (i + 1)] for i in range(n)]
 
     def certificate(self) -> Certificate:
-        """As the exact check reads it; ValueError if a triangle is incomplete."""
+        """The certificate in the form that the exact check reads; ValueError if a triangle is incomplete."""
         positive = [_full(gram) for gram in self.positive]
         return Certificate(self.v.polynomial(), positive, _full(self.multiplier), _full(self.decrease))
 

@@ -31,8 +31,8 @@ def of_indices(seed: int, indices: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def combined(seeds: NDArray[np.int64], number: int, own: NDArray[np.float64]) -> NDArray[np.float64]:
-    """For a component's own seed, whole and below 2^24, and its number in the scenario: a whole number below 2^53 for
-    each realisation."""
+    """A whole number below 2^53 for each realisation, from a component's own seed (whole, below 2^24) and its number in
+    the scenario."""
     named = own.astype(np.uint64) | np.uint64(number << 24)
     mixed = _mixed(_mixed(seeds.astype(np.uint64) * np.uint64(_GAMMA)) ^ (named * np.uint64(_GAMMA)))
     return (mixed >> np.uint64(64 - 53)).astype(np.float64)

@@ -166,4 +166,4 @@ class Certificate(Described):
     seed: int | None = None
     """From which its points and noise follow; null in results of earlier versions: the campaign's."""
     drawn_at_launch: bool = False
-    """Whether the seed was drawn when the run was launched, so that nobody has chosen it."""
+    """Whether the seed was drawn when the run was launched, so that no user has chosen it."""

@@ -58,7 +58,7 @@ class FrontPoint(Result):
 
 
 class Apart(Result):
-    """A part of a search that was told nothing of what the others evaluated: what it found, it found by itself."""
+    """A part of a search that does not use the evaluations of the others: what it found, it found by itself."""
 
     member: str
     """The member that found its best; of several that share what they know, the lowest."""
@@ -81,7 +81,7 @@ class Member(Result):
     improvements: int
     """How often it improved the best of all methods."""
     apart: Annotated[bool, UNLESS_EMPTY] = False
-    """Whether it was told nothing of the others' evaluations."""
+    """Whether it does not use the evaluations of the others."""
 
 
 class SearchResult(StageResult):
@@ -105,7 +105,7 @@ class SearchResult(StageResult):
     gap: Gap | None = None
     members: list[Member] = []
     apart: Annotated[list[Apart], UNLESS_EMPTY] = []
-    """Its parts that were told nothing of each other's evaluations; omitted if it has only one."""
+    """Its parts that do not share their evaluations; omitted if it has only one."""
     criteria: list[FrontCriterion] = []
     """The one that decides first."""
     front: list[FrontPoint] | None = None

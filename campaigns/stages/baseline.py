@@ -28,7 +28,7 @@ class BaselineResult(StageResult, Described):
 
     @property
     def seeds(self) -> list[int]:
-        """Those of the baseline's findings."""
+        """The noise seeds of the baseline's findings, in the order of their evaluations."""
         drawn = [(c.index, c.realisation) for c in self.cases if c.index is not None and c.realisation is not None]
         return [seed for _, seed in sorted(drawn)]
 

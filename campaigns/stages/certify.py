@@ -66,7 +66,7 @@ def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
 
 
 def _most(campaign: Campaign, planned: int) -> int:
-    """With those drawn again in place of excluded ones."""
+    """The evaluations stored at most, with those drawn again in place of excluded ones."""
     certify = campaign.stages.certify
     if certify is None:
         return planned
@@ -84,7 +84,8 @@ def _beyond(campaign: Campaign) -> int:
 
 
 def _drawn(campaign: Campaign, evaluations: int) -> int:
-    """At least the requested number is drawn before the grid begins; without noise a realisation has no effect."""
+    """The evaluations that are drawn: all requested ones precede the grid; without noise a realisation has no
+    effect."""
     certify = campaign.stages.certify
     if certify is not None and certify.keep == "lowest":
         return 0  # its evaluations are stored with their seeds, when it ends

@@ -43,7 +43,7 @@ class Scale:
 
     @staticmethod
     def over(costs: Floats, threshold: float) -> Scale:
-        """Of costs known before: a quarter of their range wider at both ends; about the threshold without any."""
+        """A scale over known costs, a quarter of their range wider at both ends; about the threshold without any."""
         low, high = (float(costs.min()), float(costs.max())) if len(costs) else (threshold, threshold)
         span = high - low or abs(threshold) or 1.0
         return Scale(low - 0.25 * span, 1.5 * span / BINS)
@@ -108,7 +108,7 @@ class Kept:
         return Last(float(self.costs[row, 0]), int(self.indices[row]), end)
 
     def below(self, last: Last) -> Kept:
-        """Those that can be among the lowest of their sample, its first without a result, or its first draws."""
+        """The flights that can be among the lowest of their sample, its first without a result, or its first draws."""
         value = self.costs[:, 0]
         lower = (value < last.cost) | ((value == last.cost) & (self.indices <= last.flight)) | math.isinf(last.cost)
         rows = np.where(self.status == OK, lower, self.indices <= last.failed) | (self.indices < FIRST)
@@ -208,7 +208,7 @@ def named(counts: Counter[str], most: int) -> Counter[str]:
 
 
 def digest_of(costs: Floats, status: NDArray[np.uint8]) -> str:
-    """Of the bits of all costs that are known, and of every status."""
+    """The digest of the bits of all costs that are known, and of every status."""
     known = np.where((status == OK)[:, None], costs, 0.0).astype("<f8")
     return hashlib.sha256(known.tobytes() + status.astype(np.uint8).tobytes()).hexdigest()[:32]
 

@@ -101,7 +101,8 @@ def _value(option: str, words: Sequence[str]) -> str:
 
 
 class _Output(io.TextIOWrapper):
-    """The standard output. What nobody reads any more is dropped: the exit code is the result, and files follow."""
+    """The standard output. What is written after its reader has gone is dropped: the exit code is the result, and files
+    follow."""
 
     def write(self, text: str) -> int:
         with self._kept():

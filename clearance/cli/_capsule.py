@@ -74,7 +74,7 @@ def described(opened: Opened, apart: list[str]) -> dict[str, object]:
 
 
 def sentence(opened: Opened, apart: list[str]) -> str:
-    """Where the components come from, and how their descriptions differ."""
+    """A sentence on the source of the components, and on the differences of their descriptions."""
     by = f"{opened.executed} of the capsule" if opened.executed else "the components of this installation"
     statement = f"Evaluated by {by}" + ("" if opened.executed else "; nothing of the capsule was executed")
     if opened.capsule.described is None:

@@ -102,8 +102,8 @@ def of_results(run: str, allowed: bool, done: str = "extended") -> None:
 
 
 def for_replay(run: str, allowed: bool) -> str:
-    """As `of_results` for evaluating cases of a run again. Returns what to add if this installation has not its
-    simulator: that its campaign file gave the command, which was not permitted; empty if none did."""
+    """Check a run as `of_results` does before its cases are evaluated again. Returns what to add if this installation
+    has not its simulator: that its campaign file gave the command, which was not permitted; empty if none did."""
     from clearance.local.results import versions_of
 
     if allowed:
@@ -144,7 +144,7 @@ def _stated(file: Path) -> dict[str, str]:
 
 
 def stated(campaign: Campaign) -> dict[str, object]:
-    """Where the campaign file was that gave the command, for result.json; empty if none did."""
+    """The folder of the campaign file that gave the command, for result.json; empty if none did."""
     known = _inline(campaign)
     return {} if known is None else {GIVEN: {"file": known.file, FOLDER: str(known.folder)}}
 

@@ -11,7 +11,7 @@ Place = tuple[int, int]
 
 
 def lines(text: str) -> dict[str, Place]:
-    """Where each part of a campaign is, by its path: `criterion`, `uncertain.vehicle.m`, `stages.search`.
+    """The line of each part of a campaign, by its path: `criterion`, `uncertain.vehicle.m`, `stages.search`.
 
     Empty for a text that cannot be read, which a campaign that was submitted never is.
     """

@@ -50,7 +50,7 @@ def token_of(file: str) -> str:
 
 
 def _noticed(text: str) -> None:
-    """In place of the line of a stage, where that is a terminal."""
+    """Print a text on standard error, on a terminal in place of the line of a stage."""
     typer.echo(f"\r\033[K{text}" if sys.stderr.isatty() else text, err=True)
 
 

@@ -87,6 +87,6 @@ def _end(status: int, reported: int | None, lost: int) -> None:
         os.kill(os.getpid(), -status)
     if status == reported:
         os._exit(status)
-    with suppress(OSError):  # nobody reads it
+    with suppress(OSError):  # without a reader
         os.write(2, f"{ENDED.format(code=status)}\n".encode())
     os._exit(lost)

@@ -62,7 +62,7 @@ def audit(
             "--replay",
             min=0,
             metavar="N",
-            help="Also evaluate N stored evaluations that are drawn anew each time, the nominal case and all findings "
+            help="Also evaluate N stored evaluations, drawn at random each time, the nominal case and all findings "
             "again, and as many draws of a sample of which only a part is stored, and compare them as `clearance "
             "replay` does.",
             show_default=False,

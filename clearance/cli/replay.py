@@ -125,7 +125,7 @@ class Again:
         return all(self.well)
 
     def document(self) -> dict[str, object]:
-        """As `--json` prints it."""
+        """The document that `--json` prints."""
         listed = zip(self.found, self.well, strict=False)
         cases = [_described(one, self.problem) | {"agrees": fine} for one, fine in listed]
         found = {"agrees": self.agrees, "differences": self.others + self.elsewhere, "cases": cases}
@@ -206,7 +206,7 @@ def of_folder(folder: Path) -> Recorded:
 
 
 def _drawn(results: Mapping[int, StageResult | None]) -> tuple[dict[int, int], dict[int, list[int]]]:
-    """By stage: how many evaluations drew noise from the sample's seed, and the seeds of those that had their own."""
+    """The number of evaluations that drew noise from the sample's seed, and the seeds of the others, both by stage."""
     known = {at: result for at, result in results.items() if result is not None}
     drawn = {at: result.drawn for at, result in known.items() if result.seeds is None}
     return drawn, {at: result.seeds for at, result in known.items() if result.seeds is not None}

@@ -76,7 +76,8 @@ def _reproduced(names: list[str], flights: Flights, quiet: bool) -> Reproduction
 
 
 def _written(folder: Path, made: Reproduction, flights: Flights) -> tuple[Reproduction, list[Path], list[str]]:
-    """With the time that the figures took, the files, and a sentence for each figure that is not available."""
+    """Write the figures; returns the reproduction with their time, the files, and a sentence for each missing
+    figure."""
     from worker.running.reproduce import figures, render
 
     try:

@@ -115,7 +115,8 @@ class _Serving:
             _say("Stopped.")
 
     def _wait_until_healthy(self, begun: float) -> int | None:
-        """None once the backend answers and a worker has published its catalogue; an exit code if that fails."""
+        """Wait for the service: None once the backend answers and a worker has published its catalogue; an exit code if
+        that fails."""
         deadline = time.monotonic() + PATIENCE
         healthy = offered = False
         while not (healthy and offered):
@@ -153,9 +154,8 @@ class _Serving:
 def _reserved(host: str, port: int) -> socket.socket:
     """A socket at the port, or at a free one for 0; `WrongInputError` if it is not available.
 
-    While it is open, the system gives the port to nobody who asks for any; the backend can listen on it, as it reuses
-    addresses, too.
-    """
+    While it is open, the system gives the port to no process that requests any free one; the backend can listen on it,
+    as it reuses addresses, too."""
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         probe = socket.socket(family, kind, protocol)

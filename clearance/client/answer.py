@@ -45,7 +45,7 @@ class RunAnswer(Answer):
 
     @property
     def seconds(self) -> float | None:
-        """From start to end [s]; None before the end."""
+        """The time from start to end [s]; None before the end."""
         if self.started is None or self.finished is None:
             return None
         return (self.finished - self.started).total_seconds()

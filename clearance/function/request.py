@@ -109,14 +109,14 @@ def side_by_side(request: Request, fly: object, workers: int) -> Request:
 
 
 def _place(fly: Function[..., Any]) -> dict[str, str]:
-    """Where a process of its own finds the function; empty if it is called in this one."""
+    """The file in which a process of its own finds the function; empty if it is called in this one."""
     isolated = fly.declaration.settings.isolated
     why, instead = "it is isolated", "declare it with isolated=False"
     return _found(fly.call, fly.declaration.name, why, instead) if isolated else {}
 
 
 def _found(call: object, name: str, why: str, instead: str) -> dict[str, str]:
-    """Where a process of its own finds a function; why it needs to, and what to do instead."""
+    """The file in which a process of its own finds a function; why it needs to, and what to do instead."""
     qualified, module = getattr(call, "__qualname__", "<lambda>"), sys.modules.get(str(getattr(call, "__module__", "")))
     file = getattr(module, "__file__", None)
     nested = "<locals>" in qualified or "<lambda>" in qualified

@@ -107,7 +107,7 @@ def search(
 
 
 def _python(value: Any) -> Any:
-    """With NumPy's numbers as Python's own."""
+    """The value with NumPy's numbers as Python's own."""
     if isinstance(value, np.generic | np.ndarray) and value.ndim == 0:
         return value.item()
     if isinstance(value, Mapping):

@@ -61,7 +61,7 @@ def _options(options: object, spent: Mapping[str, int]) -> Mapping[str, Mapping[
 
 
 def _starts(starts: object, ranges: Mapping[str, object]) -> list[dict[str, float]]:
-    """By path, as a campaign has them; whether a value is in its range is checked with the campaign."""
+    """The starting points by path, as in a campaign; whether a value is in its range is checked with the campaign."""
     if starts is None:
         return []
     if not isinstance(starts, Sequence) or not all(isinstance(point, Mapping) for point in starts):

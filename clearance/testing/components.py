@@ -61,8 +61,8 @@ class ComponentContract:
             assert p.default is None or p.low <= p.default <= p.high, path
 
     def test_it_turns_no_faster_than_it_declares(self) -> None:
-        """Of an obstacle that moves by itself; if its motion is prescribed, it turns within pi over its rate by half a
-        turn at most."""
+        """Check an obstacle that moves by itself: if its motion is prescribed, it turns within pi over its rate by half
+        a turn at most."""
         if isinstance(self.component, Obstacle) and self.component.moving:
             declared = entry(self.component).rate
             assert declared is not None, "it moves by itself and declares no rate"

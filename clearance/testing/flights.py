@@ -30,7 +30,7 @@ def unbreakable(flown: Problem, of: Entries, count: int) -> None:
 
 
 def repeated(flown: Problem, of: Entries, count: int) -> None:
-    """The same vectors give the same bits again."""
+    """Check that the same vectors give the same bits again."""
     vectors = drawn(flown, of, count)
     batch, again = (flown.system.simulate_vectors(vectors)[0] for _ in range(2))
     assert again.costs.tobytes() == batch.costs.tobytes()
@@ -58,7 +58,7 @@ def no_number_shows(flown: Problem, of: Entries) -> None:
 
 
 def as_in_plain_python(compiled: Problem, plain: Problem, of: Entries, count: int) -> None:
-    """Both forms give the same status, costs and trace."""
+    """Check that both forms give the same status, costs and trace."""
     vectors, steps = near(compiled, of, count), 24
     one, other = (p.system.loop.simulate(vectors, STEP, steps, traced=1) for p in (compiled, plain))
     assert one.status.tolist() == other.status.tolist()

@@ -250,7 +250,7 @@ def _module(method: Method) -> ModuleType:
 
 
 def _entry(method: Method) -> MethodEntry:
-    """As the catalogue describes it; the package need not be installed."""
+    """The entry of the catalogue for the method, whose package need not be installed."""
     return method_entry(method, _module(method))
 
 
@@ -262,7 +262,7 @@ def _catalogue(method: Method) -> Catalogue:
 
 @cache
 def _document() -> dict[str, Any]:
-    """Of a campaign that is shipped."""
+    """The document of a campaign that is shipped."""
     return load_file(next(iter(library().values()))).document()
 
 

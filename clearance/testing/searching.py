@@ -61,7 +61,7 @@ def batch(values: Floats, status: int = 1) -> Batch:
 
 
 def plain(search: Parallel) -> Search:
-    """Without slots, a search requests points alone."""
+    """The search as one that requests points only, which it does without slots."""
     return cast("Search", search)
 
 

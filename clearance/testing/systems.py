@@ -42,7 +42,7 @@ class SystemContract:
 
     @classmethod
     def opened(cls) -> Problem:
-        """The same for all tests of the class."""
+        """The system, opened once for all tests of the class."""
         if cls._opened is None:
             cls._opened = cls.open()
         return cls._opened

@@ -21,7 +21,8 @@ NEIGHBOURS = 8
 
 
 def possible(points: Floats, costs: Floats, threshold: float) -> PossibleVolume | None:
-    """None if no two evaluations are far enough apart for a slope; points: (m, n), all with a cost."""
+    """The volume in which a violation is possible, or None if no two evaluations are far enough apart for a slope;
+    points: (m, n), all with a cost."""
     slope = steepest(points, costs) if len(points) else None
     if slope is None:
         return None

@@ -213,7 +213,7 @@ def beyond(closest: Closest, threshold: float, planar: bool) -> tuple[Floats, An
 
 
 def ruler(closest: Closest, bodies: Sequence[Body], radius: float | None) -> tuple[Floats, Floats]:
-    """Both ends (3,) of the measured distance of the closest approach, at the vehicle and at the obstacle.
+    """The two ends (3,) of the measured distance of the closest approach, at the vehicle and at the obstacle.
 
     From the edge of the vehicle's body of that radius to the obstacle's surface; None: between the centres.
     """

@@ -122,7 +122,7 @@ class Spot:
     """Where it should be."""
 
     def after(self, place: Floats) -> Spot:
-        """As far from where it should be, when that is here now."""
+        """The position with the same offset from `place`, where the label should be now."""
         return Spot(place + (self.place - self.wanted), self.anchor, place)
 
 
@@ -159,7 +159,8 @@ def box(text: str, size: float, anchor: Anchor, at: tuple[float, float]) -> Box:
 def arranged(
     labels: Iterable[Label], view: View, before: Mapping[str, Spot | None] | None = None
 ) -> dict[str, Spot | None]:
-    """Where each label goes, by its name: None for a fixed one without room. Labels behind the camera are not moved.
+    """The position of each label, by its name: None for a fixed one without room. Labels behind the camera are not
+    moved.
 
     before: the present placement, retained as far as it is free.
     """
@@ -226,7 +227,8 @@ def _free(label: Label, view: View, taken: Sequence[Box], before: Spot | None) -
 
 
 def _possible(label: Label, view: View, before: Spot | None) -> Iterator[Spot]:
-    """As it should be, as it was, at another corner, moved by whole lines, the nearest first."""
+    """Yield positions to try: the wanted one, the present one, other corners, then moved by whole lines, nearest
+    first."""
     wanted = Spot(label.place, label.anchor, label.place)
     yield wanted
     if before is not None:

@@ -176,7 +176,7 @@ class _Child:
         return pending
 
     def _write(self, requests: IO[bytes]) -> None:
-        """A thread of its own: a large request waits until the process reads, and nobody else waits with it."""
+        """A thread of its own: a large request waits until the process reads, and nothing else waits with it."""
         try:
             while (line := self._lines.get()) is not None:
                 requests.write(line)

@@ -102,7 +102,7 @@ def _card(statement: str, setting: Setting, cast: Cast, caption: Caption, dark: 
 
 
 def _of_simulator(setting: Setting, cast: Cast, caption: Caption) -> Iterator[str]:
-    """Where the positions come from, and which trace shows another call than the stored evaluation."""
+    """Yield sentences on the source of the positions, and on traces of another call than the stored evaluation."""
     if setting.clears:
         return
     yield "Positions come from the trace of the simulator, obstacles from its declaration."

@@ -30,14 +30,14 @@ CALLED = Terms(
 
 
 def stated(combine: str, seeds: Sequence[int]) -> Terms:
-    """Of evaluations that all simulate the realisations of the campaign."""
+    """The terms for evaluations that all simulate the realisations of the campaign."""
     named = words(listed([str(seed) for seed in seeds]))
     which = f"the {combine} of seeds {named}" if len(seeds) > 1 else f"seed {named}"
     return Terms(holds=f", for the stated noise only ({which})")
 
 
 def combined(combine: str, calls: int) -> Terms:
-    """Of evaluations by several calls of a simulator."""
+    """The terms for evaluations by several calls of a simulator."""
     return Terms(holds=f", where each evaluation is the {combine} of {calls} calls")
 
 

@@ -23,7 +23,7 @@ test.each(['first', 'later'])('a %s request that was under way when something ch
   cache.clear()
 })
 
-test('a request that nobody waits for on a page goes on', async () => {
+test('a request that no page waits for is not cancelled', async () => {
   const cache = new Cache()
   let answer: (value: string) => void = () => undefined
   const ahead = cache.fetchQuery({ queryKey: ['run'], queryFn: () => new Promise<string>((done) => (answer = done)) })

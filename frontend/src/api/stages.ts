@@ -37,14 +37,14 @@ const samples = (stages: readonly Pick<StageDetail, 'result'>[]): Sample[] => [
 export const independentSample = (stages: readonly Pick<StageDetail, 'result'>[]): Sample | null =>
   samples(stages).find(({ upper_bound: bound }) => bound !== null) ?? null
 
-/** What a sample is called: one whose seed somebody may have chosen, as that of a search, is no independent one. */
+/** What a sample is called: one whose seed a user may have chosen, as that of a search, is no independent one. */
 export function sampleTitle(stages: readonly Pick<StageDetail, 'result'>[], sample: Sample): string {
   const certified = resultWith(stages, 'grid')
   const drawn = certified !== null && certified.sample === sample && certified.drawn_at_launch === true
   return drawn && sample.upper_bound !== null ? 'Independent sample' : 'Random sample'
 }
 
-/** What to name as the finder of a case that the sample drew: with a stated seed, somebody may have chosen its points. */
+/** What to name as the finder of a case that the sample drew: with a stated seed, a user may have chosen its points. */
 export const samplerOf = (stages: readonly Pick<StageDetail, 'result'>[]): string =>
   resultWith(stages, 'grid')?.drawn_at_launch === false ? `a random sample with a ${STATED_SEED}` : 'the independent sample'
 

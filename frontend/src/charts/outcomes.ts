@@ -107,7 +107,7 @@ export function boundName(points: readonly At[]): string {
 export const fractionOf = (outcome: Outcome | null): number | null =>
   outcome?.samples && outcome.violations !== null ? outcome.violations / outcome.samples : null
 
-/** The name of the observed fractions: a failed evaluation counts as a violation that nobody has observed. */
+/** The name of the observed fractions: a failed evaluation counts as a violation that was not observed. */
 export const observedName = (points: readonly At[]): string =>
   points.some(({ outcome }) => outcome?.failed_samples) ? 'Violating or failed fraction' : 'Observed fraction'
 

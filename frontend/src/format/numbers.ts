@@ -112,7 +112,7 @@ export function field(value: number): string {
 
 /**
  * Parses a field's text; null if it is not a number. Accepts both minus signs, spaces between thousands, a comma for decimals;
- * of 20,000 nobody knows which it is.
+ * 20,000 is ambiguous.
  */
 export function parse(text: string): number | null {
   if (/^\s*[+-]?[1-9]\d{0,2},\d{3}\s*$/.test(text.replaceAll(MINUS, '-'))) return null

@@ -58,7 +58,7 @@ const TERMS: readonly [string, ReactNode][] = [
   ],
   [
     'P(violation)',
-    'The probability that a case drawn from the stated distributions violates the criterion. The bound comes from independent points of a declared number, in a cleared run from a sample of its own whose seed nobody chose (Clopper and Pearson 1934).',
+    'The probability that a case drawn from the stated distributions violates the criterion. The bound comes from independent points of a declared number, in a cleared run from a sample of its own whose seed was drawn at launch, not chosen by a user (Clopper and Pearson 1934).',
   ],
   ['Failed evaluation', 'A simulation that leaves the model’s envelope or becomes non-finite. It has no value, is counted, and rules out Cleared.'],
   ['Excluded evaluation', 'An evaluation whose scenario is invalid, such as one that starts inside the safety radius. It cannot be evaluated.'],

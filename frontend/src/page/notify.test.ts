@@ -92,7 +92,7 @@ it('shows one with the picture of a service below a path, once', async () => {
   expect(storage.get('notify')).toBe('{"mine":false,"runs":[]}')
 })
 
-it('is not turned on where pages can show none, and nobody is asked for permission', async () => {
+it('is not turned on where pages can show none, and permission is not requested', async () => {
   browser(Withheld)
   expect(await notify.toggleRun('R-0001')).toBe('unavailable')
   expect(Withheld.requestPermission).not.toHaveBeenCalled()

@@ -15,7 +15,7 @@ interface WriteFormProps {
 export function WriteForm({ row, onDone }: WriteFormProps) {
   const [id, setId] = useState(row?.id ?? '')
   const [text, setText] = useState(row?.text ?? '')
-  // As it was read: what somebody else changes meanwhile is not overwritten, even after the list was read again.
+  // As it was read: what another user changes meanwhile is not overwritten, even after the list was read again.
   const [etag] = useState(row?.etag)
   const write = useChange(() => writeRequirement(id.trim(), text.trim(), etag), ['requirements'], onDone)
   const remove = useChange(() => deleteRequirement(id, etag), ['requirements'], onDone)

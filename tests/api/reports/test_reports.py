@@ -308,4 +308,4 @@ def test_the_report_says_where_a_seed_was_stated(service: Service, client: httpx
         result = connection.execute(sa.select(Stage.result).where(of)).scalar_one()
         connection.execute(sa.update(Stage).where(of).values(result=result | {"seed": 7, "drawn_at_launch": drawn}))
     text = report(client, run)
-    assert ("stated by somebody" in text) != drawn
+    assert ("a user stated" in text) != drawn

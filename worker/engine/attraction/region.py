@@ -76,7 +76,7 @@ def scaling(scales: Any) -> Matrix:
 
 
 def rounding(form: Any) -> Matrix:
-    """In which x' form x is nearly |y|^2: y = D U x from its Cholesky factor, rounded."""
+    """The coordinates y = D U x, from the rounded Cholesky factor, in which x' form x is nearly |y|^2."""
     factor = np.linalg.cholesky(form).T
     size = np.diag(factor)
     upper = np.rint(factor / size[:, None] * FINENESS)

@@ -178,7 +178,7 @@ class _Walk:
         self.value(value.__kwdefaults__)
 
     def module(self, value: types.ModuleType, names: frozenset[str]) -> None:
-        """For a module of this project, every attribute that the function's code may use, recursively."""
+        """Add every attribute of a module of this project that the function's code may use, recursively."""
         self.text(f"module:{value.__name__};")
         # Different code may use different attributes of the same module, so the names are part of the visit's key.
         if foreign(value.__name__) or self.again(value, (id(value), names)):

@@ -57,7 +57,7 @@ class Watched:
             ended()
 
     def wait(self) -> None:
-        """Another process compiles it."""
+        """Report that another process compiles it."""
         if not self._listeners:
             self._listeners = list(_reported)
             expected = self.expected() if self._listeners else None

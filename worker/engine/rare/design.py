@@ -68,7 +68,7 @@ def polished(points: Floats, allowed: Allowance) -> Asking[tuple[Floats, Floats]
 
 
 def nearest_on_rays(points: Floats, allowed: Allowance, grid: tuple[int, ...] = GRID) -> Asking[Floats]:
-    """On the segments from the origin to violations the first violations, to a hundredth of the length."""
+    """The first violations on the segments from the origin to violations, to a hundredth of the length."""
     low, high = np.zeros(len(points)), np.ones(len(points))
     for count in grid:
         parts = np.linspace(low, high, count + 2)[1:-1]
@@ -107,13 +107,14 @@ def projected(cuts: list[Cut]) -> Floats | None:
 
 
 def target(cuts: list[Cut], here: Floats) -> Floats:
-    """Where a step leads, within the reach; the point itself if the cuts lead nowhere."""
+    """The point to which a step leads, within the reach; the point itself if the cuts lead nowhere."""
     point = projected(cuts) if cuts else None
     return here if point is None else point * min(1.0, REACH / max(float(np.linalg.norm(point)), 1e-300))
 
 
 def _closer(found: Floats, targets: Floats, allowed: Allowance) -> Asking[Floats]:
-    """Of points (k, n) on the way to targets (k, 2, n) the violations nearest to the origin; else the points."""
+    """The violations nearest to the origin between points (k, n) and targets (k, 2, n); the points if there are
+    none."""
     k, n = found.shape
     steps = PARTS[:, None, None, None] * (targets - found[:, None, :])
     tried = (RADII[:, None, None, None, None] * (found[:, None, :] + steps)).swapaxes(2, 3).reshape(-1, k, n)

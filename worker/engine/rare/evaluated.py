@@ -42,7 +42,7 @@ class Evaluated:
         return np.asarray(self.status == EXCLUDED)
 
     def counted(self, inside: Bools) -> Evaluated:
-        """The same, in which no point outside counts as a violation; excluded ones stay excluded."""
+        """The evaluations with no point outside counted as a violation; excluded ones stay excluded."""
         status = np.where(inside | self.excluded, self.status, OK).astype(np.uint8)
         return Evaluated(self.points, np.where(inside, self.margins, np.inf), status)
 

@@ -37,7 +37,8 @@ def explained(points: Floats, known: Known, allowed: Allowance, keep: int, origi
 def _without_mode(
     points: Floats, waiting: NDArray[np.int64], known: Known, allowed: Allowance, count: int, origins: bool
 ) -> Asking[tuple[list[int], list[int]]]:
-    """At most `count` of the waiting, in different directions, that are of no known mode; and all that were tested."""
+    """Choose at most `count` waiting violations of no known mode, in different directions; also returns all tested
+    ones."""
     chosen: list[int] = []
     done: list[int] = []
     lengths = np.maximum(np.linalg.norm(points, axis=1), 1e-12)

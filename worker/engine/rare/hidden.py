@@ -50,7 +50,8 @@ def searched(
 
 
 def _order(safe: Evaluated, known: Known) -> NDArray[np.int64]:
-    """Where descents start: in turns the lowest costs, and the lowest ones against what the known modes predict."""
+    """The order in which descents start: in turns the lowest costs, and the lowest ones against what the known modes
+    predict."""
     lowest = np.argsort(safe.margins, kind="stable")
     unexpected = np.argsort(safe.margins - known.expected(safe.points), kind="stable")
     turns = np.column_stack([lowest, unexpected]).ravel()

@@ -27,7 +27,8 @@ class Interval:
 
 
 def interval(weights: Floats, seen: Evaluated, sample: Evaluated, confidence: float) -> Interval:
-    """From draws with their weights; excluded ones are not part of the population, which a nominal sample measures."""
+    """The interval of P from weighted draws; excluded ones are not in the population, which a nominal sample
+    measures."""
     from scipy import special
 
     kept = 1.0 - float(sample.excluded.mean())

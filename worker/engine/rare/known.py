@@ -34,7 +34,7 @@ class Known:
         return np.asarray((points @ self.designs.T >= squares).any(axis=1))
 
     def cosines(self, points: Floats) -> Floats:
-        """Of the angles (m, k) between points and design points."""
+        """The cosines (m, k) of the angles between points and design points."""
         lengths = np.outer(np.linalg.norm(points, axis=1), np.linalg.norm(self.designs, axis=1))
         return np.asarray(points @ self.designs.T / np.maximum(lengths, 1e-12))
 

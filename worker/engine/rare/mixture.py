@@ -35,7 +35,7 @@ class Mixture:
 
     @staticmethod
     def of(designs: Floats) -> Mixture:
-        """As if every mode were the half-space beyond the tangent at its design point."""
+        """The mixture as if every mode were the half-space beyond the tangent at its design point."""
         from scipy import special
 
         centres, covariances = zip(*(_half_space(point) for point in designs), strict=True)

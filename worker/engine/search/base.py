@@ -161,7 +161,7 @@ class Method:
     give it smaller budgets.
     `family`: the principle by which it searches; methods of one family do not confirm each other. `families`: where an
     option decides it, by option and value.
-    `apart`: families of its members, by method, that are told nothing of the others' evaluations: what such a member
+    `apart`: families of its members, by method, that do not use the others' evaluations: what such a member
     reaches, it confirms.
     `whole_budget`: it uses its whole budget; others may end by their own rule, after their `effort` if it is known.
     `own_rule`: the options with which it may end by its own rule all the same, at other values than their defaults.

@@ -138,7 +138,7 @@ def _allowed(campaign: Campaign, problem: Problem) -> int | None:
 
 
 def unattainable(problem: Problem) -> list[Wrong]:
-    """Of normal distributions so much is beyond the bounds that no sample of this size meets the target."""
+    """The error if so much of the distributions is beyond the bounds that no sample of this size meets the target."""
     allowed, request = _allowed(problem.campaign, problem), problem.campaign.stages.certify
     if allowed is None or allowed >= 0 or request is None:
         return []
@@ -157,7 +157,7 @@ def _whole(sample: Sample, context: Context, request: Certify) -> tuple[Statemen
 
 
 def _early(sample: Sample, found: Counted, context: Context, request: Certify) -> tuple[Statement, Spans]:
-    """The same of one that ended early: its size follows from what came out, so it bounds P(violation) only."""
+    """The statement of a sample that ended early: its size follows from its results, so it bounds P(violation) only."""
     counted, target = found.evaluated - found.blocks[-1].evaluated, context.campaign.target_probability
     drawing, allowed = sample.statement(counted=counted), _allowed(context.campaign, context.problem)
     assert allowed is not None

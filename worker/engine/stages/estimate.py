@@ -1,6 +1,6 @@
 """Estimate: P(violation) by importance sampling over the modes of the violations that the stages before found.
 
-The random stream follows from the seed of the sample, which nobody chose; every request follows from it and the
+The random stream follows from the seed of the sample, which no user chose; every request follows from it and the
 evaluations, so a stage that was stopped continues with the same points (`worker.engine.rare`).
 """
 

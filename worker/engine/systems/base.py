@@ -289,11 +289,11 @@ class Slotted(System):
         raise NotImplementedError(f"{type(self).__name__} has no slots")
 
     def fresh(self) -> Slotted:
-        """The same system without any state of earlier evaluations, which the caller closes; itself if it has none."""
+        """This system without any state of earlier evaluations, which the caller closes; itself if it has none."""
         return self
 
     def single(self) -> Slotted:
-        """The same system with one call for each evaluation; itself if that is what it does."""
+        """This system with one call for each evaluation; itself if that is what it does."""
         return self
 
     def warm(self) -> None:

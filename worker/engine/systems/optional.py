@@ -36,14 +36,14 @@ def realisations(system: System) -> Realised:
 def compare(
     system: System, vectors: Floats, seeds: Sequence[int | None], cancelled: Stopping = lambda: False
 ) -> list[Comparison]:
-    """As `ComponentLoop.compare`; all that `confirm` evaluates, if the system has no faster method."""
+    """What `ComponentLoop.compare` returns; all that `confirm` evaluates, if the system has no faster method."""
     if _defines(system, "compare"):
         return system.compare(vectors, seeds, cancelled)
     return [case.comparisons[-1] for case in system.confirm(vectors, seeds, cancelled)]
 
 
 def encounter(system: System, nominal: Trace | None) -> Shown | None:
-    """As `ComponentLoop.encounter`."""
+    """What `ComponentLoop.encounter` returns; None if the system does not define it."""
     return system.encounter(nominal) if _defines(system, "encounter") else None
 
 
@@ -55,12 +55,12 @@ def beyond(
     below: float,
     cancelled: Stopping,
 ) -> Beyond | None:
-    """As `ComponentLoop.beyond`."""
+    """What `ComponentLoop.beyond` returns; None if the system does not define it."""
     return system.beyond(names, vectors, seeds, below, cancelled) if _defines(system, "beyond") else None
 
 
 def about_trim(system: System) -> PolynomialLoop | None:
-    """As `ComponentLoop.about_trim`."""
+    """What `ComponentLoop.about_trim` returns; None if the system does not define it."""
     return system.about_trim() if _defines(system, "about_trim") else None
 
 

@@ -62,7 +62,7 @@ def _scope(system: Any) -> Scope:
 
 
 def function_scope(title: str, name: str, digest: str, unknown: str = "") -> Scope:
-    """Of a Python function; unknown: what of its code could not be read."""
+    """The scope of a Python function; unknown: what of its code could not be read."""
     version = f"no digest, its code is not identified: {unknown}" if unknown else f"function digest {digest[:12]}"
     return Scope(say(f"{title}, Python function {name}"), (), version)
 
@@ -70,8 +70,8 @@ def function_scope(title: str, name: str, digest: str, unknown: str = "") -> Sco
 def simulator_scope(
     title: str, name: str, digest: str, command: str = "", covers: str = OF_FOLDER, settings: str = ""
 ) -> Scope:
-    """Of any other simulator; command: the line that the campaign file gives; covers: what the digest is of, empty in
-    results of earlier versions."""
+    """The scope of any other simulator; command: the line that the campaign file gives; covers: what the digest is of,
+    empty in results of earlier versions."""
     what, version = f"{title}, simulator {name}", f"simulator digest {digest[:12]} {covers}".rstrip()
     if command:
         line = " ".join(command.split())
@@ -107,7 +107,8 @@ def _caveat(system: Any) -> str:
 
 
 def function_caveat(unread: str | None) -> str:
-    """Of a function in the same process; unread: what of its code could not be read, None if its files are known."""
+    """The caveat of a function in the same process; unread: code that could not be read, None if its files are
+    known."""
     covered = _unread(unread or "")
     if unread == "":
         covered = " The digest covers the function and what it uses, installed packages by version only."
@@ -115,8 +116,8 @@ def function_caveat(unread: str | None) -> str:
 
 
 def simulator_caveat(halved: bool, every: float | None = None, unread: str = "") -> str:
-    """Of any other simulator; every: the time between two readings of the variables of an FMU [s]; unread: what of the
-    code of a function could not be read."""
+    """The caveat of any other simulator; every: the time between two readings of the variables of an FMU [s]; unread:
+    what of the code of a function could not be read."""
     again = "Cases were evaluated again by the same simulator only"
     read = "" if every is None else f" Its variables are read every {every:g} s, and not in between."
     return f"{again}{', also at half its step' if halved else ''}. {UNCHECKED}{_unread(unread)}{read}"

@@ -4,7 +4,7 @@ A method's own best counts if it is in the basin of a listed finding (by the fin
 the campaign's `agreement` and a tenth of the margin of the worst; so mirrored worst cases agree. A method counts only
 if it really searched: with a minimum budget, until its own stopping rule or the end of its budget, and to a best below
 nominal. Methods of one family search by the same principle and miss the same cases: they count once. A search that the
-campaign started at the worst case is no witness of it. A search of several parts that were told nothing of each other's
+campaign started at the worst case is no witness of it. A search of several parts that do not share their
 evaluations counts as so many methods; parts that shared what they knew are one, and one in several searches of the same
 method: which of them was the lowest is no principle of its own.
 """

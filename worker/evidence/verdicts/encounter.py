@@ -116,7 +116,7 @@ def _unknown(problem: Problem, beyond: Beyond, later: Later) -> Spans:
 
 
 def _there(problem: Problem, later: Later) -> Spans:
-    """Where an obstacle is at the last sample of a flight, and how fast it approaches."""
+    """The words for the position of an obstacle at the last sample of a flight, and its closing speed."""
     name = case(later.name) if later.name == "nominal" or later.name.startswith("F") else later.name
     moves = ", closing at " if later.closing > 0 else ", moving away at "
     return say(

@@ -75,7 +75,7 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
 
 
 def _sampled(evidence: Evidence) -> Check:
-    """Whether the campaign has an independent sample that is large enough and that nobody could choose."""
+    """Whether the campaign has an independent sample that is large enough and that no user could choose."""
     certificate, least = evidence.certificate, rules.SAMPLE.value
     if certificate is None:
         lacks = "not sampled: no independent sample was drawn, which would show what every search missed; "

@@ -93,12 +93,12 @@ class _Basin:
 
     @property
     def key(self) -> object:
-        """The same for cases in one basin."""
+        """A key that is equal for cases in one basin."""
         return self.finding.label if self.finding is not None else self.cost
 
     @property
     def parameters(self) -> dict[str, float]:
-        """At its lowest cost."""
+        """The parameters of its lowest cost."""
         own = self.finding.parameters if self.finding is not None else self.known and self.known.parameters
         return own or {}
 

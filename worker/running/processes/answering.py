@@ -15,7 +15,8 @@ from worker.running.runs import sources
 
 
 def private_output() -> TextIO:
-    """Where the answers go; standard output is redirected, so that output of a simulation does not mix with them."""
+    """The file to which answers are written; standard output is redirected, so that output of a simulation does not mix
+    with them."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     return answers

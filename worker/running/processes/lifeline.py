@@ -32,7 +32,7 @@ def start(command: Sequence[str], *, when_orphaned: signal.Signals, **options: A
 
 
 def die_with_parent(parent: int, when_orphaned: signal.Signals) -> None:
-    """In a process that has just begun: it gets the signal when the process of this number, its parent, ends."""
+    """Send this process, which has just begun, the signal when its parent, the process of this number, ends."""
     if _LIBC is not None:
         _LIBC.prctl(_PR_SET_PDEATHSIG, int(when_orphaned))
         if os.getppid() != parent:  # the parent ended before the call

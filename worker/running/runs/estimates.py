@@ -29,7 +29,7 @@ Origins = list[dict[str, int]]
 
 
 def repeated(record: Record) -> dict[int, Searched | None]:
-    """Of every estimate by its stage; None if its stored points are not those requested."""
+    """The repeated search of every estimate, by its stage; None if its stored points are not those requested."""
     if record.campaign.stages.estimate is None:
         return {}
     try:

@@ -173,7 +173,7 @@ def _absolute(name: str, module: str) -> str:
 
 
 def _digest(roots: Iterable[str]) -> str:
-    """Of the closure; empty if no module is known."""
+    """The digest of the closure of these modules; empty if no module is known."""
     known, modules = loaded(), sorted(closure(frozenset(roots)).modules)
     whole = "".join(f"{name}:{known[name].digest};" for name in modules)
     return hashlib.sha256(whole.encode()).hexdigest() if whole else ""

@@ -118,7 +118,7 @@ def _imports(node: ast.AST) -> Iterator[Import]:
 
 
 def _file() -> Path:
-    """Where this installation stores meanings; other code computes other ones, and stores them elsewhere.
+    """The file in which this installation stores meanings; other code computes other ones, and stores them elsewhere.
 
     The code is that which runs: the text of this file may have been edited since.
     """

@@ -108,7 +108,7 @@ def _near(stated: float | None, shown: float | None) -> bool:
 
 
 def _same_bins(then: Blocks, blocks: Sequence[Block]) -> bool:
-    """On a machine of another kind a flight may be in the next bin: none more than one in a million is."""
+    """Whether the bins agree: on a machine of another kind, one flight in a million may be in the next bin."""
     bins = np.zeros(BINS + 2, dtype=np.int64)
     bins[then.places] = then.counts
     moved = np.abs(np.cumsum(bins) - np.cumsum(np.sum([block.bins for block in blocks], axis=0)))

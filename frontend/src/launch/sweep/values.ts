@@ -10,7 +10,7 @@ export interface Limits {
   unit: string
 }
 
-/** "0,5" between spaces or semicolons: one number with a decimal comma, or two; nobody knows which it is. */
+/** "0,5" between spaces or semicolons: one number with a decimal comma, or two: ambiguous. */
 const UNCLEAR = /^[+-]?\d+,\d+(e[+-]?\d+)?,?$/i
 
 /**

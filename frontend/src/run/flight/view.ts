@@ -53,7 +53,7 @@ export class View {
   private hurry: () => void = () => undefined
   private readonly listeners = new Set<() => void>()
 
-  /** @param simulates Whether a view opened anew simulates its what-if itself; a simulator is only evaluated on request. */
+  /** @param simulates Whether a view that is opened again simulates its what-if itself; a simulator is only evaluated on request. */
   constructor(run: string, simulates = true) {
     this.run = run
     this.simulates = simulates

@@ -131,7 +131,7 @@ export function basinText(row: Pick<Compared, 'basin'> | undefined, basins: bool
   return row && basins ? (row.basin ?? 'no finding') : NONE
 }
 
-/** Evaluations of each member of a portfolio, and which were told nothing of the others' points. */
+/** Evaluations of each member of a portfolio, and which do not use the others' points. */
 const membersText = (members: Member[]): string =>
   members.map((member) => `${member.title} ${count(member.evaluations)}${member.apart ? ' (apart)' : ''}`).join(', ')
 

@@ -145,7 +145,8 @@ Four = tuple[float, float, float, float]
 
 
 def trimmed(values: Mapping[str, float], trim: Any) -> Trimmed:
-    """With u_d held and omega_d = 0; the integrals hold against friction and unmodelled accelerations."""
+    """The loop about a trim with u_d held and omega_d = 0; the integrals balance friction and unmodelled
+    accelerations."""
     K_1, K_2, K_3, K_4 = (Fraction(values[f"controller.K_{k}"]) for k in "1234")
     if not K_3 or not K_4:
         raise NoTrim("without integral gains the controller does not reach its references; make K_3 and K_4 positive")

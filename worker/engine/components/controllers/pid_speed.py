@@ -97,7 +97,7 @@ FASTEST_TURN = 1e3
 
 
 def trimmed(values: Mapping[str, float], trim: Any) -> Trimmed:
-    """With a constant direction demanded, omega_d = -k_theta theta."""
+    """The loop about a trim with a constant direction demanded, omega_d = -k_theta theta."""
     gains = (Fraction(values[f"controller.{name}"]) for name in ("k_theta", "K_p2", "K_i2", "K_d2", "N"))
     k_theta, K_p2, K_i2, K_d2, N = gains
     per_J = Fraction(1.0 / values["vehicle.J"])

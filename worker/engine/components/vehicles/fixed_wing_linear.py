@@ -71,7 +71,8 @@ Constants = extended("Constants", Trimmed, Held)
 
 
 def solve(values: Mapping[str, float]) -> Any:
-    """Both trims and the derivatives at the nominal parameters; NoTrim if there is no trim at one of the speeds."""
+    """Compute both trims and the derivatives at the nominal parameters; NoTrim if there is no trim at one of the
+    speeds."""
     body, speed = trim.airframe(values), values["vehicle.reference_speed"]
     about = trim.trimmed(body, speed)
     u_0, _, w_0, *_ = trim.level(speed, *about)

@@ -1,4 +1,4 @@
-"""Auto: what searches where nobody has chosen. Several methods share one budget by rules; one of them stays apart.
+"""Auto: what searches where no method was chosen. Several methods share one budget by rules; one of them stays apart.
 
 Several members lead together, and each learns from what the others evaluated: descents along gradients (Kraft 1988), a
 CMA-ES whose quadratic model replaces most evaluations (lq-CMA-ES, Hansen 2019), an evolution strategy with restarts (of
@@ -13,7 +13,7 @@ with so few evaluations nothing can be cleared anyway. Later, where the lowest p
 values of its whole range with the others as they are there, a star as lq-CMA-ES begins with: the opposite end of one
 parameter can be far worse than where every member has come. Nothing is evaluated twice.
 
-The witness is a search of another family that is told nothing of the others' points: TuRBO where evaluations are few
+The witness is a search of another family that does not use the others' points: TuRBO where evaluations are few
 and costly, else contrast racing. What both sides reached was found twice. Its share of the budget is a fifth while the
 others are lower and improve, two fifths while both are equally low or the others are stuck, three fifths while it is
 lower: separated and jumping valleys are its own (algorithm portfolios: Baudis and Posik, PPSN 2014). The record states

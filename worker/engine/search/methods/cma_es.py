@@ -38,7 +38,7 @@ def search(space: Space, options: Options) -> Search:
 
 
 def continued(space: Space, options: Options, first: Normal | None = None) -> Search:
-    """As `search`, whose first run goes on from a distribution if one is given."""
+    """Search as `search` does; the first run continues from a distribution if one is given."""
     default = max(options.population or default_population(space.dimension), 4)
     large, spent = default, {"large": 0, "small": 0}
     if first is None:

@@ -56,7 +56,7 @@ class Options:
 
     @property
     def settled(self) -> Options:
-        """With SciPy's strategy where its options are stated, and without restarts as published."""
+        """The options with SciPy's strategy where its options are stated, and without restarts as published."""
         stated = any(getattr(self, name) != getattr(Options, name) for name in SCIPYS_OPTIONS)
         scipys = self.strategy == "adaptive" and (self.as_published or stated)
         return replace(

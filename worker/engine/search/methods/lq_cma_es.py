@@ -100,7 +100,8 @@ def search(space: Space, options: Options) -> Search:
 
 
 def continued(space: Space, options: Options, explored: Explored, start: Floats | None, latest: Descent) -> Search:
-    """As `search`, with what was explored before; the first descent begins at a point (n,) if one is given."""
+    """Search as `search` does, with what was explored before; the first descent begins at a point (n,) if one is
+    given."""
     population = max(options.population or 4 + int(3 * np.log(space.dimension)), 4)
     deviation, descents = options.deviation, 0
     while True:

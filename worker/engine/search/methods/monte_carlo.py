@@ -69,7 +69,8 @@ def search(space: Space, options: Options) -> Search:
 
 
 def sampling(options: Options, drawn: int, confidence: float) -> Sampling:
-    """Only plain points of a sample that was not extended give a bound, with early stopping at a stricter level."""
+    """The kind of sample: only plain points that were not extended give a bound, at a stricter level with early
+    stopping."""
     if options.sampling != "plain":
         return Sampling(POINTS[options.sampling], NO_SAMPLE)
     if options.continued:

@@ -97,7 +97,7 @@ def _mutants(random: np.random.Generator, points: Floats, costs: Floats, archive
 
 
 def _recombined(random: np.random.Generator, points: Floats, mutants: Floats, rate: Floats) -> Floats:
-    """At least one parameter of each comes from its mutant."""
+    """Recombine points with their mutants; at least one parameter of each comes from its mutant."""
     size, n = points.shape
     taken = random.random((size, n)) < rate[:, None]
     taken[np.arange(size), random.integers(n, size=size)] = True

@@ -59,7 +59,8 @@ def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
 
 
 def called_back_in_thread(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
-    """As `called_back`, for a library whose state belongs to a thread, as the random stream of NLopt does."""
+    """Run a library as `called_back` does, in a thread to which its state belongs, such as the random stream of
+    NLopt."""
     requests: SimpleQueue[Floats | Future[T]] = SimpleQueue()
     answers: SimpleQueue[Batch] = SimpleQueue()
     nothing = Batch(np.empty((0, 0)), np.empty(0, dtype=np.uint8))

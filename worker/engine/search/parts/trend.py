@@ -74,7 +74,8 @@ class Trend:
         return None
 
     def _coefficients(self) -> Floats | None:
-        """Those of the polynomial; None with fewer than twice as many points, or costs too large to be squared."""
+        """The coefficients of the polynomial; None with fewer than twice as many points, or costs too large to be
+        squared."""
         count = len(self._filled)
         terms = self._terms(self._points[:count])
         if count < 2 * terms.shape[1] or np.abs(self._values[:count]).max() > 1e150:

@@ -109,7 +109,7 @@ def _at(nominal: Floats, ray: _Ray, fractions: Floats) -> Floats:
 
 
 def _failed(batch: Batch) -> NDArray[np.bool_]:
-    """Without a value; an excluded evaluation did not fail."""
+    """Which evaluations failed: those without a value that are not excluded."""
     return np.asarray((batch.status != EXCLUDED) & (batch.status != OK))
 
 
@@ -132,7 +132,7 @@ def _described(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Boundary:
 
 
 def _nearest(problem: Problem, rays: list[Ray]) -> sentences.Along | None:
-    """Where the nearest of these is, if there is one: along a parameter, or on the line to the worst case."""
+    """The position of the nearest of these, if there is one: along a parameter, or on the line to the worst case."""
     near = min((ray for ray in rays if ray.share is not None), key=lambda ray: ray.share or 0.0, default=None)
     if near is None:
         return None

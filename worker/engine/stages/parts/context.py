@@ -80,7 +80,7 @@ class Context:
 
     @property
     def nominal_cost(self) -> float | None:
-        """At the nominal values; None until they are evaluated."""
+        """The cost at the nominal values; None until they are evaluated."""
         return next((r.at_nominal.cost for r in self.results.values() if r.at_nominal is not None), None)
 
     @property

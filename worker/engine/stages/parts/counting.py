@@ -106,7 +106,7 @@ class Counting:
         return Counted.of([*self.blocks.values()], self.scale)
 
     def assist(self) -> None:
-        """Fly blocks that nobody else has taken, until there are none; raises `Cancelled`."""
+        """Simulate blocks that no other worker has taken, until there are none; raises `Cancelled`."""
         try:
             self._fly(others=False)
         finally:
@@ -174,7 +174,7 @@ class Counting:
             row += draws.number
 
     def _evaluated(self, points: Floats, seeds: Seeds | None) -> tuple[Batch, dict[int, str]]:
-        """In pieces that take about the time between two writes; raises `Cancelled` before one."""
+        """Evaluate points in pieces that take about the time between two writes; raises `Cancelled` before one."""
         batches, reasons, done = [], dict[int, str](), 0
         while done < len(points):
             if self.context.cancelled():

@@ -74,14 +74,14 @@ class Members:
         return rows
 
     def leading(self, columns: Columns) -> str | None:
-        """The member that was the first to request the lowest evaluation; None if nobody announced it or none has a
+        """The member that was the first to request the lowest evaluation; None if no member announced it or none has a
         value."""
         ranked = columns.ranked()
         low = columns.points[int(ranked.argmin())] if np.isfinite(ranked).any() else None
         return None if low is None else self.owner.get(low.tobytes())
 
     def apart(self, columns: Columns, methods: Mapping[str, Method], alone: Collection[str]) -> list[Apart]:
-        """The parts that were told nothing of each other: every member of `alone`, and the others together; those that
+        """The parts that do not share evaluations: every member of `alone`, and the others together; those that
         have a value, and none if that is one part only. What a part requested it found, whoever requested it before."""
         if not self.owner or not alone:
             return []

@@ -34,7 +34,7 @@ class Ordered:
 
     @property
     def lowest(self) -> float | None:
-        """None without any."""
+        """The lowest cost; None if there is none."""
         return float(self.costs[0]) if len(self.costs) else None
 
     @property

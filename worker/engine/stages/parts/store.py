@@ -58,8 +58,8 @@ class Store(Protocol):
         are left out."""
 
     def take(self, position: int, firsts: Sequence[int], most: int, others: bool) -> list[int]:
-        """Of the blocks with these first draws at most so many, which nobody has stored or taken; others: if there are
-        none of these, those that others have taken."""
+        """Take at most `most` blocks with these first draws that are neither stored nor taken, and return their first
+        draws; others: if there are none, those that other workers have taken."""
 
     def count(self, position: int, blocks: Sequence[Block]) -> None:
         """Store counted blocks, and update the counts and best of the stage and the run."""

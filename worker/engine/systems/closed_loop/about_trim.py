@@ -15,7 +15,7 @@ from worker.engine.systems.closed_loop.flights import Flights
 
 
 def about_trim(flights: Flights) -> PolynomialLoop | None:
-    """None if the controller declares none; raises `CampaignUnusable` without a trim."""
+    """The polynomial model that the controller declares, or None; raises `CampaignUnusable` without a trim."""
     vehicle, controller = flights.parts.vehicle, flights.parts.controller
     about = controller.about_trim
     if about is None:

@@ -146,7 +146,7 @@ class _End(NamedTuple):
 
     @property
     def since(self) -> float:
-        """After the horizon [s]."""
+        """The time after the horizon [s]."""
         return self.last * self.flights.step - self.horizon
 
     @property
@@ -160,7 +160,7 @@ class _End(NamedTuple):
         return moved
 
     def straight(self) -> Iterator[Approach]:
-        """Of an obstacle that keeps its velocity."""
+        """The approach of an obstacle that keeps its velocity."""
         i, seen, own, horizon = self.obstacle, self.seen, self.own, self.horizon
         away = seen.centres[1, i] - seen.positions[1]
         velocity = (seen.centres[1, i] - seen.centres[0, i]) / self.flights.step
@@ -171,7 +171,7 @@ class _End(NamedTuple):
             yield Approach(nearest - self.extent, i, self.since + begins + after)
 
     def followed(self, onward: Onward, moves: Motion, below: float) -> Iterator[Approach]:
-        """Of an obstacle whose path is known, for as long as it is."""
+        """The approach of an obstacle whose path is known, for as long as it is."""
         path, here = onward.path(moves), self.seen.positions[1]
         now, found = float(np.linalg.norm(path.centres[0] - here)), []
         for own, lasts in ((np.zeros(3), 0.0), (self.own, self.horizon)):

@@ -81,7 +81,8 @@ class Flights:
         return self.simulate_realised(vectors, step)[:2]
 
     def simulate_realised(self, vectors: Floats, step: float | None = None) -> tuple[Batch, Reasons, list[int] | None]:
-        """As `simulate_vectors`, and the deciding realisation's seed by row; None if the mean of several counts."""
+        """Simulate as `simulate_vectors` does; also returns the deciding realisation's seed by row; None if the mean of
+        several counts."""
         step, realised = self.step if step is None else step, self.realisations
         made = self.loop.simulate(realised.flights(vectors), step, *self.counts(step))
         status, reasons = self.judge(made.status, made.when)

@@ -29,16 +29,16 @@ Kind = Literal["straight", "followed", "unknown"]
 
 
 class Motion(NamedTuple):
-    """How an obstacle moves on: on a straight line, or standing still; along a path that is followed; or as nobody can
-    say. lasts: how long its turn or path takes [s]."""
+    """How an obstacle moves on: on a straight line, or standing still; along a path that is followed; or in an
+    unknown way. lasts: how long its turn or path takes [s]."""
 
     kind: Kind
     lasts: float = 0.0
 
 
 def motion(flights: Flights, row: Floats, i: int, time: float, centres: Floats, closing: bool) -> Motion:
-    """That of obstacle i from a time on [s]; centres (4, 3): at two samples half a horizon ago, and at the last two.
-    closing: whether it approaches at the last one."""
+    """The motion of obstacle i from a time on [s]; centres (4, 3): at two samples half a horizon ago, and at the last
+    two. closing: whether it approaches at the last one."""
     obstacle = flights.parts.obstacles[i]
     entry = flights.installed.catalogue.component("obstacle", obstacle.name)
     if entry is None or not entry.moving:

@@ -35,7 +35,7 @@ class Called(Simulated):
         self.step = inner.step if isinstance(inner, Simulated) else None
 
     def fresh(self) -> Slotted:
-        """Without any state of earlier calls; what is compared in fresh processes is not tried again."""
+        """This system without any state of earlier calls; what is compared in fresh processes is not tried again."""
         fresh = self.inner.fresh()
         return Called(fresh, self.request.model_copy(update={"retries": 0}), borrowed=fresh is self.inner)
 
@@ -44,7 +44,7 @@ class Called(Simulated):
         return None if halved is None else Called(halved, self.request.model_copy(update={"retries": 0}))
 
     def single(self) -> Slotted:
-        """With one call for each evaluation; failed ones are still tried again."""
+        """This system with one call for each evaluation; failed ones are still tried again."""
         once = self.request.model_copy(update={"repeats": None})
         return Called(self.inner, once) if self.request.retries else self.inner
 

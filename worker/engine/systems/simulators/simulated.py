@@ -69,7 +69,7 @@ class Simulated(Slotted):
         return {p.path: float(v) for p, v in zip(self.parameters, vector[: len(self.parameters)], strict=True)}
 
     def fresh(self) -> Slotted:
-        """The same simulator, without any state of earlier evaluations."""
+        """This simulator without any state of earlier evaluations."""
         return type(self)(self.entry, self.opening)
 
     def halved(self) -> Simulated | None:

@@ -40,7 +40,7 @@ class Uses:
     unread: bool = False
 
     def chains(self, name: str) -> dict[Chain, int]:
-        """Those of a name, in order."""
+        """The chains of a name, in order."""
         return dict(sorted(self.names.get(name, {}).items()))
 
 

@@ -45,7 +45,7 @@ IDLE = 60.0
 """Slots without work for this long are closed [s]."""
 KEEP, LOST = 2.0, 15.0
 """How often a process keeps the slots of its pools, and after which time without it they are closed [s]: it was killed,
-and nobody waits for what they evaluate."""
+and nothing waits for what they evaluate."""
 
 
 def evaluate(work: Work, requests: Sequence[Request]) -> Done:

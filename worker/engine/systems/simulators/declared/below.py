@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def files_below(folder: Path) -> list[Path]:
-    """In order, without bytecode."""
+    """All files below a folder in order, without bytecode."""
     return sorted(Path(inner, name) for inner, names in walked(str(folder)) for name in names)
 
 

@@ -83,7 +83,7 @@ class Described(ABC):
     @property
     @abstractmethod
     def columns(self) -> dict[str, Column]:
-        """Of the trace that it returns on request; empty if it returns none."""
+        """The columns of the trace that it returns on request; empty if it returns none."""
 
     @property
     def drawn(self) -> Scene | None:

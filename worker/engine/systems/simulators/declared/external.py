@@ -36,7 +36,7 @@ class External:
 
 
 def external(tree: ast.Module) -> External:
-    """Of the text of a file."""
+    """What the text of a file reads from outside, and the data files that it declares."""
     reader = Reader(tree)
     found = [use for node in _executed(tree) for use in reader.of(node)]
     return External(sorted(set(found), key=lambda use: (use.line, use.name)), list(_declared(tree)))
@@ -145,7 +145,7 @@ class Reader:
             yield Use(node.lineno, Outside.VALUE, dotted, dotted.partition(".")[0])
 
     def _of_method(self, node: ast.Attribute, call: ast.Call | None) -> Iterator[Use]:
-        """Of an object that is not known by its name."""
+        """Yield the use of a method that reads state outside, of an object that is not known by its name."""
         kind = METHODS.get(node.attr)
         if kind is None or call is None or node.attr in self.defined or self._dotted(node) is not None:
             return

@@ -41,7 +41,7 @@ class Statements:
 
 
 def statements(file: Path) -> Statements:
-    """Those of a file; raises OSError."""
+    """The statements of a file; raises OSError."""
     at = file.stat()
     return _read(file, (at.st_mtime_ns, at.st_size, at.st_ino))
 
@@ -204,7 +204,7 @@ class _Folder:
         self.assigned = {n.targets[0].id: n.value for n in assigned}  # type: ignore[attr-defined]
 
     def text(self, node: ast.expr, depth: int = 0) -> str | None:
-        """None if it cannot be read."""
+        """The text of an expression; None if it cannot be read."""
         if depth > 20:
             return None
         match node:

@@ -119,5 +119,5 @@ def _same_origin(log: Any, topic: str, other: str) -> None:
 
 
 def _differs(one: Any, two: Any) -> Any:
-    """Where two values are not the same; an origin that is not known is NaN in both."""
+    """Which rows differ: where two values are not the same; an origin that is not known is NaN in both."""
     return (one != two) & ~((one != one) & (two != two))

@@ -1,4 +1,4 @@
-"""Audits a run created by a test, in any form. Start reading at `audited`."""
+"""Audits a run created by a test, in any form."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The physics, the search and the verdict. Start reading at `worker.engine.systems.base`.
+"""The physics, the search and the verdict.
 
 Components, methods and simulators of operators and of other packages may still import the names of earlier versions
 (`worker.kernels` for `worker.engine.kernels`): each is the same module, not a copy.

@@ -1,7 +1,4 @@
-"""Answers requests within the service, as if each had been sent by who sent the one that names them.
-
-Start reading at `lines`.
-"""
+"""Answers requests within the service, as if each had been sent by who sent the one that names them."""
 
 from __future__ import annotations
 

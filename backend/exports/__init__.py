@@ -1,1 +1,1 @@
-"""The files of a run: a format is one file in `formats`. Start reading at `format.Format`."""
+"""The files of a run: a format is one file in `formats`."""

@@ -1,7 +1,7 @@
 """What a format of export files is: its name, when a run offers it, and how its content is made.
 
 A module of `backend.exports.formats` that declares `export` adds one to the list of a run's files, the one route that
-serves them, the export menu and the API's description. Start reading at `Format`.
+serves them, the export menu and the API's description.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The export files of a run: their list, and what all of them have. Start reading at `files`."""
+"""The export files of a run: their list, and what all of them have."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reports of runs that have ended, kept while nothing that they state changes. Start reading at `key`.
+"""Reports of runs that have ended, kept while nothing that they state changes.
 
 A report takes the time of a hundred other answers. What is kept is found by the content of all that it states, read
 again for every request: a changed result, sign-off, name or catalogue is another report.

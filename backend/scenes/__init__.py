@@ -1,5 +1,4 @@
-"""The 3D view of a run, on viser. Start reading at `viewer/viewer.py`. A package imports only
-packages above it in this list.
+"""The 3D view of a run, on viser. A package imports only packages above it in this list.
 
 base/        address, setting, flights, axes and colours, shared by all other packages
 live/        simulations on demand, in a child process

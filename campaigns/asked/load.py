@@ -1,7 +1,4 @@
-"""Reads YAML or JSON into a `Campaign`, or reports every problem: file, field, what was given, what is allowed.
-
-Start reading at `load_text`; how text becomes plain values is in `campaigns.asked.reading`.
-"""
+"""Reads YAML or JSON into a `Campaign`, or reports every problem: file, field, what was given, what is allowed."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import secrets
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from campaigns.refusals import RefusalCode
 from clearance.cli import VIOLATED, WrongInputError, replay
@@ -47,12 +47,27 @@ class _RunFirst(TyperGroup):
         return super().parse_args(ctx, args)
 
 
-app = typer.Typer(cls=_RunFirst, help="RUN: recompute the verdict of a run independently.", no_args_is_help=True)
+class _Unnamed(TyperCommand):
+    """The command `run` of the group, whose usage and errors name the group alone: `clearance audit`."""
+
+    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
+        if parent is not None:  # the group's name as that of this command, below the parent of the group
+            info_name, extra["obj"], extra["default_map"] = parent.info_name, parent.obj, parent.default_map
+            parent = parent.parent
+        return super().make_context(info_name, args, parent, **extra)
+
+
+app = typer.Typer(
+    cls=_RunFirst,
+    help="RUN: recompute the verdict of a run independently.",
+    no_args_is_help=True,
+    subcommand_metavar="RUN",
+)
 app.command("verify", hidden=True)(verify_trail)
 app.command("head", hidden=True)(print_head)
 
 
-@app.command("run")
+@app.command("run", cls=_Unnamed)
 def audit(
     ctx: typer.Context,
     run: Annotated[str, typer.Argument(help="The folder of a `run --out`, or the id of a stored run, such as R-0001.")],

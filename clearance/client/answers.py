@@ -217,9 +217,9 @@ class Run(RunAnswer):
     upper_bound: float | None = None
     """Upper bound on P(violation), from the sample that `bound_source` names; None without one."""
     bound_source: str | None = None
-    """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which
-    somebody may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
-    the campaign. Nothing is cleared by the last two. None without a bound.
+    """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which a
+    user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of the
+    campaign. Nothing is cleared by the last two. None without a bound.
     """
     removed: AwareDatetime | None = None
     """Time of removal from all lists; None if it is listed."""
@@ -486,9 +486,9 @@ class Outcome(Answer):
     upper_bound: float | None
     """Upper bound on P(violation), from the sample that `bound_source` names; None without one."""
     bound_source: str | None = None
-    """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which
-    somebody may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
-    the campaign. Nothing is cleared by the last two. None without a bound.
+    """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which a
+    user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of the
+    campaign. Nothing is cleared by the last two. None without a bound.
     """
     violations: int | None = None
     failed_samples: int | None = None

@@ -1,7 +1,7 @@
 """The contract of a component: documented, limited, and robust within its limits.
 
 `class TestMine(ComponentContract): component = mine.component` in a test file of the installed package runs all of it
-with pytest; all but the last test use the plain form, which needs no compiler. Start reading at `ComponentContract`.
+with pytest; all but the last test use the plain form, which needs no compiler.
 """
 
 from __future__ import annotations

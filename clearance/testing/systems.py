@@ -1,7 +1,7 @@
 """The contract of a system: parameters, results, failures, repeatable bits, confirmation.
 
 `class TestMine(SystemContract): campaign = {...}` in a test file of a package that declares a simulator runs all of it
-with pytest, on a campaign of the simulator. Start reading at `SystemContract`.
+with pytest, on a campaign of the simulator.
 """
 
 from __future__ import annotations

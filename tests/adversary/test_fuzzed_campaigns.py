@@ -45,7 +45,7 @@ def sound(found: dict[str, Any]) -> None:
     assert found["peak"] < LARGEST
 
 
-def test_some_documents(tmp_path: Path) -> None:
+def test_mutated_documents_are_accepted_or_refused(tmp_path: Path) -> None:
     found = fuzzed(tmp_path, 0, 300)
     sound(found)
     outcomes = found["outcomes"]
@@ -57,7 +57,7 @@ def test_some_documents(tmp_path: Path) -> None:
 @pytest.mark.nightly
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("block", range(BLOCKS))
-def test_many_documents(tmp_path: Path, block: int) -> None:
+def test_every_block_of_mutated_documents_is_accepted_or_refused(tmp_path: Path, block: int) -> None:
     sound(fuzzed(tmp_path, FIRST + block * EACH, EACH))
 
 

@@ -108,7 +108,7 @@ def test_it_is_read_or_refused(tmp_path: Path, name: str, count: int) -> None:
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_forms_that_grow(tmp_path: Path, name: str) -> None:
+def test_a_form_that_grows_ends_within_the_limits(tmp_path: Path, name: str) -> None:
     for seed, form in enumerate(GROWING * 2):
         READERS[name][0](tmp_path, form(random.Random(seed)).content)
 

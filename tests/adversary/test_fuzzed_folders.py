@@ -53,7 +53,7 @@ def damaged(content: bytes, seed: int) -> bytes:
 @pytest.mark.parametrize(
     "command", [c if c in READING else pytest.param(c, marks=pytest.mark.nightly) for c in COMMANDS]
 )
-def test_a_damaged_folder(
+def test_a_damaged_folder_crashes_no_command(
     ended: Path, tmp_path: Path, command: str, file: str, count: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
     refused = 0

@@ -1,6 +1,6 @@
 """Processor time of loading a page, in the browser and in the service, and a profile of it for the developer tools.
 
-The browser must have no 3D graphics: the 3D view is a program of its own. Start reading at `loads`.
+The browser must have no 3D graphics: the 3D view is a program of its own.
 """
 
 from __future__ import annotations

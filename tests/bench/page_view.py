@@ -1,7 +1,5 @@
 """Processor time of the 3D view in a browser that draws in software: at rest, out of sight, while it plays, and of
 leaving its page.
-
-Start reading at `views`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Every component in few scenes, for tests that compile. Start reading at `together`."""
+"""Every component in few scenes, for tests that compile."""
 
 from __future__ import annotations
 

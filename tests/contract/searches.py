@@ -1,4 +1,4 @@
-"""Every search method as a parameter of tests. Start reading at `EACH`."""
+"""Every search method as a parameter of tests."""
 
 from __future__ import annotations
 

@@ -192,7 +192,7 @@ CALLS = {
 
 @pytest.mark.parametrize("slots", [False, True])
 @pytest.mark.parametrize("name", CALLS)
-def test_what_calls_exclude(name: str, slots: bool) -> None:
+def test_several_calls_are_excluded_failed_or_tried_again(name: str, slots: bool) -> None:
     count, retries, returned, (status, reason) = CALLS[name]
     coming = iter(returned)
 

@@ -166,7 +166,7 @@ def test_how_sure_the_search_is(home: Home, place: str, run: str, known: bool) -
 
 
 @pytest.mark.nightly  # by day every other place, above
-def test_the_pages(home: Home, browser: Browser) -> None:
+def test_the_pages_show_each_record(home: Home, browser: Browser) -> None:
     with visiting(browser, home.service.url) as visit:
         page = visit.page
         visit.sign_in(home.service.login_code())

@@ -85,7 +85,7 @@ def test_other_runs_with_the_same_input(visit: Visit) -> None:
     expect(visit.page).to_have_url(re.compile("label="))
 
 
-def test_a_sweep(visit: Visit) -> None:
+def test_the_page_of_a_sweep_shows_its_runs(visit: Visit) -> None:
     visit.move("/sweeps")
     name = str(campaign()["name"])
     visit.page.get_by_role("link", name=name).click()
@@ -120,7 +120,7 @@ def test_a_sweep_is_launched(visit: Visit) -> None:
     expect(visit.page.locator("tbody tr")).to_have_count(3)
 
 
-def test_reports(visit: Visit) -> None:
+def test_reports_are_listed_and_searched(visit: Visit) -> None:
     visit.page.get_by_role("link", name="Reports").click()
     expect(visit.page.locator("tbody tr")).to_have_count(8)
     looks(visit, "reports")

@@ -17,7 +17,7 @@ LONGEST = 5.0
 @pytest.mark.nightly
 @pytest.mark.parametrize("sources", [("127.0.0.1",), MANY], ids=["one address", "many addresses"])
 @pytest.mark.parametrize("kind", STRANGERS)
-def test_visitors_without_login(tmp_path: Path, kind: str, sources: tuple[str, ...]) -> None:
+def test_a_flood_without_login_delays_no_other_client(tmp_path: Path, kind: str, sources: tuple[str, ...]) -> None:
     with besieged(tmp_path) as service, flooded(Flood(service.port, kind, STRANGERS[kind], sources=sources)):
         for answers in asked(service.port, service.other, SECONDS)[2:]:
             assert answers.failed == []

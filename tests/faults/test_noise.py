@@ -62,7 +62,7 @@ CALLS_KNOWN = {
 
 
 @pytest.mark.parametrize(("how", "word"), CALLS_KNOWN.items())
-def test_with_several_calls(how: str, word: str) -> None:
+def test_several_calls_settle_what_one_call_cannot(how: str, word: str) -> None:
     with adversary(how):
         verdict, store = ran(campaign(**REPEATS))
     assert verdict.verdict == word, verdict.reason

@@ -255,7 +255,7 @@ def cancel(engine: sa.Engine, run_id: int) -> str | None:
         return request_cancel(connection, run_id)
 
 
-def test_cancel_by_state(database: sa.Engine) -> None:
+def test_what_cancelling_does_depends_on_the_state(database: sa.Engine) -> None:
     queue = Queue(database)
     waiting = put(database)
     assert cancel(database, waiting) == "cancelled"

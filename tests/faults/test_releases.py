@@ -126,7 +126,7 @@ def test_a_run_begun_by_one_version_and_continued_by_another(
         assert still.fence == begun.fence + 1, "it is claimed once"
 
 
-def test_three_ways_on(service: Service, place: Path, tmp_path: Path) -> None:
+def test_a_run_of_other_code_has_three_ways_on(service: Service, place: Path, tmp_path: Path) -> None:
     """A worker of the old version; a new beginning; a new run with what is valid, here all but what DIRECT chose."""
     old, anew, carried = begin(service.engine, QUICK, 3)
     with Release(place, OTHER_METHOD).worker(service.url, tmp_path, "new"):

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.nightly
 
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("name", FAULTS)
-def test_a_fault(tmp_path: Path, name: str) -> None:
+def test_nothing_is_lost_by_a_fault(tmp_path: Path, name: str) -> None:
     fault = FAULTS[name]
     disk = small(tmp_path) if fault.disk else nullcontext()
     with disk, kernels(tmp_path / "kernels"), site(default_url(tmp_path), tmp_path) as made:
@@ -28,7 +28,7 @@ def test_a_fault(tmp_path: Path, name: str) -> None:
 
 
 @pytest.mark.timeout(1200)
-def test_a_storm(tmp_path: Path) -> None:
+def test_nothing_is_lost_in_a_storm(tmp_path: Path) -> None:
     with site(default_url(tmp_path), tmp_path) as made:
         row = storm(made, "sqlite", 4)
     assert (row.lost, row.repeated, row.left_behind, row.given_up) == (0, 0, 0, 0), row

@@ -95,7 +95,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
 
 
 @pytest.mark.nightly  # by day the next one, and tests/e2e/test_identity.py
-def test_simulators_are_watched(site: Site) -> None:
+def test_an_edited_simulator_is_noticed_by_a_worker(site: Site) -> None:
     """From a new one to a verdict that somebody relies on, an edit, and its end."""
     assert site.titles() == {}
     site.write("a_drop")

@@ -159,7 +159,7 @@ def test_the_digest_changes_with_the_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "expected"), [("Body.m[1]", "body_m_1"), ("1st", "p_1st"), ("der(x)", "der_x"), ("ä", "p_")]
 )
-def test_names_in_campaigns(name: str, expected: str) -> None:
+def test_variables_have_names_that_a_campaign_can_state(name: str, expected: str) -> None:
     assert identifier(name) == expected
 
 

@@ -78,7 +78,7 @@ def test_it_agrees_with_the_closed_form_to_the_order_of_its_step(tmp_path: Path,
     assert 3.5 < errors[0] / errors[1] < 4.5, "Heun's method is of second order"
 
 
-def test_what_results_take(folders: dict[int, Path]) -> None:
+def test_a_result_takes_what_its_descriptor_states(folders: dict[int, Path]) -> None:
     case = (2.0, 15.0, 1.0, 0.0)
     path = np.array([flown(*case[:3], 0.01 * k) for k in range(301)])
     dx, dz = path[:, 0] - 12.0, np.maximum(path[:, 1] - 8.0, 0.0)

@@ -1,4 +1,4 @@
-"""The code of stored test runs, and a different one, as workers publish them. Start reading at `parts` and `CODE`."""
+"""The code of stored test runs, and a different one, as workers publish them."""
 
 from __future__ import annotations
 

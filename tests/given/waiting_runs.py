@@ -1,4 +1,4 @@
-"""A run with evaluations that waits for the code that began it. Start reading at `waiting`."""
+"""A run with evaluations that waits for the code that began it."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ CLOSEST = {
 
 
 @pytest.mark.parametrize("name", PINNED)
-def test_trajectory(name: str) -> None:
+def test_the_trajectory_is_the_stored_one(name: str) -> None:
     problem = Problem(load_file(library()[name]))
     flown = trace(problem.system, "nominal", {})
     columns = [[c.name for c in flown.columns].index(n) for n in SHOWN]

@@ -28,7 +28,7 @@ def rows(values: dict[str, float]) -> Floats:
 
 
 @pytest.mark.parametrize(("values", "pinned"), [({}, "NOMINAL"), (CORNER, "WORST")])
-def test_trajectory(values: dict[str, float], pinned: str) -> None:
+def test_the_trajectory_is_the_stored_one(values: dict[str, float], pinned: str) -> None:
     # t = 2, 10, 14, 19, 40 s. Nominal: ahead to the goal, left behind the intruder, to rest at the goal. Worst case:
     # it sees the intruder too far ahead, turns right instead, all round, and follows behind.
     found, expected = rows(values), np.array(globals()[pinned])
@@ -54,7 +54,7 @@ WORST = [
 
 
 @pytest.mark.parametrize(("values", "time", "value"), [({}, 19.159068, 7.6283915), (CORNER, 20.724839, 5.8948923)])
-def test_closest_approach(values: dict[str, float], time: float, value: float) -> None:
+def test_the_closest_approach_is_the_stored_one(values: dict[str, float], time: float, value: float) -> None:
     closest = trace(PROBLEM.system, "pinned", values).meta.closest
     assert closest is not None
     assert closest.time == pytest.approx(time, abs=1e-4)

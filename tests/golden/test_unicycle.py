@@ -19,7 +19,7 @@ from worker.running.runs.store import MemoryStore
 CASE = load_file(library()["unicycle_static"])
 
 
-def test_trajectory() -> None:
+def test_the_trajectory_is_the_stored_one() -> None:
     # Nominal flight at t = 1, 3, 5, 10, 15 s: it swings left of the obstacle at (4, 4) and settles on the goal (6, 7).
     flown = trace(Problem(CASE).system, "nominal", {})
     names = [c.name for c in flown.columns]
@@ -39,14 +39,14 @@ PINNED = [
 ]
 
 
-def test_closest_approach() -> None:
+def test_the_closest_approach_is_the_stored_one() -> None:
     closest = trace(Problem(CASE).system, "nominal", {}).meta.closest
     assert closest is not None
     assert closest.time == pytest.approx(3.12361551, abs=1e-6)
     assert closest.value == pytest.approx(0.9435644009164, abs=1e-11)
 
 
-def test_run() -> None:
+def test_a_whole_run_gives_the_stored_results() -> None:
     # DIRECT's 100 iterations end 4e-3 kg short of the corner, SQP from both published starts ends on it; Monte Carlo
     # with this seed comes within 2e-5 m. The corner is the worst case because d_min falls with both parameters.
     store = MemoryStore()

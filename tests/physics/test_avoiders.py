@@ -54,7 +54,7 @@ class TestGradients:
 
     @pytest.mark.parametrize("s", [1.5, 4.0, 1e9])
     @pytest.mark.parametrize("q", PLANE)
-    def test_attraction(self, q: tuple[float, float], s: float) -> None:
+    def test_the_attraction_is_the_negative_gradient(self, q: tuple[float, float], s: float) -> None:
         goal = np.array([6.0, 7.0])
         force, _ = plain(none.steer)(0.0, q, (0.0, 0.0), none.Goal(*goal), (), (), none.Attraction(5.0, s))
         gradient = slope(lambda at: pull(float(np.linalg.norm(goal - at)), 5.0, s), np.array(q))
@@ -62,7 +62,7 @@ class TestGradients:
 
     @pytest.mark.parametrize("n", [0.0, 1.0, 2.0, 3.0])
     @pytest.mark.parametrize("q", PLANE + SPACE)
-    def test_gnron(self, q: tuple[float, ...], n: float) -> None:
+    def test_the_force_of_gnron_is_the_negative_gradient(self, q: tuple[float, ...], n: float) -> None:
         component: Any = (gnron if len(q) == 2 else gnron_3d).component
         p = component.parameters(5.0, 4.0, 2.0, n, 3.0)
         goal = np.array([6.0, 7.0, 1.0][: len(q)])
@@ -85,7 +85,9 @@ class TestGradients:
     @pytest.mark.parametrize(
         ("q", "v"), [((3.0, 3.2), (0.9, 0.5)), ((2.2, 3.5), (0.8, -0.2)), ((4.4, 2.9), (0.1, 0.6))]
     )
-    def test_ge_cui(self, q: tuple[float, float], v: tuple[float, float]) -> None:
+    def test_the_force_of_ge_and_cui_is_the_negative_gradient(
+        self, q: tuple[float, float], v: tuple[float, float]
+    ) -> None:
         # The negative gradient over position and velocity (2.16). It is exact for a point: the printed F_rep2 turns n
         # with the distance from the surface, which is the distance from the centre only there.
         p = ge_cui.GeCui(k_att=0.0, eta=5.3, rho_0=4.0, A_max=0.71)
@@ -137,7 +139,7 @@ class TestClosestApproach:
             ((9.0, 0.5, 0.0), (3.0, 0.0, 0.0)),  # faster, the same way
         ],
     )
-    def test_no_conflict(self, r: Any, other: Any) -> None:
+    def test_without_a_conflict_nothing_is_resolved(self, r: Any, other: Any) -> None:
         assert plain(resolve)(r, (2.0, 0.0, 0.0), other, (0.0, -1.0, 0.0), self.RULES)[0] == NEVER
 
     @pytest.mark.parametrize("r", [(9.0, 0.5, 0.0), (9.0, -0.7, 0.4), (5.0, 2.0, 0.0)])

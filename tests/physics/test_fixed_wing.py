@@ -40,7 +40,7 @@ class TestTrim:
     def test_is_the_reconstructed_one(self, speed: float) -> None:
         assert trim.trimmed(Airframe(), speed) == pytest.approx(TRIMS[speed], abs=6e-5)
 
-    def test_stays_trimmed(self) -> None:
+    def test_a_trimmed_aircraft_stays_trimmed(self) -> None:
         p = aircraft()
         x = plain(fixed_wing.begin)(fixed_wing.Start(1.0, 2.0, 3.0, 0.5, 20.0), p)
         end = flown(p, x, (p.elevator, 0.0, 0.0, p.throttle), 5.0)
@@ -167,7 +167,7 @@ class TestWind:
         ground = np.diff(end[:, :2], axis=0).mean(axis=0) / problem.system.step
         assert ground == pytest.approx([20 * math.cos(0.9) + 3.0, 20 * math.sin(0.9) - 2.0], abs=0.05)
 
-    def test_shear_and_calm(self) -> None:
+    def test_a_wind_of_zero_changes_nothing(self) -> None:
         calm = uncompiled(changed(CRUISE, environment=[{"component": "steady_wind"}], horizon=10.0))
         assert cost(calm) == pytest.approx(cost(uncompiled(changed(CRUISE, horizon=10.0))), abs=1e-12)
 

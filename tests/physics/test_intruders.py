@@ -183,7 +183,7 @@ class TestResolution:
         assert self.seen(body(300.0, 0.0, 0.0), du0=2.0).other == pytest.approx(NOWHERE)  # what rests has no track
 
     @pytest.mark.parametrize(("side", "sign"), [(-1.0, -1.0), (1.0, 1.0), (0.0, -1.0), (2.0, -1.0)])
-    def test_sides(self, side: float, sign: float) -> None:
+    def test_the_side_is_the_stated_or_the_nearer_one(self, side: float, sign: float) -> None:
         # the relative velocity points left of the intruder: 7.7 goes left, and so does a side taken at first
         velocity, memory = ask(minimum_deviation_3d, [body(300.0, 20.0, 0.0, 20.0, math.pi)], side=side)
         assert math.copysign(1.0, velocity[1]) == sign
@@ -196,7 +196,7 @@ class TestResolution:
     @pytest.mark.parametrize(
         ("gate", "conflict", "clear"), [(0.0, True, True), (1.0, True, False), (2.0, True, False), (4.0, True, False)]
     )
-    def test_gates(self, gate: float, conflict: bool, clear: bool) -> None:
+    def test_a_gate_limits_what_is_avoided(self, gate: float, conflict: bool, clear: bool) -> None:
         for y, acts in ((10.0, conflict), (200.0, clear)):
             velocity, _ = ask(minimum_deviation_3d, [body(300.0, y, 0.0, 20.0, math.pi)], gate=gate, side=-1.0)
             assert (velocity != pytest.approx([20.0, 0.0, 0.0])) is acts

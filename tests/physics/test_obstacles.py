@@ -104,11 +104,11 @@ class TestShapes:
             ((1.5, 0.0), -0.5, (1, 0)), ((0.0, -0.9), -0.1, (0, -1)),
         ],
     )  # fmt: skip
-    def test_box(self, q: tuple[float, float], gap: float, n: tuple[float, float]) -> None:
+    def test_the_distance_to_a_box_is_exact(self, q: tuple[float, float], gap: float, n: tuple[float, float]) -> None:
         body = made("box", position_x=0.0, position_y=0.0, length=4.0, width=2.0)(0.0, q)
         assert (body.gap, body.nx, body.ny) == pytest.approx((gap, *n))
 
-    def test_a_turned_box(self) -> None:
+    def test_the_distance_to_a_turned_box_is_exact(self) -> None:
         body = made("box", position_x=1.0, position_y=2.0, length=4.0, width=2.0, angle=math.pi / 6)
         along = (math.cos(math.pi / 6), math.sin(math.pi / 6))
         seen = body(0.0, (1.0 + 5.0 * along[0], 2.0 + 5.0 * along[1]))
@@ -121,13 +121,13 @@ class TestShapes:
             ((0.0, 23.0, -54.0), 5.0, (0, 0.6, -0.8)), ((19.0, 0.0, 0.0), -1.0, (1, 0, 0)),
         ],
     )  # fmt: skip
-    def test_cylinder(self, q: Any, gap: float, n: Any) -> None:
+    def test_the_distance_to_a_cylinder_is_exact(self, q: Any, gap: float, n: Any) -> None:
         at = made("cylinder", position_x=0.0, position_y=0.0, position_z=0.0, radius=20.0, height=100.0)
         body = at(0.0, q)
         assert (body.gap, body.nx, body.ny, body.nz) == pytest.approx((gap, *n))
         assert body.z == pytest.approx(min(max(q[2], -50.0), 50.0))
 
-    def test_box_in_space(self) -> None:
+    def test_the_distance_to_a_box_in_space_is_exact(self) -> None:
         at = made("box_3d", position_x=0.0, position_y=0.0, position_z=0.0, length=2.0, width=4.0, height=6.0)
         assert at(0.0, (3.0, 4.0, 4.0)).gap == pytest.approx(3.0)
         assert at(0.0, (0.0, 0.0, 2.5)).gap == pytest.approx(-0.5)
@@ -161,7 +161,7 @@ class TestPaths:
             (7.0, (0.0, 2.0), (0, -2)), (9.0, (0.0, 0.0), (0, 0)),
         ],
     )  # fmt: skip
-    def test_around_a_square(self, t: float, at: Any, v: Any) -> None:
+    def test_waypoints_lead_around_a_square(self, t: float, at: Any, v: Any) -> None:
         square = {"to1_x": 4.0, "to1_y": 0.0, "to2_x": 4.0, "to2_y": 4.0, "to3_x": 0.0, "to3_y": 4.0}
         body = made("waypoint_circle", position_x=0.0, position_y=0.0, speed=2.0, **square)(t, (9.0, 9.0))
         assert (body.x, body.y, body.vx, body.vy) == pytest.approx((*at, *v), abs=1e-9)
@@ -173,7 +173,7 @@ class TestPaths:
         body = at(50.0, (9.0, 9.0))
         assert (body.x, body.y, body.vx, body.vy) == pytest.approx((4.0, 0.0, 0.0, 0.0), abs=1e-9)
 
-    def test_waypoints_in_space(self) -> None:
+    def test_waypoints_in_space_are_reached_in_order(self) -> None:
         at = made(
             "waypoint_sphere", position_x=0.0, position_y=0.0, position_z=0.0, to1_x=0.0, to1_y=0.0, to1_z=-30.0,
             to2_x=40.0, to2_y=0.0, to2_z=-30.0, legs=2.0, speed=10.0,
@@ -181,7 +181,7 @@ class TestPaths:
         body = at(5.0, (0.0, 0.0, 0.0))
         assert (body.x, body.z, body.vx, body.vz) == pytest.approx((20.0, -30.0, 10.0, 0.0))
 
-    def test_round_and_round(self) -> None:
+    def test_an_orbit_returns_to_its_start(self) -> None:
         at = made("orbiting_circle", centre_x=1.0, centre_y=2.0, way=3.0, phase=0.4, speed=1.5)
         start, again = at(0.0, (0.0, 0.0)), at(2 * math.pi * 3.0 / 1.5, (0.0, 0.0))
         assert (again.x, again.y) == pytest.approx((start.x, start.y))

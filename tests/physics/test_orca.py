@@ -103,7 +103,7 @@ class TestOrca:
         u = self.steer((1.0, 0.0), *ring)
         assert math.hypot(*u) <= 1.5 + 1e-12
 
-    def test_mirrored(self) -> None:
+    def test_a_mirrored_scene_has_a_mirrored_velocity(self) -> None:
         a = self.steer((0.9, 0.1), disc(2.0, 0.4, -0.3, 0.2), disc(3.0, -1.0, 0.0, 0.3))
         b = self.steer((0.9, -0.1), disc(2.0, -0.4, -0.3, -0.2), disc(3.0, 1.0, 0.0, -0.3))
         assert a == pytest.approx((b[0], -b[1]))
@@ -126,7 +126,7 @@ class TestCase2:
     ANCHORS = pytest.mark.parametrize(("values", "d_min"), [({}, 7.8748), (CORNER, 5.7945)])
 
     @ANCHORS
-    def test_anchor(self, values: dict[str, float], d_min: float) -> None:
+    def test_d_min_is_the_known_value(self, values: dict[str, float], d_min: float) -> None:
         """In plain Python; compiled alone in test_avoiders.py."""
         assert cost(uncompiled(self.CAMPAIGN), values) == pytest.approx(d_min, abs=1e-4)
 

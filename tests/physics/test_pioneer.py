@@ -38,7 +38,7 @@ RISING = {"vehicle.B_e": 0.161, "vehicle.delta_w": 0.183, "vehicle.u_s": 0.188, 
 
 class TestPublished:
     @pytest.mark.parametrize(("values", "d_min"), PUBLISHED)
-    def test_anchor(self, values: dict[str, float], d_min: float) -> None:
+    def test_d_min_is_the_published_value(self, values: dict[str, float], d_min: float) -> None:
         assert cost(PROBLEM, values) == pytest.approx(d_min, abs=0.005)
 
     def test_the_published_corner_is_the_lowest_of_all(self) -> None:
@@ -47,7 +47,7 @@ class TestPublished:
         assert np.sort(costs)[:3] == pytest.approx([5.8949, 5.9112, 5.9324], abs=0.003)
 
     @pytest.mark.parametrize(("path", "change"), [*((p, -c) for p, c in FALLING.items()), *RISING.items()])
-    def test_over_each_range(self, path: str, change: float) -> None:
+    def test_d_min_rises_or_falls_over_each_range(self, path: str, change: float) -> None:
         r = next(r for r in PROBLEM.ranges if r.path == path)
         values = np.array([cost(PROBLEM, {path: float(v)}) for v in np.linspace(r.low, r.high, 21)])
         assert values[-1] - values[0] == pytest.approx(change, rel=0.02)
@@ -58,7 +58,7 @@ class TestPublished:
         assert batch.costs.min() > 5.8949
 
     @pytest.mark.parametrize(("values", "d_min"), [({}, 4.781), (CORNER, 1.974)])
-    def test_without_avoidance(self, values: dict[str, float], d_min: float) -> None:
+    def test_without_avoidance_d_min_is_the_known_value(self, values: dict[str, float], d_min: float) -> None:
         assert cost(ALONE, {k: v for k, v in values.items() if k in ALONE.paths}) == pytest.approx(d_min, abs=0.001)
 
     def test_reaches_the_goal(self) -> None:
@@ -83,7 +83,7 @@ class TestFormulations:
         # Both meet the same switches here, so that only rounding differs.
         assert cost(uncompiled(CASE)) == pytest.approx(cost(PROBLEM), abs=1e-9)
 
-    def test_thetas(self) -> None:
+    def test_the_constants_follow_from_the_motors(self) -> None:
         p = pioneer_3dx.Constants(*plain(pioneer_3dx.derive)(pioneer_3dx.Pioneer(), ()))
         theta_1, theta_2 = 1 / p.per_u, 1 / p.per_w
         found = [theta_1, theta_2, p.c_uww * theta_1, p.c_u * theta_1, p.c_wuw * theta_2, p.c_w * theta_2]
@@ -133,7 +133,7 @@ class TestIntegrator:
         assert other.cost == pytest.approx(cost(PROBLEM, values), abs=apart)
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 3e-4), (CORNER, 1e-3)])
-    def test_half_the_step(self, values: dict[str, float], apart: float) -> None:
+    def test_half_the_step_changes_d_min_little(self, values: dict[str, float], apart: float) -> None:
         assert cost(PROBLEM, values, PROBLEM.system.step / 2) == pytest.approx(cost(PROBLEM, values), abs=apart)
 
 

@@ -144,7 +144,7 @@ class TestStepper:
 
 
 class TestFlight:
-    def test_a_closed_form(self) -> None:
+    def test_a_closed_form_is_reached_within_the_tolerance(self) -> None:
         found, x = flown(System(rational, exactly(0.0)), [0.0, 1.0, 10.0])
         assert x == pytest.approx(exactly(10.0), abs=2 * flight.RELATIVE)
         assert (found[1], found[2], found[4]) == (flight.OK, 10.0, 0.0)

@@ -19,7 +19,7 @@ PUBLISHED = ("unicycle_static", "pioneer_moving", "uav_static", "uav_moving", "u
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in PUBLISHED else pytest.mark.nightly) for name in library()]
 )
-def test_half_the_step(name: str) -> None:
+def test_the_step_of_every_campaign_is_small_enough(name: str) -> None:
     found = adequacy(name, Problem(load_file(library()[name])).system)
     assert found.ok, sentence(found)
 

@@ -116,7 +116,7 @@ def costs(name: str, vectors: Floats) -> Floats:
 
 class TestFigures:
     @pytest.mark.parametrize("name", EACH)
-    def test_nominal_and_corners(self, name: str) -> None:
+    def test_d_min_at_nominal_and_corners_is_the_known_value(self, name: str) -> None:
         corner = CORNERS["_".join(name.split("_")[:2])]
         nominal, published, *all_corners = costs(
             name, np.vstack([problem(name).system.nominal, at(name, corner), corners(name)])
@@ -143,7 +143,7 @@ class TestFigures:
         assert [worst[paths[f"vehicle.{n}"]] for n in ("m", "C_mde", "C_dt")] == [1.52, -1.356, 14.628]
 
     @pytest.mark.parametrize("name", BLIND)
-    def test_without_avoidance(self, name: str) -> None:
+    def test_without_avoidance_d_min_is_the_known_value(self, name: str) -> None:
         assert cost(plain(name)) == pytest.approx(BLIND[name], abs=HELD)
 
     def test_avoiders_without_strength_do_not_avoid(self) -> None:
@@ -152,7 +152,7 @@ class TestFigures:
             assert blind == pytest.approx(cost(plain(f"{name}_no_avoidance")), abs=1e-9)
 
     @pytest.mark.parametrize(("name", "path"), RANGES)
-    def test_over_one_parameter(self, name: str, path: str) -> None:
+    def test_d_min_rises_or_falls_over_one_parameter(self, name: str, path: str) -> None:
         made = problem(name)
         r = next(r for r in made.ranges if r.path == path)
         found = costs(name, np.array([made.vector({path: v}) for v in np.linspace(r.low, r.high, 9)]))
@@ -162,7 +162,7 @@ class TestFigures:
         assert (np.diff(found) * math.copysign(1.0, high - low) > 0).all()
 
     @pytest.mark.parametrize(("name", "point"), OTHER_POINTS)
-    def test_at_other_points(self, name: str, point: tuple[float, ...]) -> None:
+    def test_d_min_at_other_points_is_the_known_value(self, name: str, point: tuple[float, ...]) -> None:
         assert costs(name, at(name, point))[0] == pytest.approx(OTHER_POINTS[name, point], abs=HELD)
 
     @pytest.mark.parametrize("structure", STRUCTURES)
@@ -286,11 +286,11 @@ class TestSymmetry:
 
     @pytest.mark.parametrize("name", CORNERS)
     @pytest.mark.parametrize("scene", [{"turn": 1.9}, {"shift": 170.0}, {"turn": -2.4, "shift": -30.0}])
-    def test_turned_and_moved(self, name: str, scene: dict[str, float]) -> None:
+    def test_a_turned_or_moved_scene_has_the_same_d_min(self, name: str, scene: dict[str, float]) -> None:
         assert cost(problem(name), self.scene(name, **scene)) == pytest.approx(cost(problem(name)), abs=1e-8)
 
     @pytest.mark.parametrize("name", CORNERS)
-    def test_mirrored(self, name: str) -> None:
+    def test_a_mirrored_scene_has_the_same_d_min(self, name: str) -> None:
         # only the propeller's momentum breaks the symmetry
         still = {"vehicle.omega_p": 0.0}
         scene = self.scene(name, mirror=-1.0)

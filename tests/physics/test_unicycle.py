@@ -49,7 +49,7 @@ class TestPublished:
     @pytest.mark.parametrize(
         ("m", "J", "d_min"), [(5.0, 0.05, 0.9435642), (6.0, 0.06, 0.9417402), (4.0, 0.04, 0.9466278)]
     )
-    def test_anchor(self, m: float, J: float, d_min: float) -> None:
+    def test_d_min_is_the_known_value(self, m: float, J: float, d_min: float) -> None:
         assert cost(PROBLEM, vehicle__m=m, vehicle__J=J) == pytest.approx(d_min, abs=2e-6)
         other = Reference(PROBLEM.system).simulate(PROBLEM.vector({"vehicle.m": m, "vehicle.J": J}))
         assert other.cost == pytest.approx(d_min, abs=1e-7)

@@ -1,7 +1,6 @@
 """A finding as one file: campaign, components, parameters, trajectories, versions, digests, and its view in 3D.
 
 `clearance replay FILE` evaluates it again without a service; `flight.html` in it opens offline. `{label}` is F1.
-Start reading at `content`.
 """
 
 from __future__ import annotations

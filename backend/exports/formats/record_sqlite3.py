@@ -1,6 +1,6 @@
 """The stored rows of a run as an SQLite database, which `clearance audit` and `clearance replay` read like a service's.
 
-It has what they need and no more: no owner, no notes, no other run. Start reading at `record`.
+It has what they need and no more: no owner, no notes, no other run.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-// A section of the page of a run that has ended: its tab, its condition and its card. Start reading at `section`.
+// A section of the page of a run that has ended: its tab, its condition and its card.
 import { clsx } from 'clsx'
 import { Fragment, type ReactNode } from 'react'
 import { Columns, type Piece } from './Columns'

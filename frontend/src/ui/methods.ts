@@ -1,5 +1,5 @@
 // The colours and marker of every search method, from the catalogue. Those of the shipped methods are built in; a loaded
-// catalogue adds those of other packages. Each method has a CSS variable of its own. Start reading at `methodLook`.
+// catalogue adds those of other packages. Each method has a CSS variable of its own.
 import type { Catalogue, MethodEntry } from '../client'
 import shipped from '../generated/methods.json'
 import { storeOf } from './store'

@@ -251,7 +251,7 @@ def test_no_column_is_lost_in_a_mat_file(service: Service, client: httpx.Client)
         assert (read[field].tolist(), read["units"][field]) == (data[:, k].tolist(), f"u{k}")
 
 
-def test_everything_as_json(stored: Stored) -> None:
+def test_run_json_has_what_the_routes_answer(stored: Stored) -> None:
     client, run = stored
     told = client.get(f"/api/v1/runs/{run}/exports/run.json").json()
     assert told["format"] == "clearance-run/1"

@@ -63,7 +63,7 @@ def guarded(headers: httpx.Headers, encrypted: bool = True) -> None:
 
 
 @pytest.mark.parametrize(("method", "path"), RULES, ids=" ".join)
-def test_every_route(service: Service, client: httpx.Client, method: str, path: str) -> None:
+def test_every_route_has_the_headers(service: Service, client: httpx.Client, method: str, path: str) -> None:
     """As anonymous, with a token, under another name, and with a method that it does not have."""
     named = path.replace("{run}", "R-0001").replace("{draft}", "D-0001").replace("{flight}", "F1")
     address = re.sub(r"{rest:path}", "", named) if "view" in named else named
@@ -97,14 +97,16 @@ STATUSES: dict[int, tuple[str, str, dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("status", STATUSES)
-def test_every_status(client: httpx.Client, status: int) -> None:
+def test_every_status_has_the_headers(client: httpx.Client, status: int) -> None:
     method, path, given = STATUSES[status]
     answer = client.request(method, path, **given)
     assert answer.status_code == status
     guarded(answer.headers)
 
 
-def test_an_internal_error(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_internal_error_has_the_headers_and_no_detail(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("backend.runs.endpoints.facets", lambda reader: 1 / 0)
     answer = client.get("/api/v1/runs/facets")
     assert answer.status_code == 500

@@ -75,7 +75,7 @@ def test_a_sign_off_of_other_results_is_outdated(service: Service, client: httpx
     assert stood(item) == [("Ada", "of other results")]
 
 
-def test_pages_and_search(client: httpx.Client) -> None:
+def test_reports_are_listed_in_pages_and_searched(client: httpx.Client) -> None:
     for i in range(5):
         client.post(f"/api/v1/runs/{submit(client, name='Loop odd' if i % 2 else 'Loop even', seed=i)}/cancel")
     first = listed(client, limit=2)

@@ -57,7 +57,7 @@ def test_improvements_end_at_the_last_evaluation(guest: httpx.Client, run: str) 
     assert len(stage["index"]) == 2
 
 
-def test_failures_say_why(guest: httpx.Client, run: str) -> None:
+def test_failures_state_their_reason(guest: httpx.Client, run: str) -> None:
     failures = guest.get(f"/api/v1/runs/{run}/evaluations").json()["failures"]
     assert len(failures) == 100
     assert (failures[0]["index"], failures[0]["status"]) == (9, "failed")

@@ -96,7 +96,7 @@ def test_a_page_keeps_its_position_while_runs_are_submitted(service: Service, cl
     assert [r["id"] for r in first["items"] + second["items"]] == [f"R-{i:04d}" for i in range(10, 0, -1)]
 
 
-def test_filters_and_counts(service: Service, client: httpx.Client) -> None:
+def test_filters_select_runs_and_counts_follow(service: Service, client: httpx.Client) -> None:
     fill(service, 50)
     page = client.get("/api/v1/runs", params={"state": "done", "verdict": "violated", "tag": "odd"}).json()
     assert len(page["items"]) == 5
@@ -125,7 +125,7 @@ def test_filters_by_campaign_owner_method_and_tag(crowd: httpx.Client, query: di
     assert (len(page["items"]), page["counts"]["total"]) == (count, count)
 
 
-def test_filters_by_date(crowd: httpx.Client) -> None:
+def test_dates_select_runs(crowd: httpx.Client) -> None:
     created = [r["created"] for r in walk(crowd, sort="created")]
     assert [r["created"] for r in walk(crowd, sort="created", since=created[30])] == created[30:]
     assert [r["created"] for r in walk(crowd, sort="created", since=created[10], until=created[30])] == created[10:30]

@@ -115,7 +115,7 @@ WRONG = {
 }
 
 
-def test_what_is_refused(submit: Submit, service: Service, capsys: Any) -> None:
+def test_a_wrong_sweep_is_refused_with_a_sentence(submit: Submit, service: Service, capsys: Any) -> None:
     for given, statement in WRONG.items():
         assert submit("--sweep", given) == WRONG_INPUT
         assert statement in capsys.readouterr().err

@@ -112,7 +112,9 @@ def test_a_repeated_request_launches_nothing(service: Service, client: httpx.Cli
         ({"name": "\ud800"}, "name", "surrogate"),
     ],
 )
-def test_all_or_none(still: Service, guest: httpx.Client, changes: Any, field: str, statement: str) -> None:
+def test_of_a_wrong_sweep_no_run_is_stored(
+    still: Service, guest: httpx.Client, changes: Any, field: str, statement: str
+) -> None:
     body = json.dumps(asked(**changes))  # as ASCII, which can write what is not Unicode text
     answer = problem(guest.post("/api/v1/sweeps", content=body, headers=JSON), 422)
     errors: Any = answer["errors"]
@@ -171,7 +173,7 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
     assert row["verdict"] == headline("cleared", True)
 
 
-def test_cancelling_the_whole(service: Service, client: httpx.Client) -> None:
+def test_a_sweep_is_cancelled_as_a_whole(service: Service, client: httpx.Client) -> None:
     launch(client)
     other = launch(client, values=[7.0, 8.0])
     finish(service)

@@ -326,7 +326,7 @@ def test_a_run_that_cannot_be_read_holds_no_other_up(stored: Any) -> None:
     assert "another version" in str([item["error"] for item in found])
 
 
-def test_without_a_webhook(still: Service, guest: httpx.Client) -> None:
+def test_without_a_webhook_no_message_is_stored(still: Service, guest: httpx.Client) -> None:
     assert guest.get("/api/v1/webhooks").json() == {"targets": []}
     answer = problem(guest.post("/api/v1/webhooks/test"), 409)
     assert "CLEARANCE_WEBHOOKS" in str(answer["detail"])
@@ -360,7 +360,7 @@ def test_addresses_that_are_not_public(address: str) -> None:
     assert not is_public(address)
 
 
-def test_public_addresses() -> None:
+def test_a_public_address_is_recognised() -> None:
     assert is_public("93.184.215.14")
     assert is_public("2606:4700:4700::1111")
 

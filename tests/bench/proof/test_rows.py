@@ -102,7 +102,7 @@ def test_members_in_exact_arithmetic(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CLOSE)
-def test_members_of_functions(name: str) -> None:
+def test_a_form_contains_the_values_of_its_function(name: str) -> None:
     form, truth = CLOSE[name]
     bad, checked = outside(form, truth, np.random.default_rng(4), 4e-15)
     assert bad == 0

@@ -4,7 +4,6 @@ Written from the report, as costs above the global optimum over the unit cube. `
 rotation matrices of the composition functions, which the report gives as data files: Copyright 2013, Michael G.
 Epitropakis, Xiaodong Li, and Andries Engelbrecht, all rights reserved; redistribution and use, with or without
 modification, are permitted under the conditions of the simplified BSD license, and without any warranty.
-Start reading at `PROBLEMS`.
 """
 
 from __future__ import annotations

@@ -146,7 +146,7 @@ SIZES: dict[str, tuple[dict[str, Any], str, str]] = {
 
 
 @pytest.mark.parametrize("name", SIZES)
-def test_absurd_sizes(name: str) -> None:
+def test_an_absurd_size_is_refused_at_its_field(name: str) -> None:
     changes, field, message = SIZES[name]
     found, _, statement = only(**changes)
     assert found == field
@@ -174,7 +174,7 @@ INTERVALS: dict[str, tuple[Any, str, str]] = {
 
 
 @pytest.mark.parametrize("name", INTERVALS)
-def test_intervals(name: str) -> None:
+def test_a_wrong_interval_is_refused_at_its_field(name: str) -> None:
     value, below, message = INTERVALS[name]
     field, given, statement = only(**{"uncertain__vehicle.m": value})
     assert (field, statement) == (f"uncertain.vehicle.m{below}", message)
@@ -194,7 +194,7 @@ SHARE = "expected a number or a percentage such as 20%, above 0"
         (1e13, "expected a finite number of at most 1e+12 in magnitude; give a number or a percentage such as 20%"),
     ],
 )  # fmt: skip
-def test_fractions(value: Any, message: str | None) -> None:
+def test_a_fraction_is_a_number_or_a_percentage(value: Any, message: str | None) -> None:
     changes = {"uncertain__vehicle.m": {"plus_minus": value}}
     if message is None:
         assert campaign(**changes).uncertain["vehicle.m"].plus_minus == 20.0
@@ -241,7 +241,7 @@ OTHERS: dict[str, tuple[dict[str, Any], str, str]] = {
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_other_values(name: str) -> None:
+def test_a_wrong_value_is_refused_at_its_field(name: str) -> None:
     changes, field, message = OTHERS[name]
     found, _, statement = only(**changes)
     assert found == field

@@ -130,7 +130,7 @@ def test_any_value_anywhere_gives_a_campaign_or_a_campaign_error(place: str, val
 @pytest.mark.nightly
 @settings(max_examples=1000)
 @given(st.sampled_from(PLACES), values(st.text(max_size=8)))
-def test_many_values_somewhere(place: str, value: Any) -> None:
+def test_any_value_anywhere_is_read_or_refused(place: str, value: Any) -> None:
     read_or_refused(place, value)
 
 

@@ -236,7 +236,9 @@ class TestFailures:
             (lambda x: x.fill(1.0) or 1.0 / x, "ok", ""),
         ],
     )
-    def test_a_vectorized_function(self, fly: Callable[[Any], Any], status: str, reason: str) -> None:
+    def test_a_vectorized_function_returns_an_array_or_fails(
+        self, fly: Callable[[Any], Any], status: str, reason: str
+    ) -> None:
         given = np.array([[0.2], [0.9], [1.0]])
         batch, reasons = in_process(fly).evaluate(given)
         assert STATUS[batch.status[1]] == status

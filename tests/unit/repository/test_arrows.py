@@ -265,7 +265,7 @@ def circles(arrows: Mapping[str, Iterable[str]]) -> set[frozenset[str]]:
     }
 
 
-def test_the_arrows() -> None:
+def test_imports_follow_the_arrows() -> None:
     found = [line for path in modules(*OURS) for line in refused(name_of(path), imported(path))]
     assert not found, "\n" + "\n".join(found)
 

@@ -63,7 +63,7 @@ def english(expressions: Iterable[ast.expr]) -> int:
     return sum(any(words(string) >= IN_A_ROW for string in found) for found in strings)
 
 
-def test_what_counts() -> None:
+def test_english_that_is_compared_is_counted() -> None:
     source = """
 assert text == "it is 0.84 m and 3 s late"
 assert text == "the worst case found"

@@ -64,7 +64,7 @@ def test_helpers_clean_up_after_a_failure_and_no_thread_outlives_it() -> None:
     assert {str(path): lines for path, source in sources.items() if (lines := lasting(source))} == {}
 
 
-def test_what_is_found() -> None:
+def test_neglected_ends_are_found() -> None:
     manager = "@contextmanager\ndef made():\n    with opened() as one:\n"
     assert neglected(manager + "        yield one\n        one.stop()\n") == [5]
     assert neglected(manager + "        yield one\n    stop()\n") == [5]

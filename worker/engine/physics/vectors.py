@@ -1,7 +1,7 @@
 """Vectors of the plane or of space as kernels: one text for tuples of two and of three components.
 
 The length of a tuple is known when a loop is compiled, which drops the other branch: a planar loop computes nothing
-along z. Start reading at `difference`.
+along z.
 """
 
 from __future__ import annotations

@@ -1,4 +1,1 @@
-"""The search methods, one file each, discovered automatically. They import nothing else of Clearance except statuses.
-
-Start reading at `base.Method`.
-"""
+"""The search methods, one file each, discovered automatically. They import nothing of Clearance but statuses."""

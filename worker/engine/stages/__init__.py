@@ -1,1 +1,1 @@
-"""The stages of a run, one file each. Start reading at `parts.base.drive`, then any stage."""
+"""The stages of a run, one file each."""

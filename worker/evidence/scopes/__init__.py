@@ -1,1 +1,1 @@
-"""How claims describe a system: its scope, terms for its evaluations, caveats. Start reading at `terms`."""
+"""How claims describe a system: its scope, terms for its evaluations, caveats."""

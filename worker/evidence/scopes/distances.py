@@ -1,7 +1,4 @@
-"""Statements about the distances of a verdict: whether they are measured to centres or surfaces of obstacles.
-
-Start reading at `clause`.
-"""
+"""Statements about the distances of a verdict: whether they are measured to centres or surfaces of obstacles."""
 
 from __future__ import annotations
 

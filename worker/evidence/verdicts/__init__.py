@@ -1,1 +1,1 @@
-"""The verdict of a run: evidence, the checks that must hold, and the sentences. Start reading at `conclude`."""
+"""The verdict of a run: evidence, the checks that must hold, and the sentences."""

@@ -1,7 +1,7 @@
 """How sure a search by `auto` is: the chance that another one of the same budget finds a lower case.
 
 A logistic regression (Cox 1958) on what the search left in its stored evaluations. Nothing here is a bound, and no
-check rests on it. Start reading at `sureness`; the coefficients are `MODEL` and `LOW`.
+check rests on it.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""The processes of a worker: supervisor, child, live simulations, memory limits. Start reading at `supervisor`."""
+"""The processes of a worker: supervisor, child, live simulations, memory limits."""

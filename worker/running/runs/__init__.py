@@ -1,1 +1,1 @@
-"""How a run is executed: runner, store, resumption, provenance, source files. Start reading at `runner`."""
+"""How a run is executed: runner, store, resumption, provenance, source files."""

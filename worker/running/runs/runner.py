@@ -1,6 +1,6 @@
 """Runs a campaign stage by stage into a store, or resumes a run from a store.
 
-Start reading at `execute`. The order of stages is `campaigns.stages.plan`; what each does is in `worker.engine.stages`.
+The order of stages is `campaigns.stages.plan`; what each does is in `worker.engine.stages`.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 // Parses a campaign's text to a tree with source positions. Reads YAML 1.2 (and thus JSON) as the service does; semantic
-// checks are left to the service. Start reading at `parsed`, then `walk`.
+// checks are left to the service.
 import { Composer, CST, isMap, isScalar, isSeq, type Node, type Pair, Parser, type Scalar, type YAMLMap, type YAMLSeq } from 'yaml'
 import type { Json } from '../../api/campaign'
 

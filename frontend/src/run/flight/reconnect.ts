@@ -1,6 +1,6 @@
 // The state machine of a 3D view: opening, lost, reopening, failed. States, events and transitions are data, without
-// timers and requests; `View` runs the action of each state and feeds back its result.
-// Start reading at `TRANSITIONS`; docs/architecture.md shows them as a diagram.
+// timers and requests; `View` runs the action of each state and feeds back its result; docs/architecture.md shows them as
+// a diagram.
 
 /** How long the service waits for the view of a new frame to open [s]. */
 export const OPENING = 30

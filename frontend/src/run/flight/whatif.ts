@@ -1,5 +1,4 @@
 // The what-if in the address: reference parameters, changed values, noise seed.
-// Start reading at `readWhatIf` and `valuesOf`.
 import type { CaseRequest, FlightAnswer, FlightRequest } from '../../client'
 import { namesOf } from '../../trends/code'
 import { type ChosenSearch, NOMINAL } from '../data/chosen'

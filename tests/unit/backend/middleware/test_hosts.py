@@ -16,7 +16,7 @@ STRICT = Hosts("127.0.0.1", "https://clearance.example:8443/", "Lab lab.example"
         *("clearance.example", "clearance.example:8443", "CLEARANCE.example:1", "lab", "lab.example:80"),
     ],
 )
-def test_its_own_names(host: str) -> None:
+def test_its_own_names_are_allowed(host: str) -> None:
     assert STRICT.allows(host)
 
 
@@ -39,7 +39,7 @@ def test_its_own_names(host: str) -> None:
         *("localhost:evil", "lab:80/x", "lab:", "localhost:80@evil.example", "lab lab", "[::1]x:80", "lab:1234567"),
     ],
 )
-def test_names_of_others(host: str) -> None:
+def test_names_of_others_are_refused(host: str) -> None:
     assert not STRICT.allows(host)
 
 

@@ -37,7 +37,9 @@ def answer(cost: float | None = 1.0, digest: str = "d", reason: str = "", untrac
         (1, [(answer(digest="e"), 1.0, True)], "Simulated by other code than that of the run: simulators/wind."),
     ],
 )
-def test_the_sentence(size: int, answers: list[tuple[dict[str, Any], float | None, bool]], expected: str) -> None:
+def test_the_sentence_counts_differences_and_failures(
+    size: int, answers: list[tuple[dict[str, Any], float | None, bool]], expected: str
+) -> None:
     told = Tally("certify", size, cast(Setting, _Of()))
     for given in answers:
         told.count(*given)

@@ -43,7 +43,7 @@ KINDS: dict[str, tuple[Distribution, Any]] = {
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_marginals(name: str) -> None:
+def test_quantiles_are_those_of_scipy(name: str) -> None:
     kind, expected = KINDS[name]
     uniform = np.linspace(0.001, 0.999, 999)[:, None]
     points = LOW + made(kind).quantile(uniform) * (HIGH - LOW)

@@ -201,7 +201,7 @@ def test_impossible_values_are_refused(given: tuple[float, int], names: str) -> 
     [(2e-5, "20 µs"), (0.0123, "12 ms"), (12.0, "12 s"), (99.9, "100 s"), (1200.0, "20 min"), (5000.0, "83 min"),
      (9000.0, "2.5 h"), (1e6, "12 days"), (1e9, "12,000 days")],
 )  # fmt: skip
-def test_lengths_of_time(seconds: float, text: str) -> None:
+def test_a_length_of_time_has_a_unit_that_fits(seconds: float, text: str) -> None:
     assert lasting(seconds) == text
 
 

@@ -50,7 +50,7 @@ def test_the_probability_of_a_lower_density_is_that_of_draws(name: str) -> None:
 
 
 @pytest.mark.parametrize(("a", "b"), [(2, 3), (0.5, 0.7), (1, 4), (300, 20.5), (1e5, 2e5), (3.3, 0.2)])
-def test_special_functions(a: float, b: float) -> None:
+def test_special_functions_are_those_of_scipy(a: float, b: float) -> None:
     x = np.concatenate([np.linspace(0, 1, 41), a / (a + b) + np.linspace(-1e-3, 1e-3, 21)])
     assert special.beta(x, a, b) == pytest.approx(scipy_special.betainc(a, b, x), rel=1e-9, abs=1e-14)
     assert special.beta_quantile(0.025, a, b) == pytest.approx(scipy_special.betaincinv(a, b, 0.025), rel=1e-9)

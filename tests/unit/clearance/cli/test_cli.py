@@ -43,11 +43,20 @@ def test_wrong_usage_exits_with_3_and_names_the_mistake(
     assert not list(tmp_path.iterdir()), "nothing was left behind"
 
 
-def test_help_is_0(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_exits_with_0(capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["--help"]) == 0
     shown = capsys.readouterr().out
     for command in ("run", "audit", "trail", "submit", "follow", "validate", "serve", "worker", "token", "login-link"):
         assert f" {command} " in shown
+
+
+@pytest.mark.parametrize("arguments", [["audit", "--help"], ["audit", "run", "--help"], ["audit", "--bogus"]])
+def test_the_usage_of_an_audit_names_the_command_that_users_type(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    invoke(arguments)
+    printed = capsys.readouterr()
+    assert "Usage: clearance audit [OPTIONS]" in printed.out + printed.err
 
 
 @pytest.mark.parametrize(

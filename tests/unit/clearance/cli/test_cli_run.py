@@ -268,7 +268,9 @@ def test_the_report_when_no_flight_is_possible(file: Write, capsys: pytest.Captu
     assert found["sentence"] in capsys.readouterr().out
 
 
-def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_run_writes_its_files_and_removes_earlier_ones(
+    file: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     asked, folder = searching(DIRECT, SQP, SAMPLE, **SHORT), tmp_path / "deep" / "out"
     folder.mkdir(parents=True)
     for earlier in ("trace-F9.csv", "capsule-F9.zip"):
@@ -291,7 +293,9 @@ def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_pa
     assert [float(r["cost"]) for r in rows] == again.tolist()  # full precision: a repeated simulation is bit-identical
 
 
-def test_a_written_trace(file: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_written_trace_contains_the_closest_approach(
+    file: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     _, printed = result(capsys, file(searching(DIRECT, SQP, **SHORT)), "--out", str(tmp_path / "out"))
     with (tmp_path / "out" / "trace-F1.csv").open(newline="") as lines:
         heading, *rows = csv.reader(lines)
@@ -340,7 +344,7 @@ def command(*arguments: str) -> list[str]:
 
 
 @pytest.mark.nightly  # by day another one is interrupted, below, and one submits in tests/api/clients/test_ci_guide.py
-def test_a_real_process(file: Write, tmp_path: Path) -> None:
+def test_a_real_process_exits_with_the_code_of_the_verdict(file: Write, tmp_path: Path) -> None:
     name = file(violating())
     done = subprocess.run(command("run", name, "--json"), capture_output=True, timeout=PATIENCE, check=False)
     assert (done.returncode, done.stderr) == (VIOLATED, b"")

@@ -34,7 +34,7 @@ def held(x: float) -> tuple[float, float, float]:
 
 
 @pytest.mark.parametrize(("reach", "error"), [(30.0, 2e-15), (1e5, 5e-12)])
-def test_sine_and_cosine(reach: float, error: float) -> None:
+def test_sine_and_cosine_are_within_the_stated_error(reach: float, error: float) -> None:
     x = np.random.default_rng(1).uniform(-reach, reach, 200_000)
     x[:9] = [0.0, math.pi, -math.pi, math.pi / 2, -math.pi / 2, math.pi / 4, 3 * math.pi / 4, reach, -reach]
     out = np.empty((len(x), 2))
@@ -43,7 +43,7 @@ def test_sine_and_cosine(reach: float, error: float) -> None:
     assert np.abs(out[:, 1] - np.cos(x)).max() < error
 
 
-def test_angle() -> None:
+def test_atan2_is_within_the_stated_error() -> None:
     random = np.random.default_rng(2)
     size = 10.0 ** random.uniform(-12, 12, 200_000)
     angle = random.uniform(-math.pi, math.pi, 200_000)
@@ -71,19 +71,19 @@ def test_nan_is_propagated() -> None:
 
 
 @pytest.mark.parametrize(("x", "clipped"), [(-3.0, -1.0), (0.5, 0.5), (7.0, 2.0)])
-def test_clip(x: float, clipped: float) -> None:
+def test_clip_limits_a_value(x: float, clipped: float) -> None:
     assert held(x)[0] == clipped
 
 
 @pytest.mark.parametrize(
     ("x", "nearest"), [(-1.0, -1.0), (-0.51, -1.0), (-0.49, 0.0), (0.0, 0.0), (2.49, 2.0), (2.51, 3.0)]
 )
-def test_whole(x: float, nearest: float) -> None:
+def test_whole_rounds_to_the_nearest(x: float, nearest: float) -> None:
     assert held(x)[2] == nearest
 
 
 @pytest.mark.parametrize("turns", [-3, -1, 0, 2, 50])
-def test_wrap(turns: int) -> None:
+def test_wrap_removes_whole_turns(turns: int) -> None:
     assert held(0.7 + 2 * math.pi * turns)[1] == pytest.approx(0.7, abs=1e-12)
     assert -math.pi <= held(math.pi * (2 * turns + 1))[1] < math.pi + 1e-12
 

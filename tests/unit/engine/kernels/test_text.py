@@ -37,7 +37,7 @@ def test_no_campaign_of_the_library_is_left_out() -> None:
 
 
 @pytest.mark.parametrize("name", EARLIER)
-def test_the_library(name: str) -> None:
+def test_the_library_simulates_as_before(name: str) -> None:
     problem = Problem(campaign(name), compiled=False)
     loop = problem.system.loop
     check(loop.text)

@@ -32,7 +32,7 @@ def counted(name: str, within: float) -> int:
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
-def test_the_published_counts(name: str) -> None:
+def test_the_counts_are_the_published_ones(name: str) -> None:
     assert (counted(name, 1e-2), counted(name, 1e-4)) == PUBLISHED[name]
 
 
@@ -94,7 +94,7 @@ def test_points_without_a_value_at_the_centre() -> None:
     assert run(method, holed, 2, 1000).lowest < 1e-6
 
 
-def test_nothing_but_failures() -> None:
+def test_nothing_but_failures_uses_the_budget() -> None:
     found = run(method, lambda x: np.full(len(x), np.nan), 2, 500)
     points = found.points
     assert len(points) >= 500
@@ -178,7 +178,7 @@ def test_a_finished_search_is_extended_without_repeating_an_evaluation(variant: 
     assert long.tally.best == second.tally.best
 
 
-def test_the_half_diagonals() -> None:
+def test_sizes_are_half_diagonals() -> None:
     # One side of length 1/3 and one of 1: half of sqrt(1/9 + 1).
     assert direct.sizes(np.array([0, 1, 2]), 2) == pytest.approx(
         [0.5**0.5, 0.5 * (10 / 9) ** 0.5, 0.5 * (2 / 9) ** 0.5]

@@ -92,7 +92,7 @@ def test_children_come_from_both_parents(name: str) -> None:
         assert children == pytest.approx(0.1)
 
 
-def test_mutations() -> None:
+def test_mutations_have_the_stated_size() -> None:
     parents = np.full((20_000, 3), 0.5)
     moved = breeding.gaussian(chance(), parents, 0.25)
     assert moved.std() == pytest.approx(0.25, abs=0.01)

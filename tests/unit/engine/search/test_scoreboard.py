@@ -257,7 +257,7 @@ def test_a_method_without_a_figure_in_one_row_has_no_mean() -> None:
     assert averaged(rows, lambda row: row.figures) == {"v": {"b": 0.5}}
 
 
-def test_targets_of_bbob() -> None:
+def test_the_targets_of_bbob_are_51() -> None:
     assert bbob.reached(1e3) == 0.0
     assert bbob.reached(100.0) == pytest.approx(1 / 51)
     assert bbob.reached(1e-3 * (1 + 1e-9)) == pytest.approx(25 / 51)

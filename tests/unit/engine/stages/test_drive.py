@@ -154,7 +154,7 @@ def test_a_search_that_only_repeats_can_be_cancelled() -> None:
         drive(context(Counting(), cancelled=lambda: requests > 50), 0, forever(), 100, repeats=True)
 
 
-def test_what_is_counted() -> None:
+def test_failures_and_exclusions_are_counted() -> None:
     def status(points: Floats) -> Any:
         return np.choose(points[:, 0].astype(int) % 5, [FAILED, OK, TIMEOUT, EXCLUDED, OK])
 

@@ -67,7 +67,7 @@ def test_the_stages_of_a_run() -> None:
     assert conclusion.verdict == "cleared"
 
 
-def test_nominal() -> None:
+def test_the_nominal_stage_states_cost_and_margin() -> None:
     assert result(0, NominalResult).model_dump() == {
         "stage": "nominal", "cost": pytest.approx(0.9435644, abs=2e-6), "margin": pytest.approx(0.4435644, abs=2e-6),
         "status": "ok", "reason": "", "parameters": {"vehicle.m": 5.0, "vehicle.J": 0.05},

@@ -17,7 +17,7 @@ def column(shown: Trace, name: str) -> Floats:
     return np.asarray(shown.data[:, [c.name for c in shown.columns].index(name)])
 
 
-def test_the_columns() -> None:
+def test_a_trace_has_the_columns_of_its_parts() -> None:
     shown = trace(case1().system, "nominal", {})
     assert [(c.name, c.unit, c.group) for c in shown.columns] == [
         ("t", "s", "time"),
@@ -33,7 +33,7 @@ def test_the_columns() -> None:
     assert np.isfinite(shown.data).all()
 
 
-def test_the_meta() -> None:
+def test_a_trace_describes_its_scene() -> None:
     meta = trace(case1().system, "F1", WORST).meta
     (obstacle,) = meta.obstacles
     assert {
@@ -109,6 +109,6 @@ def test_an_excluded_simulation_is_reported_as_excluded() -> None:
     assert shown.meta.closest.value == pytest.approx(0.1)
 
 
-def test_an_unknown_parameter() -> None:
+def test_an_unknown_parameter_is_refused() -> None:
     with pytest.raises(KeyError, match=r"vehicle\.n"):
         trace(case1().system, "F1", {"vehicle.n": 1.0})

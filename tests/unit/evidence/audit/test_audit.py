@@ -55,7 +55,7 @@ def database(tmp_path: Path) -> Iterator[sa.Engine]:
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_it_follows(name: str, tmp_path: Path) -> None:
+def test_the_verdict_of_every_run_follows(name: str, tmp_path: Path) -> None:
     campaign, store = ran(name)
     items = audited(written(tmp_path / "out", name))
     of_files = [item for item in items if item.name.partition(".")[0] in (SEAL, "files", "identity")]

@@ -22,7 +22,7 @@ def named(entry: ComponentEntry) -> str:
 
 
 @pytest.mark.parametrize("entry", CATALOGUE.components, ids=named)
-def test_text(entry: ComponentEntry) -> None:
+def test_the_text_of_a_component_is_its_docstring(entry: ComponentEntry) -> None:
     stated = source_of(components()[entry.role, entry.name]).__doc__ or ""
     assert entry.text == inspect.cleandoc(stated), "the text is that of the component's one file"
     title, _, more = entry.text.partition("\n\n")
@@ -33,7 +33,7 @@ def test_text(entry: ComponentEntry) -> None:
 
 
 @pytest.mark.parametrize("entry", [e for e in CATALOGUE.components if e.role in MODELS[:4]], ids=named)
-def test_equations(entry: ComponentEntry) -> None:
+def test_a_model_states_an_equation(entry: ComponentEntry) -> None:
     assert re.search(r"\S (=|<=|>=|<|>) \S", entry.text)
 
 

@@ -17,7 +17,7 @@ from tests.given.live_process import Live
 from worker.running.processes import memory
 
 
-def test_a_flight(live: Live) -> None:
+def test_a_flight_is_simulated_on_request(live: Live) -> None:
     answer = live.ask(id=7, campaign=CASE1, parameters={"vehicle.m": 6.0, "vehicle.J": 0.06}, rows=100)
     assert set(answer) == {"id", "status", "reason", "cost", "margin", "columns", "data", "meta", "identity"}
     assert (answer["id"], answer["status"], answer["reason"]) == (7, "ok", "")

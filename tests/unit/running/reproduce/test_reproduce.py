@@ -169,12 +169,12 @@ class TestHeld:
         ([3.0, np.nan, 2.0], "neither"),
     ],
 )
-def test_direction(costs: list[float], statement: str) -> None:
+def test_the_direction_of_a_series_is_stated(costs: list[float], statement: str) -> None:
     assert ours.direction(np.array(costs))[0] == statement
 
 
 class TestRendering:
-    def test_text(self, made: Reproduction) -> None:
+    def test_the_text_has_every_table(self, made: Reproduction) -> None:
         statement = io.StringIO()
         render.print_text(made, Console(file=statement, width=160))
         shown = statement.getvalue()
@@ -200,7 +200,7 @@ class TestCommand:
         document = json.loads(capsys.readouterr().out)
         assert [row["table"] for row in document["rows"]] == ["5.3"] * 3
 
-    def test_files(self, tmp_path, capsys: pytest.CaptureFixture[str]) -> None:  # type: ignore[no-untyped-def]
+    def test_tables_and_figures_are_written(self, tmp_path, capsys: pytest.CaptureFixture[str]) -> None:  # type: ignore[no-untyped-def]
         assert invoke(["reproduce", "--table", "5.3", "--out", str(tmp_path / "new"), "--markdown"]) == 0
         assert "## Table 5.3" in capsys.readouterr().out
         folder = tmp_path / "new"

@@ -79,7 +79,7 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
-def test_budgets() -> None:
+def test_a_budget_is_more_or_a_total() -> None:
     assert Budget.read("+20000").after(1000) == 21_000
     assert Budget.read("20000").after(1000) == 20_000
     assert Budget.read("20000").after(30_000) == 30_000

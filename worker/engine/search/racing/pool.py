@@ -1,7 +1,4 @@
-"""The searchers of contrast racing: their starts, incumbents and rungs.
-
-Start reading at `Pool.begin`; the search steps are in `moves` and `cma`.
-"""
+"""The searchers of contrast racing: their starts, incumbents and rungs."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 A descent ends in one minimum, but another violation may lie downhill, too, so that a case that violates no more is
 compared with all stored violations; those in one cell of the size at which two minima are one are compared once. What
-the allowance does not suffice for is counted. Start reading at `fall`.
+the allowance does not suffice for is counted.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Simulates a campaign's closed loop: flat parameter vectors in, costs, status and reasons out.
-
-Start reading at `Flights.simulate_vectors`; the loop itself is `worker.engine.kernels.loop`.
-"""
+"""Simulates a campaign's closed loop: flat parameter vectors in, costs, status and reasons out."""
 
 from __future__ import annotations
 

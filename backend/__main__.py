@@ -24,16 +24,16 @@ from starlette.applications import Starlette
 from backend.app import create
 from backend.db.access import create_login_code
 from backend.db.alone import alone
-from backend.db.arriving import awaited
+from backend.db.availability import awaited
 from backend.db.outages import worded
 from backend.db.private import keep_private, write_private
-from backend.db.registered import registered
+from backend.db.registry import registered
 from backend.http.pages import unbuilt
 from backend.middleware.connections import bounded
 from backend.middleware.doors import Doors
 from backend.middleware.frame import headers
 from backend.middleware.sockets import bounded_socket
-from backend.scenes.control.allowed import LARGEST
+from backend.scenes.control.messages import LARGEST
 from backend.settings import Settings
 from backend.waiting import until_it_answers
 
@@ -141,7 +141,7 @@ def server_config(app: Starlette) -> uvicorn.Config:
         ws_max_size=LARGEST,
         http=bounded(doors, settings.request_patience, headers(settings.encrypted)),
         server_header=False,
-        proxy_headers=False,  # uvicorn would believe every process of this machine; see `backend.middleware.proxied`
+        proxy_headers=False,  # uvicorn would believe every process of this machine; see `backend.middleware.proxy`
         backlog=ACCEPTED,
         timeout_keep_alive=IDLE,
         timeout_graceful_shutdown=GRACE,

@@ -44,8 +44,8 @@ from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
 from backend.middleware.heads import Heads
 from backend.middleware.hosts import Hosts
-from backend.middleware.preferred import Preferred
-from backend.middleware.proxied import Proxied
+from backend.middleware.preferences import Preferred
+from backend.middleware.proxy import Proxied
 from backend.middleware.visits import Visits
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews

@@ -14,11 +14,11 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, model_validator
 
-from backend import secrets_given
+from backend import secret_settings
 from backend.db import space
 from backend.db.engine import default_url
-from backend.provider.configured import Configured, default_of, is_loopback, roles_of, safe_address
-from backend.webhooks import configured as hooked
+from backend.provider.configuration import Configured, default_of, is_loopback, roles_of, safe_address
+from backend.webhooks import configuration as hooked
 
 PREFIX = "CLEARANCE_"
 _OTHERS = frozenset(
@@ -218,7 +218,7 @@ class Settings(BaseModel):
     def load(cls, environment: Mapping[str, str] | None = None) -> Settings:
         """Settings from the environment. Raises `ValueError` with one line for each error."""
         names = {PREFIX + name.upper(): name for name in cls.model_fields}
-        variables = secrets_given.read(cls.secret(), os.environ if environment is None else environment)
+        variables = secret_settings.read(cls.secret(), os.environ if environment is None else environment)
         try:
             return cls.model_validate({names[key]: value for key, value in variables.items() if key in names and value})
         except ValidationError as error:
@@ -235,7 +235,7 @@ class Settings(BaseModel):
     def unknown(cls, environment: Mapping[str, str]) -> list[str]:
         """A sentence for each variable that looks like a setting and is none; a misspelled one has no effect."""
         names = [PREFIX + name.upper() for name in cls.model_fields]
-        names += [name + secrets_given.FILE for name in cls.secret()]
+        names += [name + secret_settings.FILE for name in cls.secret()]
         found = sorted(key for key in environment if key.startswith(PREFIX) and key not in {*names, *_OTHERS})
         near = [(key, difflib.get_close_matches(key, [*names, *sorted(_OTHERS)], 1, 0.85)) for key in found]
         return [f"{key} is not a setting and has no effect{f': is {n[0]} meant?' if n else ''}" for key, n in near]
@@ -243,7 +243,7 @@ class Settings(BaseModel):
     @property
     def database_url(self) -> str:
         """The database, with the password and the default filled in."""
-        explicit_url = secrets_given.with_password(self.database, self.database_password.get_secret_value())
+        explicit_url = secret_settings.with_password(self.database, self.database_password.get_secret_value())
         return explicit_url or default_url(self.data)
 
     @property

@@ -17,14 +17,14 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Mount
 from starlette.types import Receive, Scope, Send
 
-from backend.db.arriving import PAUSE, awaited, sentence
+from backend.db.availability import PAUSE, awaited, sentence
 from backend.db.outages import DatabaseOutage
 from backend.http.errors import RefusedError, respond
 from backend.http.outage import AGAIN, answer
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
 from backend.middleware.hosts import HEALTH, Hosts
-from backend.middleware.proxied import Proxied
+from backend.middleware.proxy import Proxied
 from backend.settings import Settings
 from campaigns import Problem
 

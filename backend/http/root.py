@@ -1,6 +1,6 @@
 """The path below which browsers find the service, such as /clearance behind a proxy; empty for the root of a host.
 
-It is the path of the public address (`backend.settings`), set for each request by `backend.middleware.proxied`. Code
+It is the path of the public address (`backend.settings`), set for each request by `backend.middleware.proxy`. Code
 inside the service uses paths without it; what a browser receives goes through `at`.
 """
 

@@ -13,7 +13,7 @@ import httpx
 from joserfc.errors import JoseError
 from joserfc.jwk import KeySet
 
-from backend.provider.configured import Configured, safe_address
+from backend.provider.configuration import Configured, safe_address
 from backend.provider.errors import SignInError, unreachable
 
 PATIENCE = 10.0

@@ -19,7 +19,7 @@ from backend.http.deps import Engine
 from backend.http.pages import plain
 from backend.http.root import at
 from backend.provider import service
-from backend.provider.configured import PENDING_LIFETIME, Configured
+from backend.provider.configuration import PENDING_LIFETIME, Configured
 from backend.provider.errors import SignInError
 from backend.sessions.cookies import browser_of, put_session, secure
 

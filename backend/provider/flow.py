@@ -15,7 +15,7 @@ from authlib.oidc.core import CodeIDToken
 from joserfc import jwt
 from joserfc.errors import InvalidKeyIdError, JoseError
 
-from backend.provider.configured import Configured, Identity, safe_address
+from backend.provider.configuration import Configured, Identity, safe_address
 from backend.provider.documents import Documents, fetch
 from backend.provider.errors import SignInError, invalid
 from backend.provider.pending import Pending, Started

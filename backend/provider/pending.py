@@ -16,7 +16,7 @@ from joserfc import jwt
 from joserfc.errors import JoseError
 from joserfc.jwk import OctKey
 
-from backend.provider.configured import PENDING_LIFETIME
+from backend.provider.configuration import PENDING_LIFETIME
 from backend.provider.errors import stale
 
 MOST = 20_000

@@ -8,7 +8,7 @@ from backend.db import access, audit, identities
 from backend.db.access import PROVIDER_SESSION_LIFETIME
 from backend.db.identities import SignedIn
 from backend.db.roles import Role
-from backend.provider.configured import Identity
+from backend.provider.configuration import Identity
 from backend.provider.errors import SignInError
 from backend.sessions.failures import UNKNOWN
 from backend.sessions.service import Browser

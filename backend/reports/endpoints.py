@@ -14,7 +14,7 @@ from backend.http.errors import answers, problems
 from backend.http.naming import disposition
 from backend.http.schema import RunName
 from backend.reports import listing, pdf, service
-from backend.reports.kept import Page
+from backend.reports.cache import Page
 from backend.reports.schemas import ReportPage
 from backend.runs.service import number
 

@@ -6,7 +6,7 @@ import math
 
 from markupsafe import Markup
 
-from backend.reports import figures, validated, words
+from backend.reports import figures, validation, words
 from backend.reports.record import Record
 from backend.signoffs.schemas import Signoff, Standing
 from campaigns.asked.distributions import Uncertain
@@ -211,7 +211,7 @@ def findings(record: Record) -> list[Row]:
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or unsearched(f.validation, record.certificate),
             "bounds": [(record.symbol_html(path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
-            "seed": validated.seed(f.validation),
+            "seed": validation.seed(f.validation),
             "boundary": () if f.boundary is None else f.boundary.statement,
         }
         for f in record.findings

@@ -15,8 +15,8 @@ import sqlalchemy as sa
 from markupsafe import Markup
 
 from backend.http.naming import named
-from backend.reports import charts, limits, sections, validated, words
-from backend.reports.kept import Kept, Page, key
+from backend.reports import charts, limits, sections, validation, words
+from backend.reports.cache import Kept, Page, key
 from backend.reports.numbers import printed
 from backend.reports.record import Record, load
 from campaigns.claims import numbers
@@ -121,9 +121,9 @@ def _context(record: Record) -> dict[str, object]:
         "likely": sections.likely(record),
         "since": sections.since(record),
         "validation": record.validated,
-        "cases": validated.cases(record),
-        "again": validated.again(record),
-        "encounter": validated.encounter(record),
+        "cases": validation.cases(record),
+        "again": validation.again(record),
+        "encounter": validation.encounter(record),
         "limits": limits.conditions(record),
         "checks": [] if verdict is None else verdict.checks,
         "sample": charts.sample(record),

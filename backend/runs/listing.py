@@ -14,7 +14,7 @@ from backend.catalog.service import published
 from backend.db import groups
 from backend.db.engine import read
 from backend.db.tables import CampaignRow, Run, Stage
-from backend.runs import counts, identity, sampled, waiting
+from backend.runs import counts, identity, sample_kind, waiting
 from backend.runs.filters import Filters, unindexed
 from backend.runs.order import VALUES, Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
@@ -33,7 +33,7 @@ _SUMMARIES = (
         *(Run.summary[key].as_string().label(key) for key in ("quantity", "unit")),
         *counts.COLUMNS,
         *identity.COLUMNS,
-        *sampled.COLUMNS,
+        *sample_kind.COLUMNS,
     )
     .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     .where(Run.purged.is_(None))
@@ -96,7 +96,7 @@ def _summary(row: Any, units: Units, others: dict[str, Any]) -> RunSummary:
     quantity, unit = units.get((row.simulator, row.result if row.simulator else row.component), ("", ""))
     own, code = identity.with_digest(row)
     values |= {"code": code, "unidentified": list(own.unidentified) if own else []}
-    values |= sampled.of(row)._asdict()
+    values |= sample_kind.of(row)._asdict()
     values |= {"id": run_name(row.id), "continues": None if row.continues is None else run_name(row.continues)}
     values |= {"quantity": row.quantity or quantity, "unit": unit if row.unit is None else row.unit}
     return RunSummary.model_validate(values)

@@ -12,8 +12,8 @@ import sqlalchemy as sa
 
 from backend.db.tables import CampaignRow, Run
 from backend.http.schema import Instant, Schema
-from backend.runs import identity, sampled
-from backend.runs.sampled import BoundSource
+from backend.runs import identity, sample_kind
+from backend.runs.sample_kind import BoundSource
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
@@ -83,7 +83,7 @@ def outcomes(
     columns = [Run.id, Run.removed, Run.worst_cost, Run.upper_bound, *(getattr(Run, name) for name in _PLAIN)]
     columns += [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
     columns += [expression.label(name) for name, expression in _STATISTICS.items()]
-    columns += [*sampled.COLUMNS, *identity.COLUMNS, Run.flown["clearance"].as_string().label("clearance")]
+    columns += [*sample_kind.COLUMNS, *identity.COLUMNS, Run.flown["clearance"].as_string().label("clearance")]
     columns += [CampaignRow.name.label("campaign_name"), CampaignRow.document["seed"].as_string().label("seed")]
     query = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     query = query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc()).limit(limit)
@@ -95,7 +95,7 @@ def _outcome(row: Any) -> Outcome:
     values = {name: getattr(row, name) for name in _PLAIN}
     values |= {name: getattr(row, name) if done else None for name in _NUMBERS}
     known = values["worst_cost"] is not None and row.threshold is not None
-    own, sample = identity.of_row(row), sampled.of(row)
+    own, sample = identity.of_row(row), sample_kind.of(row)
     return Outcome(
         **values,
         id=run_name(row.id),

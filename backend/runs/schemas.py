@@ -8,7 +8,7 @@ from pydantic import Field, computed_field
 
 from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Instant, Schema
-from backend.runs.sampled import BoundSource
+from backend.runs.sample_kind import BoundSource
 from campaigns import Catalogue
 from campaigns.documents import JsonObject
 from campaigns.identity.identity import Identity

@@ -13,7 +13,7 @@ from backend.catalog.service import bounds, described, published
 from backend.db import audit, baselines
 from backend.db.tables import Audit, CampaignRow, Run, Stage
 from backend.http.errors import RefusedError, not_found
-from backend.runs import counts, identity, listing, sampled
+from backend.runs import counts, identity, listing, sample_kind
 from backend.runs.earlier import terms_of
 from backend.runs.schemas import (
     HistoryEntry,
@@ -226,7 +226,7 @@ def _so_far(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
     rows = reader.execute(sa.select(*columns).where(*drawing)).all()
     if not rows:
         return {}
-    of = sa.select(CampaignRow.document, sampled.STATED.label("stated"))
+    of = sa.select(CampaignRow.document, sample_kind.STATED.label("stated"))
     run = reader.execute(of.join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)).one()
     seed = STATED_SEED if run.stated else ""
     try:

@@ -20,7 +20,7 @@ import httpx
 import sqlalchemy as sa
 
 from backend.db.outages import DatabaseOutage
-from backend.webhooks.configured import Configured, Target
+from backend.webhooks.configuration import Configured, Target
 from backend.webhooks.outbox import Outbox
 from backend.webhooks.sending import Message, Sent, send
 

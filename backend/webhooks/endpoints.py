@@ -11,7 +11,7 @@ from backend.access.once import OnceOnly
 from backend.http.deps import Reader
 from backend.http.errors import problems
 from backend.webhooks import service
-from backend.webhooks.configured import Configured as Settings
+from backend.webhooks.configuration import Configured as Settings
 from backend.webhooks.dispatcher import Dispatcher
 from backend.webhooks.schemas import WebhookDelivery, Webhooks
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import httpx
 
 from backend.webhooks.addresses import RefusedAddressError, resolved
-from backend.webhooks.configured import Target
+from backend.webhooks.configuration import Target
 from campaigns.version import VERSION
 
 LIMIT = 10.0

@@ -14,7 +14,7 @@ from backend.db.tables import WebhookTarget as TargetRow
 from backend.db.tables_installed import DeliveryState
 from backend.http.errors import RefusedError
 from backend.webhooks import outbox
-from backend.webhooks.configured import Configured, Target
+from backend.webhooks.configuration import Configured, Target
 from backend.webhooks.schemas import WebhookDelivery, Webhooks, WebhookTarget
 from campaigns.runs import run_name
 

@@ -46,7 +46,7 @@ def permits(capsule: Capsule) -> str:
 
 def refuse_unused(path: str, capsule: Capsule) -> None:
     """Refuse a capsule that the process evaluates by something else than the source in it."""
-    from worker.running.runs.added import added
+    from worker.running.runs.own_sources import added
 
     if not is_inside(capsule):
         return

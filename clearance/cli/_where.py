@@ -17,10 +17,10 @@ from typing import Annotated, TypeVar
 import sqlalchemy as sa
 import typer
 
-from backend import secrets_given
+from backend import secret_settings
 from backend.db import alone as locks
 from backend.db.engine import connect, connected, default_url, migrate, read
-from backend.db.registered import folder, services
+from backend.db.registry import folder, services
 from campaigns.refusals import Refusal, RefusalCode
 from campaigns.runs import run_name, run_number
 from campaigns.unreadable import UNREADABLE
@@ -34,7 +34,7 @@ Loaded = TypeVar("Loaded")
 def _with_secrets(option_url: str) -> str:
     """The database's URL, with what is in files; raises `WrongInputError`."""
     with refusing(ValueError):
-        return secrets_given.database(option_url, os.environ)
+        return secret_settings.database(option_url, os.environ)
 
 
 Data = Annotated[Path, typer.Option(help="Folder of the database.", envvar="CLEARANCE_DATA", file_okay=False)]
@@ -182,7 +182,7 @@ def _from_service(ctx: typer.Context, run_id: int | None, service: str) -> bool:
         raise WrongInputError(
             "--service reads the run from a service: leave --data and --database out", RefusalCode.OPTIONS
         )
-    usual = known == ["DEFAULT"] * 2 and not os.environ.get(secrets_given.DATABASE + secrets_given.FILE)
+    usual = known == ["DEFAULT"] * 2 and not os.environ.get(secret_settings.DATABASE + secret_settings.FILE)
     return bool(service) and (stated == "COMMANDLINE" or (usual and run_id is not None))
 
 

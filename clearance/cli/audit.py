@@ -121,7 +121,7 @@ def audit(
 def _again(run: str, place: StoredRun, rows: int, allow_code: bool) -> Again:
     """The nominal case, all findings, so many evaluations and blocks that have as many, which whoever wrote the record
     could not foresee."""
-    from worker.running.runs.reflown import having
+    from worker.running.runs.block_replay import having
 
     recorded = place.load(replay.of_folder, replay.of_database)
     stored = [f"{at}:{k}" for at, columns in recorded.evaluations.items() for k in range(len(columns.status))]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from campaigns.results import StageResult
     from worker.engine.problem.problem import Problem
-    from worker.running.runs.reflown import Reflown
+    from worker.running.runs.block_replay import Reflown
     from worker.running.runs.replay import Recorded, Replayed
 
 
@@ -157,7 +157,7 @@ def evaluated_again(run: str, recorded: Recorded, problem: Problem, names: Seque
     """Evaluate the cases of these names again, all findings without names or blocks, so many blocks of its sample, and
     close the problem."""
     from worker.engine.systems import optional
-    from worker.running.runs.reflown import reflown
+    from worker.running.runs.block_replay import reflown
     from worker.running.runs.replay import UnknownCase, agrees, cases, replayed
 
     with ExitStack() as ending:

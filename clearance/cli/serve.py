@@ -14,9 +14,9 @@ from typing import Annotated
 
 import typer
 
-from backend import secrets_given
+from backend import secret_settings
 from backend.db import access, workers
-from backend.db.arriving import awaited, sentence
+from backend.db.availability import awaited, sentence
 from backend.db.engine import connected
 from backend.db.private import keep_private
 from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
@@ -78,7 +78,12 @@ class _Serving:
     def __init__(self, host: str, port: int, data: Path, url: str, number: int, wakeup: Wakeup) -> None:
         self.address = f"http://{f'[{host}]' if ':' in host else host}:{port}"
         self.data, self.url, self.wakeup = data, url, wakeup
-        here = {"CLEARANCE_DATA": str(data), "CLEARANCE_DATABASE": url, "PYTHONUNBUFFERED": "1", **secrets_given.WHOLE}
+        here = {
+            "CLEARANCE_DATA": str(data),
+            "CLEARANCE_DATABASE": url,
+            "PYTHONUNBUFFERED": "1",
+            **secret_settings.WHOLE,
+        }
         if number > 1:  # each would otherwise take every core
             here["CLEARANCE_THREADS"] = os.environ.get("CLEARANCE_THREADS") or str(max(1, _cores() // number))
         # Its output is a log: the link is printed here, by `_welcome`.

@@ -100,7 +100,7 @@ def drain(
 
 def _once_it_answers(url: str) -> None:
     """Migrate the database, however long its server is away; a file that cannot be used ends the worker at once."""
-    from backend.db.arriving import PAUSE, awaited, sentence
+    from backend.db.availability import PAUSE, awaited, sentence
 
     while (away := awaited(url)) is not None:
         logging.warning("%s", sentence(away))  # one line a minute

@@ -189,12 +189,12 @@ class Result(Evaluations):
         return f"<Result {self.verdict}: {lowest}, {len(self.costs)} evaluations>"
 
     def __str__(self) -> str:
-        from clearance.function.shown import text
+        from clearance.function.display import text
 
         return text(self)
 
     def _repr_html_(self) -> str:
-        from clearance.function.shown import page
+        from clearance.function.display import page
 
         return page(self)
 

@@ -13,7 +13,7 @@ import numpy as np
 from backend.results import service as results
 from backend.runs.versions import readable
 from backend.scenes.base.axes import Axes, Floats, axes_of
-from backend.scenes.base.declared import axes_in, motion
+from backend.scenes.base.declaration import axes_in, motion
 from campaigns import thin
 from campaigns.identity.identity import Identity
 from campaigns.results import TraceHead

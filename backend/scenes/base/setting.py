@@ -18,7 +18,7 @@ from backend.results import service as results
 from backend.runs import identity
 from backend.runs.service import campaign
 from backend.runs.versions import readable
-from backend.scenes.base import declared
+from backend.scenes.base import declaration
 from backend.scenes.base.axes import Axes, Floats, axes_of
 from backend.scenes.base.flight import from_stored
 from campaigns import Campaign, Catalogue
@@ -114,7 +114,7 @@ class Setting:
 
     def look(self, number: int) -> ObstacleLook | None:
         if self.scene is not None:
-            return declared.looks(self.scene)[number]
+            return declaration.looks(self.scene)[number]
         return self.drawn.obstacle(self.obstacles[number]) if number < len(self.obstacles) else None
 
     def free(self, radius: float) -> float:
@@ -192,12 +192,12 @@ def _declared(reader: sa.Connection, run_id: int, campaign: Campaign) -> Setting
     return Setting(
         **_same(reader, run_id, campaign, catalogue),
         planar=scene.planar,
-        axes=declared.axes_in(scene),
+        axes=declaration.axes_in(scene),
         vehicle="",
         start=np.zeros(3) if first is None else first.position[0],
         goal=None,
         course=None,
-        values=declared.values(scene),
+        values=declaration.values(scene),
         moving=[False] * len(scene.obstacles) + [True] * len(scene.bodies),
         to_surface=False,
         quantity=result.quantity if result else "",

@@ -23,7 +23,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import _messages
 
 from backend.scenes.control import wakeful
-from backend.scenes.control.allowed import Pace, refusal
+from backend.scenes.control.messages import Pace, refusal
 from backend.scenes.control.viewers import Viewers
 from backend.scenes.viewer.viewer import Viewer
 

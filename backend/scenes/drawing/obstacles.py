@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from backend.scenes.base import declared
+from backend.scenes.base import declaration
 from backend.scenes.base.axes import along
 from backend.scenes.base.palette import Palette, Rgb, rgb, shade
 from backend.scenes.base.setting import Setting
@@ -225,7 +225,7 @@ class Obstacles:
         setting, body = self._setting, group.body
         words: list[str] = []
         if setting.scene is not None:
-            words += filter(None, [declared.names(setting.scene)[body.number]])
+            words += filter(None, [declaration.names(setting.scene)[body.number]])
         elif body.flight is not None:
             words.append("intruder" if len(setting.moving) == 1 else f"intruder {body.number + 1}")
         if group.own:

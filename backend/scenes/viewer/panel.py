@@ -21,7 +21,7 @@ from backend.scenes.drawing.world import World
 from backend.scenes.live.live import Live
 from backend.scenes.panel.convergence_tab import ConvergenceTab
 from backend.scenes.panel.field import FieldSlice
-from backend.scenes.panel.sampled import Sampled
+from backend.scenes.panel.sample import Sampled
 from backend.scenes.panel.values_tab import ValuesTab
 
 

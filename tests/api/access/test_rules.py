@@ -18,9 +18,9 @@ from starlette.routing import Match, Mount
 from backend.access import routes
 from backend.access.auth import Guard
 from backend.access.frames import Frames
-from backend.access.printed import table
 from backend.access.rates import Rates
 from backend.access.routes import MissingRuleError, Rules
+from backend.access.rule_table import table
 from backend.access.rules import RULES, Method, Rule
 from backend.app import create
 from backend.db import access, users
@@ -264,4 +264,4 @@ def test_a_route_without_a_rule_and_a_rule_without_a_route_are_refused(desk: Des
 
 
 def test_the_document_shows_the_table() -> None:
-    assert table() in DOCUMENT.read_text(encoding="utf-8"), "run `python -m backend.access.printed`"
+    assert table() in DOCUMENT.read_text(encoding="utf-8"), "run `python -m backend.access.rule_table`"

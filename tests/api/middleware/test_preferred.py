@@ -12,7 +12,7 @@ import pytest
 from starlette.datastructures import Headers
 
 from backend.http.schema import UNIX_TIME, Instant, Schema
-from backend.middleware.preferred import LISTS, TIMES, preferences, rfc3339, with_times
+from backend.middleware.preferences import LISTS, TIMES, preferences, rfc3339, with_times
 from clearance import Client
 from tests.given.finished_runs import finish
 from tests.given.openapi_document import DOCUMENT

@@ -9,9 +9,9 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunLabel, Stage
-from backend.reports import kept
+from backend.reports import cache
 from backend.reports import service as reports
-from backend.reports.kept import Kept, Page
+from backend.reports.cache import Kept, Page
 from tests.given.databases import AT_NIGHT
 from tests.given.finished_runs import Work
 from tests.given.reported_runs import finish_fully
@@ -123,10 +123,10 @@ def test_a_run_that_has_not_ended_is_written_anew(
 
 def test_the_reports_asked_for_last_are_kept() -> None:
     found = Kept()
-    for number in range(kept.MOST):
+    for number in range(cache.MOST):
         found.put(number, "one", Page(str(number), "", ""))
     assert found.get(0, "one") == Page("0", "", "")
-    found.put(kept.MOST, "one", Page("new", "", ""))
+    found.put(cache.MOST, "one", Page("new", "", ""))
     assert found.get(0, "one") is not None
     assert found.get(1, "one") is None
     found.put(0, "another", Page("changed", "", ""))
@@ -138,7 +138,7 @@ def test_the_reports_asked_for_last_are_kept() -> None:
 
 def _key(service: Service) -> str | None:
     with service.engine.connect() as reader:
-        return kept.key(reader, 1, service.settings.pages)
+        return cache.key(reader, 1, service.settings.pages)
 
 
 def _html(reader: sa.Connection, given: Service, at: float) -> str:

@@ -10,7 +10,7 @@ from backend.results.noise import drawn
 from backend.runs.service import number
 from backend.scenes.base.progress import Progress
 from backend.scenes.base.setting import load
-from backend.scenes.panel.sampled import _sample
+from backend.scenes.panel.sample import _sample
 from campaigns import Campaign, library, load_file
 from campaigns.results.draws import of_draws
 from campaigns.results.stage import Reevaluated

@@ -16,7 +16,7 @@ import viser
 import zstandard
 
 from backend.scenes.base import setting
-from backend.scenes.base.declared import axes_in, values
+from backend.scenes.base.declaration import axes_in, values
 from backend.scenes.base.flight import Flight, from_live
 from backend.scenes.drawing.drawn import dots_of
 from backend.scenes.recordings import recording as recorder

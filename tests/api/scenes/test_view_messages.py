@@ -17,7 +17,7 @@ from websockets.sync.client import ClientConnection
 
 from backend.db.access import revoke_token
 from backend.scenes.control import relay
-from backend.scenes.control.allowed import BURST, LARGEST, RATE, Pace, refusal
+from backend.scenes.control.messages import BURST, LARGEST, RATE, Pace, refusal
 from tests.given.finished_runs import finish
 from tests.given.joined_users import joined
 from tests.given.problem_documents import problem

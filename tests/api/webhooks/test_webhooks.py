@@ -27,7 +27,7 @@ from backend.db.tables import Run, WebhookDelivery
 from backend.settings import Settings
 from backend.webhooks import dispatcher, outbox
 from backend.webhooks.addresses import is_public
-from backend.webhooks.configured import Configured, Target, configured
+from backend.webhooks.configuration import Configured, Target, configured
 from backend.webhooks.outbox import Outbox
 from backend.webhooks.sending import Message, Sent, send
 from backend.webhooks.service import deliveries

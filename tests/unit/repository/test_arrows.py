@@ -32,11 +32,11 @@ MAY: dict[str, tuple[str, ...]] = {
     # Only `app`, `__main__` and `openapi` are loose, and they put the features together.
     "backend": ("campaigns",),
     "backend.settings": (
-        *("backend.db", "backend.webhooks.configured", "backend.provider.configured", "backend.secrets_given"),
+        *("backend.db", "backend.webhooks.configuration", "backend.provider.configuration", "backend.secret_settings"),
     ),
-    "backend.secrets_given": (),
-    "backend.webhooks.configured": (),
-    "backend.provider.configured": ("backend.db.roles",),
+    "backend.secret_settings": (),
+    "backend.webhooks.configuration": (),
+    "backend.provider.configuration": ("backend.db.roles",),
     "backend.db": ("campaigns",),
     "backend.http": ("backend.db", "campaigns"),
     "backend.middleware": ("backend.http",),
@@ -142,7 +142,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "clearance.local": ("worker", "backend.db", "campaigns"),
     # The command line is on top: it may import every room but the search of functions, and no room may import it.
     "clearance.cli": (
-        *("worker", "backend.db", "backend.secrets_given", "campaigns", "clearance.client", "clearance.local"),
+        *("worker", "backend.db", "backend.secret_settings", "campaigns", "clearance.client", "clearance.local"),
     ),
     # An installation is checked by the service's own checks.
     "clearance.cli.doctor": (

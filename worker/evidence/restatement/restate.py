@@ -21,7 +21,7 @@ from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
 from worker.evidence.audit.record import MISSING, Missing, Record
 from worker.evidence.audit.sentences import alike
-from worker.evidence.scopes import recorded
+from worker.evidence.scopes import stored_system
 from worker.evidence.verdicts.conclude import conclude
 from worker.evidence.verdicts.evidence import Evidence
 from worker.evidence.verdicts.sureness import Stored, sureness
@@ -53,7 +53,7 @@ def restated(record: Record) -> dict[str, Sentence] | Missing:
         if by := reworded(versions):
             return Missing(f"{by} worded it")
         scope = "".join(str(span.get("text", "")) for span in claims["holds_for"])
-        systems = recorded.systems(record.campaign, claims["components"], versions, scope)
+        systems = stored_system.systems(record.campaign, claims["components"], versions, scope)
         made = [_made(record, Problem(record.campaign, system), versions) for system in systems]
         found = max(made, key=lambda sentences: sum(alike(*one) for one in sentences.values()))
     except UNREADABLE as error:

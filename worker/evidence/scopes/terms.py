@@ -7,7 +7,7 @@ from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.engine.systems.simulators.called import Called
 from worker.evidence.scopes import closed_loop, simulators
 from worker.evidence.scopes.base import Terms
-from worker.evidence.scopes.recorded import Recorded
+from worker.evidence.scopes.stored_system import Recorded
 
 
 def terms(system: System) -> Terms:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from worker.running.examination import reading
-from worker.running.examination.limited import Overdue, limited
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.naming import NAME
+from worker.running.examination.time_limit import Overdue, limited
 
 PACKAGE = "worker.engine.components.own"
 RATE = (

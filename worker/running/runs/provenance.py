@@ -22,8 +22,8 @@ from worker.engine.stages.parts.store import Store
 from worker.engine.systems import optional
 from worker.engine.systems.base import System, slotted
 from worker.running.runs import identity
-from worker.running.runs.added import added
-from worker.running.runs.carried import carry
+from worker.running.runs.own_sources import added
+from worker.running.runs.valid_evaluations import carry
 
 
 def begin(store: Store, system: System, campaign: Campaign, records: Sequence[StageRecord]) -> None:

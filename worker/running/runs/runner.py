@@ -32,7 +32,7 @@ from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
 from worker.running.opening import opened
-from worker.running.runs import identity, pulse, repeated, unchanged
+from worker.running.runs import file_check, identity, pulse, repetition
 from worker.running.runs.provenance import begin, versions
 
 __all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
@@ -57,7 +57,7 @@ def execute(
     problem = problem or opened.problem(campaign)
     pulse.own.allow(pulse.longest(problem.system))
     optional.warm(problem.system)
-    repeated.check(campaign, problem)
+    repetition.check(campaign, problem)
     if wrong := [one for stage in stages().values() for one in stage.wrong(problem)]:
         raise CampaignUnusable(wrong)
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
@@ -89,7 +89,7 @@ def assist(campaign: Campaign, store: Store, cancelled: Callable[[], bool] = lam
     try:
         pulse.own.allow(pulse.longest(problem.system))
         optional.warm(problem.system)
-        store = cast(Store, unchanged.Assisted(store, problem))
+        store = cast(Store, file_check.Assisted(store, problem))
         records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
         store.record_versions(versions(campaign, problem.system), identity.code(campaign))
         planned = [record.plan for record in records]
@@ -110,7 +110,7 @@ def _carry_out(context: Context, position: int, record: StageRecord) -> None:
     context.store.begin(position)
     began = time.perf_counter()
     outcome = stages()[record.plan.kind].run(context, position)
-    unchanged.check(context.problem)
+    file_check.check(context.problem)
     result = worded(context.problem, outcome.result, outcome.findings)
     context.results[position] = result
     seconds = record.seconds + time.perf_counter() - began

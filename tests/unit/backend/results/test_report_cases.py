@@ -5,14 +5,14 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from backend.reports import validated
+from backend.reports import validation
 from campaigns.results.finding import Calls, Neighbours, Validation
 
 
 def row(**changes: Any) -> dict[str, object]:
     case = Validation(name="F1", step=None, cost=1.25, allowed=None, ok=True, **changes)
     record: Any = SimpleNamespace(validated=None, findings=[SimpleNamespace(validation=case)])
-    (only,) = validated.cases(record)
+    (only,) = validation.cases(record)
     return only
 
 

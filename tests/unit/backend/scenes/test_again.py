@@ -7,7 +7,7 @@ from typing import Any, cast
 import pytest
 
 from backend.scenes.base.setting import Setting
-from backend.scenes.panel.sampled import Tally
+from backend.scenes.panel.sample import Tally
 from campaigns.identity.identity import Identity
 
 

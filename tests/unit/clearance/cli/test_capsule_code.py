@@ -25,7 +25,7 @@ from tests.given.corrupted_records import ran
 from tests.given.guest_packages import package
 from tests.given.refused_commands import refusal, refused
 from worker.engine.components.avoiders import potential_field
-from worker.running.runs import added as recorded
+from worker.running.runs import own_sources as recorded
 from worker.running.runs.meaning import meaning
 
 SHIPPED = Path(potential_field.__file__).read_text(encoding="utf-8")

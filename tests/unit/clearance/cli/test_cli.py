@@ -56,7 +56,7 @@ def test_the_usage_of_an_audit_names_the_command_that_users_type(
 ) -> None:
     invoke(arguments)
     printed = capsys.readouterr()
-    assert "Usage: clearance audit [OPTIONS]" in printed.out + printed.err
+    assert (printed.out + printed.err).split()[1:4] == ["clearance", "audit", "[OPTIONS]"]
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from worker.engine.systems.simulators.declared.folder import FOLDERS
 from worker.engine.systems.simulators.simulated import Simulated
 from worker.running.catalogue.installed import forget_simulators
 from worker.running.opening import opened
-from worker.running.runs import unchanged
+from worker.running.runs import file_check
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -134,12 +134,12 @@ def test_a_change_of_the_same_size_and_time_is_seen(problem: Problem, file: Path
     file.write_text(text.replace("1.0", "9.0"))
     os.utime(file, ns=(known.st_atime_ns, known.st_mtime_ns))
     with pytest.raises(CampaignUnusable, match=CHANGED):
-        unchanged.check(problem)
+        file_check.check(problem)
 
 
 def test_a_worker_that_assists_stores_no_block_after_a_change(problem: Problem, file: Path) -> None:
     store = MemoryStore()
-    assisted = unchanged.Assisted(store, problem)
+    assisted = file_check.Assisted(store, problem)
     assisted.count(0, [])
     assert store.counted == {0: []}
     edited(file)

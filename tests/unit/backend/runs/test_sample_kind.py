@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from backend.runs import sampled
+from backend.runs import sample_kind
 from campaigns.results.verdict import Statistics
 
 
@@ -14,7 +14,7 @@ def source(named: str | None, stated: bool, bound: float | None = 0.003) -> str 
     row = SimpleNamespace(
         source=named, stated=stated, upper_bound=bound, samples=1000, state="done", verdict="cleared", checks=None
     )
-    return sampled.of(row).bound_source
+    return sample_kind.of(row).bound_source
 
 
 @pytest.mark.parametrize("named", ["certify", "search", None])

@@ -1,4 +1,4 @@
-"""Prints the table of rules in Markdown, for `docs/access.md`: `python -m backend.access.printed`."""
+"""Prints the table of rules in Markdown, for `docs/access.md`: `python -m backend.access.rule_table`."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from backend.db.engine import connect, default_url, read
-from backend.db.registered import Running, folder, registered, services
+from backend.db.registry import Running, folder, registered, services
 from backend.db.tables import LoginLink
 from clearance.cli import WRONG_INPUT, invoke
 from tests.migrated import migrated

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 
-from backend.secrets_given import DATABASE, FILE, LONGEST, PASSWORD, database, with_password
+from backend.secret_settings import DATABASE, FILE, LONGEST, PASSWORD, database, with_password
 from backend.settings import Settings
 from clearance.cli import WRONG_INPUT, invoke
 

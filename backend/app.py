@@ -166,7 +166,7 @@ def create(settings: Settings) -> FastAPI:
     ):
         api.include_router(feature.router)
     app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
-    app.include_router(health.router, include_in_schema=False)  # where health checks look without being told
+    app.include_router(health.router, include_in_schema=False)  # where health checks look by default
     app.include_router(metrics.router)
     app.include_router(entrance.router)
     app.include_router(provider.router)

@@ -233,7 +233,7 @@ class Settings(BaseModel):
 
     @classmethod
     def unknown(cls, environment: Mapping[str, str]) -> list[str]:
-        """A sentence for each variable that looks like a setting and is none; a misspelled one has no effect."""
+        """A sentence for each variable that looks like a setting but is not one: a misspelled setting has no effect."""
         names = [PREFIX + name.upper() for name in cls.model_fields]
         names += [name + secret_settings.FILE for name in cls.secret()]
         found = sorted(key for key in environment if key.startswith(PREFIX) and key not in {*names, *_OTHERS})

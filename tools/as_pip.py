@@ -1,6 +1,6 @@
-"""Runs uv with the indexes and certificates that pip is told of: `python tools/as_pip.py UV pip install ...`.
+"""Runs uv with the indexes and certificates of pip's configuration: `python tools/as_pip.py UV pip install ...`.
 
-What uv itself is told of, by UV_... or SSL_CERT_FILE, stays.
+Settings of uv itself, by UV_... or SSL_CERT_FILE, stay.
 """
 
 from __future__ import annotations
@@ -28,26 +28,26 @@ def settings(listed: str) -> dict[str, str]:
     return {key: value for section in SECTIONS for key, value in found[section].items()}
 
 
-def options(told: Mapping[str, str], environment: Mapping[str, str]) -> Iterator[str]:
-    """The options of uv that say the same."""
+def options(configured: Mapping[str, str], environment: Mapping[str, str]) -> Iterator[str]:
+    """The options of uv with the same meaning."""
     if not INDEXES & environment.keys():
-        if index := told.get("index-url", "").strip():
+        if index := configured.get("index-url", "").strip():
             yield from ("--default-index", index)
-        for index in told.get("extra-index-url", "").split():
+        for index in configured.get("extra-index-url", "").split():
             yield from ("--index", index)
     if "UV_FIND_LINKS" not in environment:
-        for place in told.get("find-links", "").split():
+        for place in configured.get("find-links", "").split():
             yield from ("--find-links", place)
-    if told.get("no-index", "").strip().lower() in TRUE:
+    if configured.get("no-index", "").strip().lower() in TRUE:
         yield "--no-index"
 
 
 def main(command: list[str]) -> None:
     listed = subprocess.run([sys.executable, "-m", "pip", "config", "list"], capture_output=True, text=True, check=True)
-    told, environment = settings(listed.stdout), dict(os.environ)
-    if certificates := told.get("cert", "").strip():
+    configured, environment = settings(listed.stdout), dict(os.environ)
+    if certificates := configured.get("cert", "").strip():
         environment.setdefault("SSL_CERT_FILE", certificates)
-    os.execve(command[0], [*command, *options(told, environment)], environment)
+    os.execve(command[0], [*command, *options(configured, environment)], environment)
 
 
 if __name__ == "__main__":

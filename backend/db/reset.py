@@ -1,4 +1,4 @@
-"""Puts a run back to where it was when it was submitted, and says of which failed run nothing stored is of use."""
+"""Puts a run back to where it was when it was submitted, and tells which failed runs have nothing of use stored."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ RESULTS = (EvaluationAhead, EvaluationChunk, SampleBlock, SampleShare, Stage, Fi
 
 
 def empty(writer: sa.Connection, run_id: int) -> None:
-    """Delete what was evaluated, and what that says of the run."""
+    """Delete what was evaluated, and what follows from it."""
     for table in RESULTS:
         writer.execute(sa.delete(table).where(table.run_id == run_id))
     refusals.clear(writer, run_id)

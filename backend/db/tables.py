@@ -182,7 +182,7 @@ class Stage(Base):
     evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
     """Those that are stored."""
     counted: orm.Mapped[int] = orm.mapped_column(COUNT, default=0, server_default="0")
-    """Those beside them that are only counted: of a sample of which the lowest are stored."""
+    """The further ones that are only counted: of a sample of which the lowest are stored."""
     violations: orm.Mapped[int] = orm.mapped_column(COUNT, default=0, server_default="0")
     """Of such a sample, those that failed included."""
     failed: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)

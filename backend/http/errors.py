@@ -214,7 +214,7 @@ def invalid(error: CampaignError) -> RefusedError:
 
 
 def no_temporary_file(error: Exception) -> RefusedError:
-    """503 for a file that is made beside the database before it is sent."""
+    """503 for a file that is made next to the database before it is sent."""
     detail = f"no temporary file can be written ({worded(error)}): an administrator must free space, or set TMPDIR"
     return RefusedError("no-space", detail, headers={"Retry-After": "60"})
 

@@ -30,9 +30,9 @@ router = APIRouter(include_in_schema=False)
 
 _MOVES = """<script>
 {const shown=location.pathname+location.hash.slice(1),say=Worker.prototype.postMessage;
-Worker.prototype.postMessage=function(told,...more){
-if(told?.type==='set_server')told={...told,server:location.origin.replace('http','ws')+shown};
-return say.call(this,told,...more)};
+Worker.prototype.postMessage=function(message,...more){
+if(message?.type==='set_server')message={...message,server:location.origin.replace('http','ws')+shown};
+return say.call(this,message,...more)};
 const made=URL.createObjectURL;
 URL.createObjectURL=one=>one.type==='text/javascript;charset=utf-8'?'':made.call(URL,one);
 if(self===top&&!shown.includes('/key/')){
@@ -42,7 +42,7 @@ if(w==='t'||w==='cam')q.set(w,rest[++i]);else if(w!=='dark'&&w!=='light')q.set('
 location.replace('ROOT/runs/'+run+'/flight'+(q.size?'?'+q:''))}}
 </script>"""
 """The fragment (after #) is moved into the path of the socket: a browser caches one page for all views of a run. viser
-derives the socket's address from the page's, which a sandboxed page may not change; its worker is told another.
+derives the socket's address from the page's, which a sandboxed page may not change; its worker gets another.
 Chromium starts no module worker from a blob of a sandboxed page: without an address of one, viser takes a `data:` one.
 
 A view in its own window, without a key, has no controls: it redirects to the page that has them.

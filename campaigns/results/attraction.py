@@ -140,7 +140,8 @@ class Section(Result):
 
 
 class Attraction(Described):
-    """A region from which the polynomial model of the loop returns to its trim, proved; what is measured beside it."""
+    """A region from which the polynomial model of the loop returns to its trim, proved, and what is measured next to
+    it."""
 
     states: list[TrimState]
     held: list[HeldReference]

@@ -78,7 +78,7 @@ class Regression(Described):
     ok: bool
     """No change fails by the policy. The verdict is another matter."""
     accepted: bool = False
-    """The policy leaves out `violation`, findings violate, all of them known, and nothing beside them is wrong: a
+    """The policy leaves out `violation`, findings violate, all of them known, and nothing else is wrong: a
     violated verdict does not fail."""
     quantity: str = ""
     unit: str = ""

@@ -66,7 +66,7 @@ class StageResult(Result):
 
     @property
     def beside(self) -> Beside:
-        """Its evaluations beside those that are stored."""
+        """Its evaluations besides those that are stored."""
         return Beside() if self.counted is None else self.counted.beside
 
     @property

@@ -75,7 +75,8 @@ def follow_to_the_end(
 
 
 def save(service: Client, run: str, out: Path, names: tuple[str, ...]) -> list[Path]:
-    """Download files of a run into a folder; `WrongInputError` if one cannot be written or has a name that is none."""
+    """Download files of a run into a folder; `WrongInputError` if one cannot be written or has a name that no file
+    has."""
     try:
         return service.export(run, out, names)
     except ValueError as error:

@@ -71,7 +71,9 @@ def _begun(option: str, mark: str) -> Callable[[Path | None], Path | None]:
             if file.exists() and not file.is_file():  # such as /dev/stdout
                 return file
             if file.exists() and file.stat().st_size and mark not in file.read_text("utf-8", "replace"):
-                raise WrongInputError(f"--{option} {file}: the file is none of a job; give another name, or delete it")
+                raise WrongInputError(
+                    f"--{option} {file}: the file was not written by a job; give another name, or delete it"
+                )
             module.write(file, EndedRun("", "clearance", RunState.RUNNING, None, UNENDED))
         except OSError as error:
             raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
@@ -118,7 +120,7 @@ class Launch(NamedTuple):
         return (self.junit or self.summary or self.sarif) is not None
 
     def write(self, ended: EndedRun) -> None:
-        """Write the files that were asked for; `WrongInputError` once all were tried, if one cannot be written."""
+        """Write the requested files; `WrongInputError` once all were tried, if one cannot be written."""
         from clearance.cli import _junit, _markdown, _sarif
 
         lost = []

@@ -115,7 +115,7 @@ def _campaign(kind: Kind, name: str, vehicle: str, controller: str) -> str:
 
 
 def _fitting(vehicle: str) -> tuple[str, ...]:
-    """The vehicles that the skeleton of a controller fits: the one asked for, or all whose states it assumes.
+    """The vehicles that the skeleton of a controller fits: the requested one, or all whose states it assumes.
 
     Read from the files as they are written: nothing is executed.
     """

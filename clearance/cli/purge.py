@@ -22,7 +22,7 @@ LISTED = 20
 """Runs that are listed individually; of the others only the number."""
 
 WORTH, SHARE = 1 << 20, 0.1
-"""Unused space above which an SQLite file is rewritten: [bytes], and as a share of it."""
+"""Unused space above which an SQLite file is rewritten: [bytes], and as a fraction of it."""
 
 
 def purge(

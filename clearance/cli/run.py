@@ -205,7 +205,7 @@ def _fresh(
 def _report_failed(
     error: str, campaign: Campaign, options: launch.Launch, note: str, file: Path, out: Path | None, as_json: bool
 ) -> None:
-    """Print why there is no verdict, and write the files that were asked for."""
+    """Print why there is no verdict, and write the requested files."""
     if as_json:
         typer.echo(json.dumps({"campaign": campaign.name, "state": RunState.FAILED, "error": error}, indent=2))
     typer.echo(f"Failed: no verdict\n{error}", err=True)

@@ -142,7 +142,7 @@ FUNCTIONS: dict[str, Function] = {
 
 @cache
 def _case() -> Problem:
-    """A problem that the driver needs beside a method; nothing of it is simulated."""
+    """A problem that the driver needs besides a method; nothing of it is simulated."""
     campaign = load_file(next(iter(library().values())))
     return Problem(campaign, closed_loop(campaign, compiled=False, lanes=1))
 

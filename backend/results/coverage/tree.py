@@ -1,4 +1,4 @@
-"""Nearest evaluations by a k-d tree, which takes one thread: matrix products wait for each other beside busy workers.
+"""Nearest evaluations by a k-d tree, which takes one thread: matrix products wait for each other next to busy workers.
 
 A query takes 10 us among 20,000 evaluations of 8 parameters, 50 us of 12 and 0.4 ms of 20.
 """

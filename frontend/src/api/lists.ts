@@ -19,7 +19,7 @@ export function renewed(data: Pages, fresh: RunPage, filter: RunFilter = {}): Pa
   return { ...data, pages: [{ ...first, items, counts: fresh.counts }, ...pages] }
 }
 
-/** Whether what a loaded row says now is what the filter asks for. */
+/** Whether the present state of a loaded row matches the filter. */
 const belongs = ({ state, verdict, removed }: RunPage['items'][number], filter: RunFilter): boolean =>
   (filter.state?.includes(state) ?? true) &&
   (filter.verdict?.some((word) => word === verdict) ?? true) &&

@@ -61,7 +61,7 @@ describe('curves on common abscissae', () => {
     [[1, 2, 3]],
     [[null]],
     [[0.1]],
-  ])('values beside missing ones are kept: %j', (y) => {
+  ])('values next to missing ones are retained: %j', (y) => {
     const x = y.map((_, k) => 0.5 * k)
     expect(linesOn(x, { x, y })).toEqual(y)
     const finer = union([{ x, y }, { x: x.map((at) => at + 0.25), y }])

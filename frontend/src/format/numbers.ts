@@ -218,7 +218,7 @@ export function duration(seconds: Maybe): string {
   return `${hours}${NARROW}h${NARROW}${left}${NARROW}min`
 }
 
-/** Digits in which a tie of two roundings ends, and so is told from a number next to it. */
+/** Digits in which a tie of two roundings ends, and so is distinguished from a number next to it. */
 const EXACT = 100
 
 /**

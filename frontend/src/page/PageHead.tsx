@@ -1,4 +1,4 @@
-// The heading of a page: its title, a line below it, and its actions beside it.
+// The heading of a page: its title, a line below it, and its actions next to it.
 import type { ReactNode } from 'react'
 import { layout } from '../ui/styles'
 

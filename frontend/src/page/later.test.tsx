@@ -25,16 +25,16 @@ it('asks for code again after a failure, and once after it came', async () => {
   expect(load).toHaveBeenCalledTimes(2)
 })
 
-it('keeps a failure until it is told, and forgets it then', async () => {
+it('keeps a failure until it is reported, and forgets it then', async () => {
   const load = vi.fn<() => Promise<typeof CODE>>().mockRejectedValue(new TypeError('no connection'))
   const Late = later(load, 'Hello')
-  const told: unknown[] = []
-  const show = () => renderToReadableStream(<Suspense><Late name="there" /></Suspense>, { onError: (error) => void told.push(error) }).then((stream) => stream.allReady)
+  const errors: unknown[] = []
+  const show = () => renderToReadableStream(<Suspense><Late name="there" /></Suspense>, { onError: (error) => void errors.push(error) }).then((stream) => stream.allReady)
   await show()
   await show()
   expect(load).toHaveBeenCalledTimes(1)
-  expect(told).toHaveLength(2)
-  new Part({ children: null }).componentDidCatch(told[0])
+  expect(errors).toHaveLength(2)
+  new Part({ children: null }).componentDidCatch(errors[0])
   await show()
   expect(load).toHaveBeenCalledTimes(2)
 })

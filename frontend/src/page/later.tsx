@@ -17,7 +17,7 @@ export class Missed extends Error {
   }
 }
 
-/** Loads the code ahead; a failure is told where the component is shown. */
+/** Loads the code ahead; a failure is reported where the component is shown. */
 interface Ahead {
   preload: () => Promise<void>
 }

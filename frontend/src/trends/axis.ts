@@ -7,7 +7,7 @@ export type Along = 'time' | 'order'
 
 type Run = Pick<TrendRun, 'created'>
 
-/** Runs closer to each other than this fraction of the whole time cannot be told apart in a chart. */
+/** Runs closer to each other than this fraction of the whole time cannot be distinguished in a chart. */
 const CLOSE = 0.01
 
 /** Whether the runs are far enough apart in time for most of them to be seen on an axis of time. */

@@ -129,8 +129,8 @@ def family(search: SearchResult) -> str:
 
 
 def varies(evidence: Evidence, threshold: float) -> float:
-    """The spread of the criterion over all stored evaluations; 0 if it is rounding, and small beside the distance from
-    the threshold."""
+    """The spread of the criterion over all stored evaluations; 0 if it is rounding, and small compared with the
+    distance from the threshold."""
     spread = evidence.encounter.spread
     if spread.lowest is None or spread.highest is None:
         return 0.0

@@ -52,7 +52,7 @@ class Child:
         self.pulse, file = Pulse.shared()
         command = [sys.executable, "-P", "-m", "worker.running.processes.child", str(file)]
         self.ready = False
-        """Whether it has said that it is."""
+        """Whether it has reported that it is ready."""
         self.begun = time.monotonic()
         controlled, self._control = os.pipe()
         begun = guarded(controlled, grace=PATIENCE, died=PATIENCE)

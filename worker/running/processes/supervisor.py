@@ -165,7 +165,8 @@ class Supervisor:
         logs.present |= {"run": None, "stage": None}
 
     def _assist(self, child: Child) -> bool:
-        """Fly a share of a run that another worker holds; false if there is none. The run never suffers from it."""
+        """Simulate blocks of a run that another worker holds; false if there are none. The run never suffers from
+        it."""
         resting = [run_id for run_id, rest in self._resting.items() if rest.until > time.monotonic()]
         claim = self.queue.shared(self.name, self.simulators, self.installation, resting)
         if claim is None:

@@ -120,7 +120,7 @@ def cases(recorded: Recorded, problem: Problem, names: Sequence[str]) -> list[Ca
 
 
 def replayed(problem: Problem, chosen: Sequence[Case]) -> list[Replayed]:
-    """Evaluate each case again, alone, as nothing but its own record says."""
+    """Evaluate each case again, alone, from nothing but its own record."""
     single = slotted(problem.system).single() if any(case.single for case in chosen) else problem.system
     found = []
     for case in chosen:

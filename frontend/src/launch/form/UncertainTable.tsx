@@ -30,7 +30,7 @@ export function UncertainTable(form: FormProps) {
     }
   }
   const vary = Object.keys(uncertain).length
-  // Parameters of several parts may have the same text: their controls are told apart by the part.
+  // Parameters of several parts may have the same text: their controls are distinguished by the part.
   const texts = rows.map((path) => known.get(path)?.entry.text)
   const nameOf = (path: string) => {
     const parameter = known.get(path)

@@ -163,7 +163,7 @@ export function fit(points: Place[], width: number, height: number, air: { x: nu
   }
 }
 
-/** The required distance from obstacles' centres or surfaces to a point of the vehicle [m]; 0 if the criterion is none. */
+/** The required distance from obstacles' centres or surfaces to a point of the vehicle [m]; 0 for any other criterion. */
 export function reachOf(campaign: Campaign, catalogue: Catalogue | undefined): number {
   const { unit, of } = criterionOf(campaign, catalogue) ?? {}
   if (catalogue && (unit !== 'm' || of === 'goal' || of === 'flight')) return 0

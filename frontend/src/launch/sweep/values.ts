@@ -15,7 +15,7 @@ const UNCLEAR = /^[+-]?\d+,\d+(e[+-]?\d+)?,?$/i
 
 /**
  * The words of a list separated by commas, semicolons or spaces. What may be a decimal comma is not split, and
- * is no number: it still has its comma.
+ * is not a number: it still has its comma.
  */
 const numbersIn = (text: string): string[] =>
   text

@@ -1,4 +1,4 @@
-// In place of the 3D view, where the processor would draw it: the flights from above, until the view is asked for.
+// In place of the 3D view, where the processor would draw it: the flights from above, until the view is requested.
 import { IconCube } from '@tabler/icons-react'
 import { hasScenario } from '../../api/campaign'
 import { Button } from '../../ui/Button'

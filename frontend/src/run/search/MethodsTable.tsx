@@ -53,7 +53,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               <Progress
                 share={stage.evaluations / Math.max(1, stage.planned)}
                 colour={`var(${methodLook(stage.method).colour})`}
-                label={`${title}, share of its budget`}
+                label={`${title}, fraction of its budget`}
               />
             ),
           },

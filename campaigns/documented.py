@@ -33,7 +33,7 @@ class Documented(BaseModel):
 
 
 def no_default(schema: JsonSchemaValue) -> None:
-    """For `json_schema_extra` of a field that is omitted when it has its default: the schema omits it as well."""
+    """The `json_schema_extra` of a field that is omitted when it has its default: the schema omits it as well."""
     schema.pop("default", None)
 
 

@@ -137,7 +137,7 @@ def now(connection: sa.Connection) -> float:
 
 
 def clock(connection: sa.Connection) -> Any:
-    """The same clock in a statement that writes, which asks no server for it before."""
+    """The clock in a statement that writes, which needs no earlier request to the server."""
     return time.time() if is_sqlite(connection) else sa.text("extract(epoch from clock_timestamp())")
 
 

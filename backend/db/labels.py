@@ -26,7 +26,7 @@ def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, dict[s
 def stored(
     reader: sa.Connection, run_ids: Collection[int], *which: sa.ColumnElement[bool]
 ) -> dict[int, dict[str, str]]:
-    """The rows of these runs that fulfil the conditions, as values by key."""
+    """The labels of these runs that fulfil the conditions, as values by key."""
     found: dict[int, dict[str, str]] = {}
     if run_ids:
         rows = sa.select(RunLabel.run_id, RunLabel.key, RunLabel.value).where(RunLabel.run_id.in_(run_ids), *which)

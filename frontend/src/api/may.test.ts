@@ -21,7 +21,7 @@ const REASON = 'R-0001 belongs to ada, and you are bob: only its owner and an ad
 test.each([
   ['the owner', as('ada', 'engineer'), [run('ada')], undefined],
   ['an administrator', as('eve', 'admin'), [run('ada')], undefined],
-  ['nobody of what nobody owns', as('bob', 'engineer'), [], undefined],
+  ['no engineer of what has no owner', as('bob', 'engineer'), [], undefined],
   ['not another engineer', as('bob', 'engineer'), [run('ada')], REASON],
   ['not a reviewer, whose role is higher', as('bob', 'reviewer'), [run('ada')], REASON],
   ['not whoever owns one of two', as('bob', 'engineer'), [{ id: 'R-0002', owner: 'bob' }, run('ada')], REASON],

@@ -99,7 +99,7 @@ def halves(state: Vector) -> tuple[Vector, Vector]:
 
 @kernel
 def seen_from(q: Vector, body: Any) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Where an obstacle is relative to q, and its velocity, both in space."""
+    """The position of an obstacle relative to q, and its velocity, both in space."""
     if len(q) == 2:
         return (body.x - q[0], body.y - q[1], 0.0), (body.vx, body.vy, 0.0)
     return (body.x - q[0], body.y - q[1], body.z - q[2]), (body.vx, body.vy, body.vz)

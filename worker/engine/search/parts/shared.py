@@ -42,7 +42,7 @@ class Shared:
             self.trend.see(points, values)
 
     def report(self, minimum: Minimum) -> None:
-        """Where a descent ended; no later one begins at a low point there, or where it began."""
+        """Record where a descent ended: no later one begins at a low point there, or where it began."""
         self.space.report(minimum)
         if minimum.start is not None:
             self.left(minimum.start, minimum.point)

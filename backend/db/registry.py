@@ -32,7 +32,7 @@ class Running:
 
 
 def folder() -> Path:
-    """The folder in which the services of this user register: XDG_STATE_HOME, else ~/.local/state, clearance/services."""
+    """The folder of the registered services of this user: XDG_STATE_HOME, else ~/.local/state, clearance/services."""
     base = os.environ.get("XDG_STATE_HOME")
     return (Path(base) if base else Path.home() / ".local" / "state") / "clearance" / "services"
 

@@ -212,7 +212,9 @@ def _refuse_shared(url: str) -> None:
     """A restore would drop the tables of others too. Those of a later version are not known, and dropped."""
     with connected(url) as engine, read(engine) as connection:
         later = (revision.stored(connection) or "") > revision.newest()
-        others = set(sa.inspect(connection).get_table_names()) - Base.metadata.tables.keys() - revision.FORMER_TABLES
+        own = "select tablename from pg_tables where schemaname = current_schema() and tableowner = current_user"
+        tables = set(connection.scalars(sa.text(own)))
+        others = tables - Base.metadata.tables.keys() - revision.FORMER_TABLES
     if others and not later:
         raise BackupError(
             f"a restore would drop tables that are not Clearance's: {', '.join(sorted(others))}. Move them, or restore "

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, Concatenate, ParamSpec
+from typing import Any, Concatenate, ParamSpec, TypeGuard
 
 import numpy as np
 import sqlalchemy as sa
@@ -89,7 +89,7 @@ class RunStore:
     @_transaction
     def describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
         """Store the component descriptions of this installation; raises `OtherCode` if the run used others, or if the
-        campaign can be run with those of its submission, but not with these.
+        campaign can be run with those of another version, for which it was submitted, but not with these.
 
         The catalogue at submission may have been published by another worker.
         """
@@ -97,13 +97,18 @@ class RunStore:
         snapshot = snapshots.of_run(connection, self._run)
         if begun is None:
             missing = simulation_problems(campaign, catalogue)
-            if missing and snapshot is not None and not simulation_problems(campaign, snapshot):
+            if missing and _of_other_version(snapshot, catalogue) and not simulation_problems(campaign, snapshot):
                 raise OtherCode("; ".join(map(str, missing)))
             fenced(connection, self.claim, snapshot=snapshots.store(connection, campaign, catalogue))
             return
         others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue)
         if others:
             raise OtherCode("; ".join(others))
+
+    def of_other_version(self, catalogue: Catalogue) -> bool:
+        """Whether the run was submitted for another version than the one that has these components."""
+        with read(self.engine) as connection:
+            return _of_other_version(snapshots.of_run(connection, self._run), catalogue)
 
     def begun(self) -> Begun | None:
         """What began the run; None if nothing has been evaluated."""
@@ -343,3 +348,8 @@ class RunStore:
             names = [row[key.key] for row in rows]
             connection.execute(sa.delete(table).where(table.run_id == self._run, key.in_(names)))
             connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
+
+
+def _of_other_version(snapshot: Catalogue | None, catalogue: Catalogue) -> TypeGuard[Catalogue]:
+    """Whether the descriptions at submission are of another version than these."""
+    return snapshot is not None and snapshot.version != catalogue.version

@@ -10,15 +10,15 @@ import sqlalchemy as sa
 from backend.db import groups, refusals, reset
 from backend.db.continuation import store_text, succeed
 from backend.db.engine import now
-from backend.db.tables import Run, RunText, SweepRun, Worker
+from backend.db.tables import Run, RunText, Stage, SweepRun, Worker
 from backend.db.workers import SEEN
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.runs import RunState, run_name
 from campaigns.stages.plan import most
 
-BEGUN = sa.or_(Run.flown.is_not(None), Run.evaluations > 0)
-"""Whether anything was evaluated; earlier versions stored no code with it."""
+BEGUN = sa.or_(Run.flown.is_not(None), Run.evaluations > 0, sa.exists().where(Stage.run_id == Run.id))
+"""Whether a run has been begun; earlier versions stored no code with it."""
 CONTINUED = "It was continued as {run}."
 
 
@@ -55,16 +55,16 @@ def _place(writer: sa.Connection, run_id: int, successor: int) -> None:
 
 
 def waits(writer: sa.Connection, run_id: int) -> bool:
-    """Whether a begun run waits for the code that began it, which no running worker has; locks it until the transaction
-    ends, its group first, as a submission does."""
+    """Whether a run waits for other code than that of the workers which take runs; locks it until the transaction ends,
+    its group first, as a submission does."""
     if (group := _group(writer, run_id)) is not None:
         groups.lock(writer, group)
-    queued = (Run.state == RunState.QUEUED, BEGUN)
-    row = writer.execute(sa.select(Run.needs).where(Run.id == run_id, *queued).with_for_update()).one_or_none()
+    queued = sa.select(Run.needs).where(Run.id == run_id, Run.state == RunState.QUEUED)
+    row = writer.execute(queued.with_for_update()).one_or_none()
     refused = refusals.of(writer, [run_id]).get(run_id)
     if row is None or not refused:
         return False
-    live = sa.select(Worker.installation, Worker.simulators).where(Worker.beat > now(writer) - SEEN)
+    live = sa.select(Worker.installation, Worker.simulators).where(Worker.beat > now(writer) - SEEN, ~Worker.draining)
     others = [here for here in writer.execute(live) if here.installation not in refused]
     return not any(row.needs is None or row.needs in here.simulators for here in others)
 

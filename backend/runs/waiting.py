@@ -81,12 +81,14 @@ def _of(row: Any, live: Sequence[Any], at: float, position: int | None, refused:
     if not able:
         return Waits(_no_simulator(row.needs or "", len(live)))
     same = [worker for worker in able if worker.installation not in refused]
+    differs = next(reversed([*refused.values()]), None)
     if not same:
-        differs = list(refused.values())[-1]
-        return Waits(_other_code(differs, row.evaluations), differs) if row.begun else Waits(_unknown(differs))
+        return (
+            Waits(_other_code(str(differs), row.evaluations), differs) if row.begun else Waits(_unknown(str(differs)))
+        )
     willing = [worker for worker in same if not worker.draining]
     if not willing:
-        return Waits(_draining(len(same)))
+        return Waits(_draining(len(same)), differs if differs and row.begun else None)
     roomy = [worker for worker in willing if not worker.short]
     return Waits(_one(row, live, roomy, at, position) if roomy else _short(len(willing)))
 

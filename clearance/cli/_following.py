@@ -213,7 +213,7 @@ def _shown(service: Client, run: str, quiet: bool) -> RunDetail:
 def _line(found: Run, figures: bool) -> str:
     stage = found.stage
     if found.state != RunState.RUNNING or stage is None:
-        return f"{found.id} {found.state}"
+        return f"{found.id} {found.state}" + (f": {plain(found.waits)}" if found.waits else "")
     name = stage.kind if stage.method is None else f"{stage.kind}: {stage.method}"
     if not figures:
         return f"{found.id} {name}"

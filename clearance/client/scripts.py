@@ -7,6 +7,7 @@ paging exist once. Start reading at `ask` and `follow`.
 from __future__ import annotations
 
 import functools
+import inspect
 import json
 from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable
 from contextlib import aclosing
@@ -161,6 +162,8 @@ def _searching(
         return done
 
     functools.update_wrapper(search, submit, assigned=())
+    stated = inspect.signature(submit).replace(return_annotation="answers.RunDetail")
+    setattr(search, "__signature__", stated)  # noqa: B010  a function has no such attribute by its type
     return search
 
 

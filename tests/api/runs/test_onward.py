@@ -15,7 +15,7 @@ from backend.db.queue import Queue
 from backend.db.queue import submit as put
 from backend.db.store import RunStore
 from backend.db.sweeps import in_sweep
-from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun
+from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun, Worker
 from backend.db.waiting import CONTINUED
 from backend.runs.quota import Quota
 from backend.runs.waiting import SOON
@@ -43,6 +43,11 @@ def stored(service: Service) -> tuple[int, int]:
     return found[0] or 0, found[1] or 0
 
 
+def drain(service: Service, name: str) -> None:
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Worker).where(Worker.name == name).values(draining=True))
+
+
 def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Service, client: httpx.Client) -> None:
     run = waiting(service, client)
     found = one(client, run)
@@ -60,6 +65,9 @@ def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Se
         refused = client.post(f"/api/v1/runs/{run}/{way}")
         assert (refused.status_code, refused.json()["type"]) == (409, "urn:clearance:problem:not-waiting")
     assert stored(service) == (1, 1)
+    drain(service, "old")
+    assert one(client, run)["other_code"] == DIFFERS
+    assert client.post(f"/api/v1/runs/{run}/restart").status_code == 200
 
 
 def test_what_was_submitted_for_another_version_waits_for_it(service: Service, client: httpx.Client) -> None:
@@ -71,10 +79,11 @@ def test_what_was_submitted_for_another_version_waits_for_it(service: Service, c
     found = one(client, run)
     assert (found["state"], found["other_code"]) == ("queued", None)
     assert DIFFERS in found["waits"]
-    for way in ("restart", "continuation"):
-        assert client.post(f"/api/v1/runs/{run}/{way}").json()["type"] == "urn:clearance:problem:not-waiting"
     arrive(service, "newest", OLD)
     assert one(client, run)["waits"] == SOON
+    drain(service, "newest")
+    assert client.post(f"/api/v1/runs/{run}/restart").status_code == 200
+    assert Queue(service.engine).claim("new", (), HERE) is not None, "it is tried again"
 
 
 def test_begun_again_it_has_nothing_of_before(service: Service, client: httpx.Client) -> None:

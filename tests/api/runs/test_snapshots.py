@@ -14,7 +14,7 @@ from backend.db.engine import read
 from backend.db.queue import Queue
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, CatalogueSnapshot, Run
-from campaigns import Campaign, Catalogue
+from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.checked.snapshot import changes, digest_of, snapshot, values_changed
 from campaigns.versions import OtherCode
 from tests.given.databases import AT_NIGHT, BOTH
@@ -177,16 +177,28 @@ def test_a_worker_without_what_the_campaign_was_submitted_with_leaves_it_to_othe
     before = client.get("/api/v1/runs/R-0001/components").json()
     claim = Queue(service.engine).claim("w1")
     assert claim is not None
-    earlier = altered(lambda d: d["components"].remove(entry(d, "circle")))
+    earlier = altered(lambda d: d["components"].remove(entry(d, "circle")) or d.update(version="earlier"))
     with pytest.raises(OtherCode, match="circle"):
         RunStore(service.engine, claim).describe(ASKED, earlier)
     assert client.get("/api/v1/runs/R-0001/components").json() == before
 
 
+def test_what_the_same_version_cannot_run_fails(service: Service, client: httpx.Client) -> None:
+    submit(client)
+    claim = Queue(service.engine).claim("w1")
+    assert claim is not None
+    store = RunStore(service.engine, claim)
+    assert not store.of_other_version(CATALOGUE)
+    store.describe(ASKED, altered(lambda d: d["components"].remove(entry(d, "circle"))))
+    document = ASKED.document()
+    with pytest.raises(CampaignError, match="novel"):
+        begun.readable({**document, "scenario": {**document["scenario"], "novel": 1}}, "run 1", None)
+
+
 def test_a_campaign_that_the_service_could_read_and_this_version_cannot_is_left_to_others() -> None:
     document = ASKED.document()
     with pytest.raises(OtherCode, match="novel"):
-        begun.readable({**document, "scenario": {**document["scenario"], "novel": 1}}, "run 1", None)
+        begun.readable({**document, "scenario": {**document["scenario"], "novel": 1}}, "run 1", None, other=True)
 
 
 OTHERWISE: dict[str, tuple[Change, str | None]] = {

@@ -5,6 +5,7 @@ Of a system that does not define it, the default. `base.ComponentLoop` and `base
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Sequence
 from typing import TypeGuard
 
@@ -72,10 +73,10 @@ def warm(system: System) -> None:
 
 def close(system: System) -> None:
     """Release what it holds; the closed loop holds nothing."""
-    if hasattr(system, "close"):
-        system.close()
+    if _defines(system, "close"):
+        getattr(system, "close")()  # noqa: B009  `ComponentLoop` has none
 
 
 def _defines(system: System, member: str) -> TypeGuard[ComponentLoop]:
     """Whether it has this member, typed as that of the closed loop."""
-    return hasattr(system, member)
+    return inspect.getattr_static(system, member, None) is not None  # `hasattr` is false where a property fails

@@ -18,7 +18,7 @@ from campaigns.results.base import OK
 from campaigns.results.sample import Beside, Blocks, Distribution, Histogram
 from worker.evidence.audit import draw, limits
 from worker.evidence.audit.binomial import upper_bound
-from worker.evidence.audit.parts import Ended, made, read
+from worker.evidence.audit.parts import Counts, made, read
 
 LOWEST, STEPS, PARTS = 100, 400, 40
 """Points of a distribution function: the lowest values, and others; bins of a histogram that is shown, at most."""
@@ -34,9 +34,9 @@ def stored(blocks: Any) -> Blocks:
     return read(Blocks, blocks, beside=read(Beside, blocks["beside"]))
 
 
-def ended(blocks: Blocks) -> Ended:
+def ended(blocks: Blocks) -> Counts:
     """The numbers of its evaluations by status."""
-    return Ended(sum(blocks.draws), sum(blocks.failed), sum(blocks.excluded))
+    return Counts(sum(blocks.draws), sum(blocks.failed), sum(blocks.excluded))
 
 
 def beside(blocks: Blocks, violating: int, status: Any) -> Beside:

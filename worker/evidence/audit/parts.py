@@ -20,7 +20,7 @@ REST: Any = {}
 """In place of all other fields of a form."""
 
 
-class Ended(NamedTuple):
+class Counts(NamedTuple):
     """Numbers of evaluations by status."""
 
     evaluations: int

@@ -24,7 +24,7 @@ from campaigns.versions import Versions
 from worker.evidence.audit import counted, limits
 from worker.evidence.audit.binomial import cumulative, least, upper_bound
 from worker.evidence.audit.calls import Calls
-from worker.evidence.audit.parts import OMIT, REST, Ended, Finding, changed, made
+from worker.evidence.audit.parts import OMIT, REST, Counts, Finding, changed, made
 from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
 COARSER = "with a tolerance of "
@@ -49,10 +49,10 @@ def _needed(fraction: float, confidence: float) -> int | None:
     return max(1, math.ceil(math.log1p(-confidence) / math.log1p(-fraction) * (1.0 - 4e-15)))  # but for rounding
 
 
-def counts(status: Any) -> Ended:
+def counts(status: Any) -> Counts:
     """The numbers of evaluations by status."""
     ok, excluded = (int(np.count_nonzero(status == code)) for code in (OK, EXCLUDED))
-    return Ended(len(status), len(status) - ok - excluded, excluded)
+    return Counts(len(status), len(status) - ok - excluded, excluded)
 
 
 def histogram(costs: Any) -> Histogram:
@@ -111,7 +111,7 @@ class Run:
                 self.ended[k] = counted.ended(self.counted[k])
         self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
         self.below = [int(np.count_nonzero(ok <= self.threshold)) for ok in by_stage]
-        self.made = Ended(*map(sum, zip(*self.ended, strict=True)))
+        self.made = Counts(*map(sum, zip(*self.ended, strict=True)))
         """All evaluations, stored or only counted."""
         self.succeeded = self.made.evaluations - self.made.failed - self.made.excluded
         whole = {k: sum(blocks.violations) - sum(blocks.failed) for k, blocks in self.counted.items()}

@@ -156,7 +156,8 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
 
     try:
         store = RunStore(engine, claim, pulse.own.beat)
-        campaign = begun.readable(claim.document, f"run {claim.run_id}", store.begun())
+        other = store.of_other_version(components)
+        campaign = begun.readable(claim.document, f"run {claim.run_id}", store.begun(), other)
         store.describe(campaign, components)
         with durations.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
             verdict = execute(campaign, store)

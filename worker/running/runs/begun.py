@@ -12,13 +12,15 @@ from campaigns.versions import OtherCode, differing
 from worker.running.runs import identity
 
 
-def readable(document: Mapping[str, object], source: str, begun: Begun | None) -> Campaign:
-    """The campaign of a run that this installation may execute; raises `OtherCode` if other code began it, or if the
-    campaign, which the service could read, cannot be read here. begun: by which code; None if nothing has been
-    evaluated."""
+def readable(document: Mapping[str, object], source: str, begun: Begun | None, other: bool = False) -> Campaign:
+    """The campaign of a run that this installation may execute; raises `OtherCode` if other code began it, and
+    `CampaignError` if it cannot be read. begun: by which code; None if nothing has been evaluated; other: whether it
+    was submitted for another version."""
     try:
         campaign = load_document(document, source)
     except CampaignError as error:
+        if begun is None and not other:
+            raise
         raise OtherCode(f"this version cannot read its campaign ({error})") from None
     others = [] if begun is None else _others(begun, campaign)
     if others:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from worker.evidence.audit.agreement import agreement
-from worker.evidence.audit.parts import Ended
+from worker.evidence.audit.parts import Counts
 
 
 def run(first: float, second: float, nominal: float, varies: bool = True, older: bool = False, **more: Any) -> Any:
@@ -27,7 +27,7 @@ def run(first: float, second: float, nominal: float, varies: bool = True, older:
         },
         campaign=SimpleNamespace(agreement=0.05, stages=SimpleNamespace(search=search)),
         nominal=nominal, threshold=0.0, searches=[0, 1], methods=methods, bounds={"a": (0.0, 1.0)},
-        ended=[Ended(100, 0, 0)] * 2, plan=[SimpleNamespace(planned=1000)] * 2, best=[first, second],
+        ended=[Counts(100, 0, 0)] * 2, plan=[SimpleNamespace(planned=1000)] * 2, best=[first, second],
         varies=varies, older=older, wording=more.get("wording", 9), known={"a": ("", 0.5)},
         findings=[SimpleNamespace(label="F1", parameters={"a": 0.1})],
     )  # fmt: skip

@@ -286,7 +286,7 @@ def test_its_order_is_wilks(samples: int, share: float) -> None:
 @pytest.mark.parametrize(("best", "lowest"), [(2.0675210081688604e-09, -0.12), (0.5, 0.5 - 1e-13), (3.0, -1e6)])
 def test_the_gap_of_direct_ends_at_an_evaluation_whatever_digits_the_sum_loses(best: float, lowest: float) -> None:
     rows = (np.zeros((3, 1)), np.array([best, best + 1.0, 7.0]), np.zeros(3, dtype=np.uint8))
-    common = {"quantity": "d", "unit": "m", "ended": [parts.Ended(3, 0, 0)], "reworded": "", "best": [best]}
+    common = {"quantity": "d", "unit": "m", "ended": [parts.Counts(3, 0, 0)], "reworded": "", "best": [best]}
     runs: list[Any] = [SimpleNamespace(rows=lambda _: rows, wording=wording, **common) for wording in (9, 8)]
     run, earlier = runs
     gap = {"lower_bound": lowest, "gap": best - lowest, "rectangles": 3, "without_value": 0}

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from campaigns.results.sample import Beside, Blocks, GridPoint, GridResult
-from worker.evidence.audit.parts import OMIT, REST, Ended, changed, made, read, written
+from worker.evidence.audit.parts import OMIT, REST, Counts, changed, made, read, written
 
 
 def test_only_the_fields_that_follow_are_written_in_the_order_of_the_call() -> None:
@@ -16,7 +16,7 @@ def test_only_the_fields_that_follow_are_written_in_the_order_of_the_call() -> N
     grid = made(GridResult, violations=2, points=3, lowest=lowest, statement=OMIT, **REST)
     assert list(written(grid)) == ["violations", "points", "lowest"]
     assert list(written(changed(grid, excluded=1, points=OMIT))) == ["violations", "lowest", "excluded"]
-    assert written([grid, Ended(1, 2, 3)])[1] == {"evaluations": 1, "failed": 2, "excluded": 3}
+    assert written([grid, Counts(1, 2, 3)])[1] == {"evaluations": 1, "failed": 2, "excluded": 3}
     assert written(grid)["lowest"] == {"margin": math.inf, "cost": 1.0}
 
 

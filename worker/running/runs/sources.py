@@ -1,8 +1,8 @@
 """The source files of this installation: their content when loaded, and whether they have changed since.
 
 Imported first in every process that simulates: it records the files before they are loaded, so that an edit while they
-load shows. Packages that add components or methods by entry points are covered too, and the operator's simulators,
-whose digests are published.
+load shows, and what is loaded later is what was recorded (`recorded`). Packages that add components or methods by entry
+points are covered too, and the operator's simulators, whose digests are published.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from pathlib import Path
 from worker.engine.components.own import folders, listed
 from worker.engine.systems.simulators.declared.below import walked
 from worker.engine.systems.simulators.declared.folder import watched
+from worker.running.runs.recorded import File, Recorded, mark
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "SALib")
 """Third-party packages that can change a number, where a run uses them."""
@@ -47,12 +48,14 @@ class Noted:
     """Files and folders whose change may make another digest."""
     simulators: _Stamp
     """Of the files of the operator's simulators, which may be large: their content is not read here."""
+    recorded: dict[str, File]
+    """The files by the module's name."""
 
 
 def note() -> Noted:
     """Read all files now."""
     simulators = _stamp(watched())
-    files: dict[str, bytes] = {}
+    recorded: dict[str, File] = {}
     paths: list[str] = []
     added = added_places()
     root = Path(__file__).parents[3]
@@ -61,17 +64,19 @@ def note() -> Noted:
     for name, place in places:
         found = _modules(name, place, paths) if name != OWN else _own(place, paths)
         for module, path in found:
-            if module in files:
+            if module in recorded:
                 continue  # of two own files of the same name the first one counts
             with suppress(FileNotFoundError):  # it was deleted since the folder was read
-                files[module] = path.read_bytes()
+                before = mark(str(path))  # a later edit must not have it
+                recorded[module] = File(str(path), before, path.read_bytes())
                 paths.append(str(path))
+    files = {module: file.content for module, file in recorded.items()}
     packages = {name: _version(name) for name in PACKAGES}
     packages |= {entry.dist.name: entry.dist.version for _, _, entry in added if entry.dist is not None}
     sink = hashlib.sha256(repr(sorted(packages.items())).encode())
     for module in sorted(files):
         sink.update(f"{module}:{hashlib.sha256(files[module]).hexdigest()};".encode())
-    return Noted(files, packages, sink.hexdigest(), (*paths, *sys.path, *map(str, listed())), simulators)
+    return Noted(files, packages, sink.hexdigest(), (*paths, *sys.path, *map(str, listed())), simulators, recorded)
 
 
 def stale() -> bool:
@@ -180,3 +185,4 @@ LOADED = note()
 _read: tuple[tuple[str, ...], _Stamp, str] = (LOADED.paths, (), "")
 """What `present` read last: paths, their stamp before they were read (empty: read them again), digest."""
 _drop_old_bytecode(LOADED.paths)
+sys.meta_path.insert(0, Recorded(LOADED.recorded))

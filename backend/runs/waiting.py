@@ -17,12 +17,17 @@ from backend.db.waiting import BEGUN
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs.schemas import RunDoing
 from campaigns.claims.numbers import count
+from campaigns.identity.identity import COMPONENTS, SIMULATORS
 from campaigns.runs import RunState, run_name
 
 MOST_NAMED = 3
 """Largest number of runs that are named as the reason why another one waits."""
 
 SOON = "It starts automatically within a few seconds."
+OLD_VERSION = (
+    "A worker of the version that began it continues it, if it still runs or the database was not updated since"
+)
+FILES_BACK = "Put these files back as they were, and it continues"
 _COMPILING = "Compiling your closed loop{about}, once: it is stored for later runs."
 
 
@@ -125,10 +130,11 @@ def no_worker(last: float | None, at: float) -> str:
 
 
 def _other_code(differs: str, evaluations: int) -> str:
+    own = any(f"{place}/" in differs for place in (COMPONENTS, SIMULATORS))
     return (
-        f"Other code began it than the running workers have: {differs}. A worker of the version that began it "
-        "continues it, if it still runs or the database was not updated since; or begin it again, without its "
-        f"{count(evaluations)} evaluations; or continue it as a new run, with those that are still valid, if any."
+        f"Other code began it than the running workers have: {differs}. {FILES_BACK if own else OLD_VERSION}; or begin "
+        f"it again, without its {count(evaluations)} evaluations; or continue it as a new run, with those that are "
+        "still valid, if any."
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import httpx
 import pytest
 
+from backend.runs.waiting import FILES_BACK
 from tests.faults.processes import REPOSITORY, until
 from tests.faults.serving import Service, serving
 
@@ -138,3 +139,24 @@ def test_an_edit_while_the_worker_is_busy_is_published_and_reuses_nothing(site: 
     assert (status, "slow_drop has changed" in sentence) == ("suspect", True), sentence
     assert site.run(busy)["state"] == "running"
     site.gate.unlink()
+
+
+@pytest.mark.nightly  # by day tests/unit/running/runs/test_files_that_change.py
+def test_a_run_whose_simulator_is_edited_waits_until_the_files_are_back(site: Site) -> None:
+    """Nothing that was evaluated after the edit is stored, and no attempt is spent."""
+    site.write("edited_drop")
+    until(lambda: "edited_drop" in site.titles(), "it is published")
+    site.gate.touch()
+    run = site.submit("edited_drop")["id"]
+    until(lambda: site.run(run)["state"] == "running", "it runs")
+    site.write("edited_drop", offset=40.0)
+    site.gate.unlink()
+    until(lambda: site.run(run)["other_code"], "it waits")
+    waits = site.run(run)
+    assert (waits["state"], waits["error"], waits["other_code"]) == (
+        "queued", None, "simulators/edited_drop has changed",
+    )  # fmt: skip
+    assert FILES_BACK in waits["waits"]
+    site.write("edited_drop")
+    ended = site.ended(run)
+    assert (ended["state"], ended["verdict"], ended["attempts"]) == ("done", "cleared", 1), ended

@@ -19,14 +19,17 @@ from backend.db.queue import Claim, request_cancel, submit
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.db.tables import Worker as WorkerRow
+from campaigns.asked.problem import Problem
 from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from clearance.cli.worker import DRAINED
 from tests.faults.cases import campaign, columns
 from tests.faults.jobs import SEARCH, WINGS
 from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
-from worker.running.processes import memory
+from worker.running.catalogue.installed import catalogue
+from worker.running.processes import child, memory
 from worker.running.processes.supervisor import UNSTORED, Ending, Supervisor
+from worker.running.runs.file_check import FilesChanged
 
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 
@@ -155,6 +158,27 @@ def test_an_end_that_cannot_be_stored_fails_the_run_with_that_sentence(
     with monkeypatch.context() as patched:  # nor the sentence: its lease expires
         patched.setattr(supervisor.queue, "fail", unstored)
         supervisor._settle(claim, Ending("unusable", "it has no wings"))
+    bench.engine.dispose()
+    supervisor.engine.dispose()
+
+
+def test_a_simulator_that_changes_in_mid_run_spends_no_attempt(tmp_path: Path) -> None:
+    """The run is given back; the next process has another installation where simulators are, so it may refuse it."""
+
+    def changes(*_: object) -> None:
+        raise FilesChanged([Problem("simulator.name", "drop", "drop.py has changed")])
+
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    migrate(url)
+    bench, supervisor = Bench(url, tmp_path), Supervisor(url, "w1", runner="none:none")
+    run_id, claim = bench.submit("none"), supervisor.queue.claim("w1")
+    assert claim is not None
+    answer = child.perform(changes, bench.engine, catalogue(), claim)
+    assert answer["outcome"] == "stale"
+    supervisor._settle(claim, Ending(answer["outcome"], answer["text"]))
+    assert (bench.run(run_id).state, bench.run(run_id).attempts, bench.run(run_id).error) == ("queued", 0, None)
+    known = [catalogue().model_copy(update={"digests": {"drop": text}}) for text in ("one", "other")]
+    assert len({child.installation(each) for each in (catalogue(), *known)}) == 3
     bench.engine.dispose()
     supervisor.engine.dispose()
 

@@ -15,6 +15,7 @@ from worker.running.processes import blas as blas  # before numpy is loaded
 from campaigns import heap  # next: loading is not interrupted
 
 # isort: split
+import hashlib
 import importlib
 import json
 import logging
@@ -68,25 +69,45 @@ def main() -> None:
     from worker.running.runs import identity
 
     document, code = catalogue(), identity.installation()
+    published = with_digests(document)
     heap.loaded()
     memory.bound()
     fresh = not sources.stale()
     if fresh:
-        published = with_digests(document).model_copy(
+        published = published.model_copy(
             update={"own": sources.own(sources.own_modules()), "code": identity.code_parts()}
         )
         # Its supervisor ends it if that takes too long while the database answers.
         write(engine, lambda connection: workers.publish(connection, published, code, setup["worker"]), math.inf)
-    here = {"simulators": [s.version for s in document.simulators], "installation": sources.LOADED.digest}
-    send(answers, {"ready": True, "fresh": fresh, **here})
-    serve(engine, execute, document, requests, answers)
+    here = installation(published)
+    send(
+        answers,
+        {
+            "ready": True,
+            "fresh": fresh,
+            "simulators": [s.version for s in document.simulators],
+            "installation": here,
+        },
+    )
+    serve(engine, execute, document, requests, answers, here)
 
 
-def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: TextIO, answers: TextIO) -> None:
+def installation(published: Catalogue) -> str:
+    """What identifies this process where a run is refused: its code, and the files of the simulators. A run that waits
+    for the earlier files of one is claimed once they are back."""
+    if not published.digests:
+        return sources.LOADED.digest
+    named = repr((sources.LOADED.digest, sorted(published.digests.items())))
+    return hashlib.sha256(named.encode()).hexdigest()
+
+
+def serve(
+    engine: sa.Engine, execute: Execute, components: Catalogue, requests: TextIO, answers: TextIO, here: str
+) -> None:
     """Execute one claim after another; each gets an answer with its outcome, never an exception.
 
     The request `{"fresh": true}` checks whether the loaded code still equals the files. If not, no claim is executed.
-    `{"assist": claim}` flies a share of a run that another worker holds.
+    `{"assist": claim}` flies a share of a run that another worker holds. here: see `installation`.
     """
     for line in requests:
         request = json.loads(line)
@@ -98,16 +119,17 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
             shared = request.get("assist")
             claim = Claim(**(shared or request))
             logs.present["run"] = run_name(claim.run_id)
-            send(answers, assist(engine, components, claim) if shared else perform(execute, engine, components, claim))
+            assisting = partial(assist, engine, components, claim, here)
+            send(answers, assisting() if shared else perform(execute, engine, components, claim))
 
 
-def assist(engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
+def assist(engine: sa.Engine, components: Catalogue, claim: Claim, here: str) -> dict[str, str]:
     """Fly a share of a run that another worker holds, until nothing is left of it or a run waits; outcomes as of
     `perform`, `cancelled` among them."""
     from worker.engine.stages.parts.context import Cancelled
     from worker.running.runs import runner
 
-    waiting = Waiting(Queue(engine), claim, [s.version for s in components.simulators])
+    waiting = Waiting(Queue(engine), claim, [s.version for s in components.simulators], here)
 
     def share(campaign: Campaign, store: Store) -> bool:
         with suppress(Cancelled):
@@ -124,6 +146,7 @@ class Waiting:
     queue: Queue
     claim: Claim
     simulators: Sequence[str]
+    installation: str
     last_query: float = -math.inf
 
     def __call__(self) -> bool:
@@ -131,7 +154,7 @@ class Waiting:
             return False
         self.last_query = time.monotonic()
         ends = self.queue.cancel_requested(self.claim)
-        return ends or self.queue.ready(self.simulators, sources.LOADED.digest)
+        return ends or self.queue.ready(self.simulators, self.installation)
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
@@ -143,9 +166,10 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
 def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Execute a claim.
 
-    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `unusable` (cannot be retried), `spent` (as
-    that, and this process is not used again), `failed` (this attempt; neither is it), `database` (which cannot be used:
-    no fault of the run).
+    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `stale` (the files of its simulator have
+    changed: a new process compares them with those that began it), `unusable` (cannot be retried), `spent` (as that,
+    and this process is not used again), `failed` (this attempt; neither is it), `database` (which cannot be used: no
+    fault of the run).
     """
     from worker.engine.kernels import durations
     from worker.engine.stages.parts.context import ReplayMismatch
@@ -153,6 +177,7 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
     from worker.running.catalogue.own import blamed
     from worker.running.processes import memory
     from worker.running.runs import begun
+    from worker.running.runs.file_check import FilesChanged
 
     try:
         store = RunStore(engine, claim, pulse.own.beat)
@@ -169,6 +194,8 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
         return {"outcome": "database", "text": str(error)}
     except OtherCode as error:
         return {"outcome": "refused", "text": str(error)}
+    except FilesChanged as error:
+        return {"outcome": "stale", "text": str(error)}
     except (CampaignUnusable, CampaignError, ReplayMismatch) as error:
         return {"outcome": "unusable", "text": str(error)}
     except MemoryError:  # the next attempt would need as much memory

@@ -50,11 +50,28 @@ def execute(
 
     problem: the campaign's problem, if its system is not one of this installation; its system is closed at the end.
 
-    Raises `CampaignUnusable` when it cannot be run with these components or the files of its simulator change,
-    `Cancelled` when asked to stop, `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage requests
-    other points.
+    Raises `CampaignUnusable` when it cannot be run with these components, `FilesChanged` when the files of its
+    simulator change, `Cancelled` when asked to stop, `OtherCode` when other code began it, `ReplayMismatch` when a
+    resumed stage requests other points.
     """
     problem = problem or opened.problem(campaign)
+    try:
+        return _executed(
+            campaign, cast(Store, file_check.Checked(store, problem)), cancelled, progress, threads, problem
+        )
+    except (CampaignUnusable, ReplayMismatch):  # it may follow from evaluations that failed since the files changed
+        file_check.check_here(problem)
+        raise
+
+
+def _executed(
+    campaign: Campaign,
+    store: Store,
+    cancelled: Callable[[], bool],
+    progress: Callable[[int, Tally], None],
+    threads: int | None,
+    problem: Problem,
+) -> Verdict:
     pulse.own.allow(pulse.longest(problem.system))
     optional.warm(problem.system)
     repetition.check(campaign, problem)
@@ -89,7 +106,7 @@ def assist(campaign: Campaign, store: Store, cancelled: Callable[[], bool] = lam
     try:
         pulse.own.allow(pulse.longest(problem.system))
         optional.warm(problem.system)
-        store = cast(Store, file_check.Assisted(store, problem))
+        store = cast(Store, file_check.Checked(store, problem))
         records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
         store.record_versions(versions(campaign, problem.system), identity.code(campaign))
         planned = [record.plan for record in records]

@@ -13,6 +13,7 @@ import pytest
 
 from campaigns import Campaign
 from campaigns.asked.load import load_document
+from campaigns.sample_seed import SampleSeed
 from campaigns.stored.records import Ahead, Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.systems import optional
@@ -22,7 +23,8 @@ from worker.engine.systems.simulators.declared.folder import FOLDERS
 from worker.engine.systems.simulators.simulated import Simulated
 from worker.running.catalogue.installed import forget_simulators
 from worker.running.opening import opened
-from worker.running.runs import file_check
+from worker.running.runs import file_check, repetition
+from worker.running.runs.file_check import FilesChanged
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -96,14 +98,45 @@ class Editing(MemoryStore):
         super().append(position, first, columns, ahead)
 
 
-@pytest.mark.parametrize("asked", [{}, {"retries": 1}])
-def test_a_stage_whose_files_changed_has_no_result_and_the_run_no_verdict(file: Path, asked: dict[str, Any]) -> None:
-    store = Editing(done=lambda: edited(file))
-    with pytest.raises(CampaignUnusable, match=CHANGED):
+@pytest.mark.parametrize(("asked", "pause"), [({}, 1e5), ({"retries": 1}, 0.0)], ids=["it does not look", "it looks"])
+def test_a_run_whose_files_changed_stores_nothing_more_and_continues_once_they_are_back(
+    file: Path, asked: dict[str, Any], pause: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = file.read_text()
+    seed = SampleSeed.drawn()
+    undisturbed = MemoryStore(sample_seed=seed)
+    execute(campaign(**asked), undisturbed)
+    monkeypatch.setattr(simulated, "PAUSE", pause)
+    store = Editing(sample_seed=seed, done=lambda: edited(file))
+    with pytest.raises(FilesChanged, match=CHANGED):
         execute(campaign(**asked), store)
-    assert store.chunks
     assert store.verdict is None
     assert not any(stage.result for stage in store.stages)
+    assert {at: len(chunks) for at, chunks in store.chunks.items()} == {0: 1}, "of before the edit"
+    file.write_text(text)
+    store.done = lambda: None
+    execute(campaign(**asked), store)
+    for at in undisturbed.chunks:
+        one, other = store.evaluations(at), undisturbed.evaluations(at)
+        assert one is not None
+        assert other is not None
+        assert (one.costs.tolist(), one.status.tolist()) == (other.costs.tolist(), other.status.tolist())
+
+
+def test_a_change_before_the_first_evaluation_is_no_fault_of_the_campaign(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is examined before the first stage fails then, for another reason."""
+
+    def examined(*_: object) -> None:
+        edited(file)
+        raise CampaignUnusable([])
+
+    monkeypatch.setattr(repetition, "check", examined)
+    store = MemoryStore()
+    with pytest.raises(FilesChanged, match=CHANGED):
+        execute(campaign(), store)
+    assert not store.stages
 
 
 def test_files_that_only_look_changed_do_not_matter(file: Path) -> None:
@@ -133,17 +166,17 @@ def test_a_change_of_the_same_size_and_time_is_seen(problem: Problem, file: Path
     known, text = file.stat(), file.read_text()
     file.write_text(text.replace("1.0", "9.0"))
     os.utime(file, ns=(known.st_atime_ns, known.st_mtime_ns))
-    with pytest.raises(CampaignUnusable, match=CHANGED):
+    with pytest.raises(FilesChanged, match=CHANGED):
         file_check.check(problem)
 
 
 def test_a_worker_that_assists_stores_no_block_after_a_change(problem: Problem, file: Path) -> None:
     store = MemoryStore()
-    assisted = file_check.Assisted(store, problem)
+    assisted = file_check.Checked(store, problem)
     assisted.count(0, [])
     assert store.counted == {0: []}
     edited(file)
-    with pytest.raises(CampaignUnusable, match=CHANGED):
+    with pytest.raises(FilesChanged, match=CHANGED):
         assisted.count(1, [])
     assert store.counted == {0: []}
     assert assisted.found() == []

@@ -20,6 +20,7 @@ from pathlib import Path
 from worker.engine.components.own import folders, listed
 from worker.engine.systems.simulators.declared.below import walked
 from worker.engine.systems.simulators.declared.folder import watched
+from worker.engine.systems.simulators.slots import ours as ours  # it records what slots load
 from worker.running.runs.recorded import File, Recorded, mark
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "SALib")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -20,7 +22,10 @@ from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.declared import unchanged as simulated
 from worker.engine.systems.simulators.declared.folder import FOLDERS
+from worker.engine.systems.simulators.declared.unchanged import Unchanged
+from worker.engine.systems.simulators.pooled import Pooled
 from worker.engine.systems.simulators.simulated import Simulated
+from worker.engine.systems.simulators.slots import ours
 from worker.running.catalogue.installed import forget_simulators
 from worker.running.opening import opened
 from worker.running.runs import file_check, repetition
@@ -180,3 +185,47 @@ def test_a_worker_that_assists_stores_no_block_after_a_change(problem: Problem, 
         assisted.count(1, [])
     assert store.counted == {0: []}
     assert assisted.found() == []
+
+
+OF_SLOTS = {
+    "function": ("slots/child.py", "calling.py", "declared.function", "declared.excluded"),
+    "files": ("slots/child.py", "slots.files", "declared.excluded"),
+    "FMU": ("slots/child.py", "fmus.process"),
+}
+"""What the process of a slot loads of ours: files, and modules with all that they import."""
+LOADED = """
+import importlib, sys
+for name in sys.argv[1:]:
+    importlib.import_module(name)
+ours = [m for name, m in sys.modules.items() if name.partition(".")[0] in ("worker", "campaigns", "backend")]
+print(*sorted(module.__file__ for module in ours), sep="\\n")
+"""
+
+
+@pytest.mark.parametrize("kind", OF_SLOTS)
+def test_every_file_of_ours_that_a_slot_loads_is_looked_at(kind: str) -> None:
+    package = "worker.engine.systems.simulators"
+    modules = [f"{package}.{name}" for name in OF_SLOTS[kind] if not name.endswith(".py")]
+    done = subprocess.run([sys.executable, "-c", LOADED, *modules], capture_output=True, text=True, check=True)
+    place = ours.FILES[0].parent
+    loaded = {Path(line) for line in done.stdout.splitlines()}
+    files = {place / name for name in OF_SLOTS[kind] if name.endswith(".py")}
+    assert len(loaded) >= len(modules)
+    assert loaded | files <= {*ours.FILES}
+
+
+def test_a_release_in_mid_run_reaches_no_slot(
+    problem: Problem, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A process of a slot starts with the code that is there by then."""
+    child = tmp_path / "child.py"
+    child.write_text("X = 1.0\n", encoding="utf-8")
+    monkeypatch.setattr(ours, "_OURS", Unchanged([child]))
+    unchanged.check(problem)
+    child.write_text("X = 2.0\n", encoding="utf-8")
+    if isinstance(problem.system, Pooled):
+        with pytest.raises(FilesChanged):
+            unchanged.check(problem)
+        assert problem.system.submit(problem.system.nominal).result().reason == ours.changed()
+    else:
+        unchanged.check(problem)

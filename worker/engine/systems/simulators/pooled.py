@@ -23,6 +23,7 @@ from worker.engine.systems.simulators import traced
 from worker.engine.systems.simulators.cluster.address import Evaluator
 from worker.engine.systems.simulators.cluster.work import WORK, Files
 from worker.engine.systems.simulators.simulated import Simulated
+from worker.engine.systems.simulators.slots import ours
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.places import Place
 from worker.engine.systems.simulators.slots.pool import SlotPool
@@ -95,7 +96,7 @@ class Pooled(Simulated):
         return dict(zip(names, vector[: len(names)].tolist(), strict=True))
 
     def changed(self, now: bool = False, everywhere: bool = False) -> str:
-        found = super().changed(now)
+        found = super().changed(now) or ours.changed(now)
         return found or (self._pool.changed() if everywhere and self._pool is not None else "")
 
     def warm(self) -> None:

@@ -26,6 +26,7 @@ from worker.engine.stages.found import stages
 from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.fmu import DescribedFmu
 from worker.engine.systems.simulators.declared.simulator import Simulator
 from worker.engine.systems.simulators.fmus.simulator import FmuSimulator
 from worker.engine.systems.simulators.functions import Isolated
@@ -70,7 +71,10 @@ def packages(campaign: Campaign) -> dict[str, str]:
     """The versions of the packages that a run of the campaign uses."""
     reached = used(campaign)
     guests = {e.dist.name for name, _, e in _added() if e.dist is not None and name in reached.modules}
-    return {name: v for name, v in sources.LOADED.packages.items() if name in reached.packages | guests}
+    simulator = None if campaign.simulator is None else installed.simulators().get(campaign.simulator.name)
+    without = set() if isinstance(simulator, DescribedFmu) else {sources.FMPY}  # reached by every kind of simulator
+    names = (reached.packages | guests) - without
+    return {name: v for name, v in sources.LOADED.packages.items() if name in names}
 
 
 def versions(campaign: Campaign) -> Versions:

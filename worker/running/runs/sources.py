@@ -23,7 +23,8 @@ from worker.engine.systems.simulators.declared.folder import watched
 from worker.engine.systems.simulators.slots import ours as ours  # it records what slots load
 from worker.running.runs.recorded import File, Recorded, mark
 
-PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "SALib")
+FMPY = "fmpy"
+PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "SALib", "clarabel", FMPY)
 """Third-party packages that can change a number, where a run uses them."""
 
 GROUPS = ("clearance.components", "clearance.methods", "clearance.simulators")

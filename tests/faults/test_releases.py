@@ -24,15 +24,17 @@ from tests.faults.processes import kill, until
 from tests.faults.releases import Release, begin
 from tests.faults.stored import Stored
 from tests.given.at_night import nightly_but
+from tests.given.edited_code import digest_with
 from worker.running.catalogue.installed import catalogue
+from worker.running.runs import identity, sources
+from worker.running.runs.meaning import meaning
 
 CIRCLE = {"component": "circle", "parameters": {"position": {"x": 4.0, "y": 4.0}}}
 SCENARIO = {**campaign().document()["scenario"], "obstacles": [CIRCLE]}
 QUICK = campaign(scenario={**SCENARIO, "horizon": 1.0, "step": 0.01})
-IMPORTS = "from __future__ import annotations\n"
-EDITED = f"{IMPORTS}\nEDITED = 1.0\n"
+MATHS = "worker.engine.kernels.maths"
 SHIFTED = ("worker/engine/components/vehicles/unicycle.py", "return 1.0 / p.m,", "return 1.001 / p.m,")
-OTHER_METHOD = ("worker/engine/search/methods/direct.py", IMPORTS, EDITED)
+OTHER_METHOD = ("worker/engine/search/methods/direct.py", "DEEPEST = 30", "DEEPEST = 29")
 
 
 class Service(Stored):
@@ -89,14 +91,24 @@ class Edit(NamedTuple):
 EDITS = {
     "the words of a verdict": Edit("worker/evidence/verdicts/sentence.py", "Nothing may be claimed: ", "No claim: "),
     "a sentence of a stage": Edit("campaigns/claims/stages/ends.py", "evaluated the nominal case", "simulated it"),
-    "the audit": Edit("worker/evidence/audit/__init__.py", '"""', '"""Edited. '),
-    "a component that it does not use": Edit("worker/engine/components/avoiders/orca.py", IMPORTS, EDITED),
+    "a limit of the audit": Edit("worker/evidence/audit/limits.py", "SAME_COST = 0.01", "SAME_COST = 0.02"),
+    "a component that it does not use": Edit("worker/engine/components/avoiders/orca.py", "= 1.5", "= 1.6"),
     "a component that it uses": Edit(*SHIFTED, "worker.engine.components.vehicles.unicycle"),
-    "the kernel": Edit("worker/engine/kernels/maths.py", IMPORTS, EDITED, "worker.engine.kernels.maths"),
+    "the kernel": Edit("worker/engine/kernels/maths.py", "1.58962301576546568060e-10", "1.6e-10", MATHS),
 }
 
 
-AT_NIGHT = ("a sentence of a stage", "the audit", "a component that it does not use")
+AT_NIGHT = ("a sentence of a stage", "a limit of the audit", "a component that it does not use")
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_each_of_these_edits_is_one_of_code_and_other_code_only_where_it_may_change_a_number(name: str) -> None:
+    edit = EDITS[name]
+    module, old, new = edit.file.removesuffix(".py").replace("/", "."), edit.old.encode(), edit.new.encode()
+    content = sources.LOADED.files[module]
+    assert meaning(content.replace(old, new, 1)).digest != meaning(content).digest
+    assert (digest_with(QUICK, module, old, new) != identity.code(QUICK).digest) == bool(edit.differs)
+    assert edit.differs in ("", module)
 
 
 @pytest.mark.parametrize("name", nightly_but(EDITS.keys() - AT_NIGHT, EDITS))

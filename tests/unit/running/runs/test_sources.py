@@ -8,8 +8,8 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -17,6 +17,7 @@ import pytest
 from campaigns import library, load_file
 from campaigns.identity.code import code_of
 from tests.given.case_campaigns import campaign, document
+from tests.given.edited_code import digest_with
 from worker.running.runs import identity, meaning, sources
 
 MODULE = b'"""Text."""\nX = 1.0\n\n\ndef f(x):\n    """Help."""\n    return x * X\n'
@@ -146,27 +147,9 @@ WORDS = {
 
 
 @pytest.fixture
-def edited(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str, bytes, bytes], str]]:
+def edited() -> Callable[[str, bytes, bytes], str]:
     """The code digest of a run of all stages with one text of one module replaced."""
-    asked = campaign(stages=EVERY)
-    computed = (
-        *(identity.loaded, identity._reached, identity.closure, identity.code_parts),
-        *(identity._systems, identity._guests),
-    )
-
-    def digest(module: str, old: bytes, new: bytes) -> str:
-        content = sources.LOADED.files[module]
-        assert old in content
-        files = {**sources.LOADED.files, module: content.replace(old, new)}
-        with monkeypatch.context() as patch:
-            patch.setattr(sources, "LOADED", replace(sources.LOADED, files=files))
-            for each in computed:
-                each.cache_clear()
-            return identity.code(asked).digest
-
-    yield digest
-    for each in computed:
-        each.cache_clear()
+    return partial(digest_with, campaign(stages=EVERY))
 
 
 def test_no_word_of_a_run_is_part_of_its_code(edited: Callable[[str, bytes, bytes], str]) -> None:

@@ -18,9 +18,9 @@ from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, v
 from pathlib import Path
 
 from worker.engine.components.own import folders, listed
+from worker.engine.systems.simulators import ours as ours  # it records what slots load
 from worker.engine.systems.simulators.declared.below import walked
 from worker.engine.systems.simulators.declared.folder import watched
-from worker.engine.systems.simulators.slots import ours as ours  # it records what slots load
 from worker.running.runs.recorded import File, Recorded, mark
 
 FMPY = "fmpy"

@@ -20,12 +20,12 @@ from campaigns.stored.records import Ahead, Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable
+from worker.engine.systems.simulators import ours
 from worker.engine.systems.simulators.declared import unchanged as simulated
 from worker.engine.systems.simulators.declared.folder import FOLDERS
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.pooled import Pooled
 from worker.engine.systems.simulators.simulated import Simulated
-from worker.engine.systems.simulators.slots import ours
 from worker.running.catalogue.installed import forget_simulators
 from worker.running.opening import opened
 from worker.running.runs import file_check, repetition

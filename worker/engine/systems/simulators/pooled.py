@@ -19,11 +19,10 @@ import numpy as np
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Evaluated, Floats, NoResult, Reasons, Seeds, Trace
-from worker.engine.systems.simulators import traced
+from worker.engine.systems.simulators import ours, traced
 from worker.engine.systems.simulators.cluster.address import Evaluator
 from worker.engine.systems.simulators.cluster.work import WORK, Files
 from worker.engine.systems.simulators.simulated import Simulated
-from worker.engine.systems.simulators.slots import ours
 from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.places import Place
 from worker.engine.systems.simulators.slots.pool import SlotPool

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
 
-_SIMULATORS = Path(__file__).parents[1]
+_SIMULATORS = Path(__file__).parent
 FILES = [
     *sorted(_SIMULATORS.rglob("*.py")),
     *(folder / "__init__.py" for folder in _SIMULATORS.parents[:3]),

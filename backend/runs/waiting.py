@@ -149,7 +149,7 @@ def _no_simulator(needs: str, live: int) -> str:
     without = "The running worker does not have it" if live == 1 else f"None of the {live} running workers has it"
     return (
         f"It needs the simulator {needs.partition('@')[0]} with the parameters and results that it had when the run "
-        f"was submitted. {without}; start a worker on a machine that has it."
+        f"was submitted. {without}; put its files back as they were, or start a worker on a machine that has it."
     )
 
 

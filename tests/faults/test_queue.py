@@ -387,7 +387,7 @@ def test_a_queued_run_reports_what_it_waits_for(database: sa.Engine) -> None:
         needs = (
             "It needs the simulator two_basins with the parameters and results that it had when the run was submitted. "
         )
-        start = "; start a worker on a machine that has it."
+        start = "; put its files back as they were, or start a worker on a machine that has it."
         assert sentences == [
             "No worker is running. Start one with `clearance worker`.",
             "No worker is running; the last one was seen 6 min ago. Start one with `clearance worker`.",

@@ -1,8 +1,8 @@
 """The source files of this installation: their content when loaded, and whether they have changed since.
 
 Imported first in every process that simulates: it records the files before they are loaded, so that an edit while they
-load shows, and what is loaded later is what was recorded (`recorded`). Packages that add components or methods by entry
-points are covered too, and the operator's simulators, whose digests are published.
+load shows, and what is loaded later is what was recorded (`module_files`). Packages that add components or methods by
+entry points are covered too, and the operator's simulators, whose digests are published.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from worker.engine.components.own import folders, listed
 from worker.engine.systems.simulators import ours as ours  # it records what slots load
 from worker.engine.systems.simulators.declared.below import walked
 from worker.engine.systems.simulators.declared.folder import watched
-from worker.running.runs.recorded import File, Recorded, mark
+from worker.running.runs.module_files import File, Recorded, mark
 
 FMPY = "fmpy"
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "SALib", "clarabel", FMPY)

@@ -221,11 +221,11 @@ def test_a_release_in_mid_run_reaches_no_slot(
     child = tmp_path / "child.py"
     child.write_text("X = 1.0\n", encoding="utf-8")
     monkeypatch.setattr(ours, "_OURS", Unchanged([child]))
-    unchanged.check(problem)
+    file_check.check(problem)
     child.write_text("X = 2.0\n", encoding="utf-8")
     if isinstance(problem.system, Pooled):
         with pytest.raises(FilesChanged):
-            unchanged.check(problem)
+            file_check.check(problem)
         assert problem.system.submit(problem.system.nominal).result().reason == ours.changed()
     else:
-        unchanged.check(problem)
+        file_check.check(problem)

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from worker.running.runs import recorded, sources
-from worker.running.runs.recorded import File, Recorded, mark
+from worker.running.runs import module_files, sources
+from worker.running.runs.module_files import File, Recorded, mark
 
 NEEDED = {"worker.engine.reference.flight", "worker.engine.reference.compiled", "worker.engine.attraction.region"}
 """Some of those that a run loads late."""
@@ -110,14 +110,14 @@ def test_a_file_that_is_edited_or_deleted_is_loaded_as_it_was(package: Path) -> 
 
 
 def test_an_edit_while_it_is_loaded_is_not_loaded(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file, marked = package / "__init__.py", recorded.mark
+    file, marked = package / "__init__.py", module_files.mark
 
-    def edited(path: str) -> recorded.Mark | None:
+    def edited(path: str) -> module_files.Mark | None:
         found = marked(path)
         file.write_text("X = 2.0\n", encoding="utf-8")
         return found
 
-    monkeypatch.setattr(recorded, "mark", edited)
+    monkeypatch.setattr(module_files, "mark", edited)
     assert importlib.import_module("recorded_here").X == 1.0
 
 

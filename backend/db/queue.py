@@ -11,9 +11,10 @@ Start reading at `Queue.claim`.
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import sqlalchemy as sa
@@ -175,11 +176,11 @@ class Queue:
         Order: priority, then the owner with the fewest active runs, then age. Runs that cannot be retried (cancelled
         while their worker was gone, or out of attempts) are ended on the way.
         """
-        able = _able(simulators, installation)
+        able = partial(_able, simulators, installation)
         while self._any_ready(able):
             with self.engine.begin() as connection:
                 at = now(connection)
-                ready = sa.select(*_CLAIMED).where(_ready(at, self._stuck()), able).order_by(*_order(at)).limit(1)
+                ready = sa.select(*_CLAIMED).where(_ready(at, self._stuck()), able(at)).order_by(*_order(at)).limit(1)
                 row = connection.execute(ready.with_for_update(skip_locked=True, of=Run)).first()
                 if row is None:
                     return None
@@ -189,7 +190,7 @@ class Queue:
 
     def ready(self, simulators: Sequence[str] = (), installation: str = "") -> bool:
         """Whether there is a run to claim for such a worker."""
-        return self._any_ready(_able(simulators, installation))
+        return self._any_ready(partial(_able, simulators, installation))
 
     def shared(
         self, worker: str, simulators: Sequence[str] = (), installation: str = "", without: Collection[int] = ()
@@ -203,7 +204,8 @@ class Queue:
         conditions = (Run.state == RunState.RUNNING, Run.worker != worker, Run.id.not_in(without), left)
         query = sa.select(*_CLAIMED, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         with read(self.engine) as connection:
-            query = query.where(*conditions, Run.lease_until >= now(connection), _able(simulators, installation))
+            at = now(connection)
+            query = query.where(*conditions, Run.lease_until >= at, _able(simulators, installation, at))
             for row in connection.execute(query.order_by(Run.priority.desc(), Run.id)):
                 with suppress(ValidationError):  # of a newer version, whose workers share it
                     if Campaign.model_validate(row.document).shared:
@@ -293,7 +295,7 @@ class Queue:
         error = error and storable(error)
         fenced(connection, claim, state=state, finished=now(connection), lease_until=0.0, error=error)
 
-    def _any_ready(self, able: sa.ColumnElement[bool]) -> bool:
+    def _any_ready(self, able: Callable[[float], sa.ColumnElement[bool]]) -> bool:
         """Checked before claiming, so that an idle worker never writes."""
         with read(self.engine) as connection:
             at = now(connection)
@@ -302,7 +304,7 @@ class Queue:
             seen, self._ahead = self._ahead, {}
             for run_id, fence, lease in connection.execute(ahead).all():
                 self._ahead[run_id, fence, lease] = seen.get((run_id, fence, lease), time.monotonic())
-            found = sa.select(Run.id).where(_ready(at, self._stuck()), able).limit(1)
+            found = sa.select(Run.id).where(_ready(at, self._stuck()), able(at)).limit(1)
             return connection.scalar(found) is not None
 
     def _stuck(self) -> list[int]:
@@ -375,10 +377,11 @@ def _longest(lease: float) -> float:
     return max(lease, LEASE)
 
 
-def _able(simulators: Sequence[str], installation: str) -> sa.ColumnElement[bool]:
-    """Whether a worker with these simulators and this code may claim a run; any may end one that is being cancelled."""
+def _able(simulators: Sequence[str], installation: str, at: float) -> sa.ColumnElement[bool]:
+    """Whether a worker with these simulators and this code may claim a run now; any may end one that is being
+    cancelled."""
     has = sa.or_(Run.needs.is_(None), Run.needs.in_(simulators))
-    return sa.or_(sa.and_(has, ~refusals.by(installation)), Run.state == RunState.CANCELLING)
+    return sa.or_(sa.and_(has, ~refusals.by(installation, at)), Run.state == RunState.CANCELLING)
 
 
 ATTEMPTS = ("attempts", "last attempt")

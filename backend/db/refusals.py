@@ -13,6 +13,9 @@ from backend.db.engine import insert, now
 from backend.db.outages import storable
 from backend.db.tables import Run, RunRefusal
 
+AGAIN = 600.0
+"""After which a worker looks at a run again that it has refused [s]: what it lacked may be there."""
+
 
 def store(writer: sa.Connection, run_id: int, installation: str, text: str) -> None:
     """Record that workers of the installation cannot continue the run; text: what differs, as clauses."""
@@ -21,9 +24,10 @@ def store(writer: sa.Connection, run_id: int, installation: str, text: str) -> N
     writer.execute(row.on_conflict_do_update(index_elements=["run_id", "installation"], set_=changed))
 
 
-def by(installation: str) -> sa.ColumnElement[bool]:
-    refused = sa.select(RunRefusal.run_id).where(RunRefusal.run_id == Run.id, RunRefusal.installation == installation)
-    return refused.exists()
+def by(installation: str, at: float) -> sa.ColumnElement[bool]:
+    """Whether the installation has refused a run within `AGAIN` before this time."""
+    here = (RunRefusal.run_id == Run.id, RunRefusal.installation == installation)
+    return sa.select(RunRefusal.run_id).where(*here, RunRefusal.created > at - AGAIN).exists()
 
 
 def of(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, dict[str, str]]:

@@ -7,6 +7,7 @@ lease writes nothing.
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Concatenate, ParamSpec, TypeGuard
 
@@ -89,7 +90,7 @@ class RunStore:
     @_transaction
     def describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
         """Store the component descriptions of this installation; raises `OtherCode` if the run used others, or if the
-        campaign can be run with those of another version, for which it was submitted, but not with these.
+        campaign can be run with those of a newer version, for which it was submitted, but not with these.
 
         The catalogue at submission may have been published by another worker.
         """
@@ -97,7 +98,7 @@ class RunStore:
         snapshot = snapshots.of_run(connection, self._run)
         if begun is None:
             missing = simulation_problems(campaign, catalogue)
-            if missing and _of_other_version(snapshot, catalogue) and not simulation_problems(campaign, snapshot):
+            if missing and _of_newer_version(snapshot, catalogue) and not simulation_problems(campaign, snapshot):
                 raise OtherCode("; ".join(map(str, missing)))
             fenced(connection, self.claim, snapshot=snapshots.store(connection, campaign, catalogue))
             return
@@ -105,10 +106,10 @@ class RunStore:
         if others:
             raise OtherCode("; ".join(others))
 
-    def of_other_version(self, catalogue: Catalogue) -> bool:
-        """Whether the run was submitted for another version than the one that has these components."""
+    def of_newer_version(self, catalogue: Catalogue) -> bool:
+        """Whether the run was submitted for a newer version than the one that has these components."""
         with read(self.engine) as connection:
-            return _of_other_version(snapshots.of_run(connection, self._run), catalogue)
+            return _of_newer_version(snapshots.of_run(connection, self._run), catalogue)
 
     def begun(self) -> Begun | None:
         """What began the run; None if nothing has been evaluated."""
@@ -350,6 +351,10 @@ class RunStore:
             connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
 
 
-def _of_other_version(snapshot: Catalogue | None, catalogue: Catalogue) -> TypeGuard[Catalogue]:
-    """Whether the descriptions at submission are of another version than these."""
-    return snapshot is not None and snapshot.version != catalogue.version
+def _of_newer_version(snapshot: Catalogue | None, catalogue: Catalogue) -> TypeGuard[Catalogue]:
+    """Whether the descriptions at submission are of a newer version than these."""
+    return snapshot is not None and _release(snapshot.version) > _release(catalogue.version)
+
+
+def _release(version: str) -> list[int]:
+    return [int(part) for part in re.findall(r"\d+", version)]

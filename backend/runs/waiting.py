@@ -27,6 +27,8 @@ SOON = "It starts automatically within a few seconds."
 OLD_VERSION = (
     "A worker of the version that began it continues it, if it still runs or the database was not updated since"
 )
+UNIDENTIFIED = "is not identified"
+"""As `campaigns.identity.identity.differences` says it of what is never the same, also with its files as they were."""
 FILES_BACK = "Put these files back as they were, and it continues"
 _COMPILING = "Compiling your closed loop{about}, once: it is stored for later runs."
 
@@ -130,7 +132,7 @@ def no_worker(last: float | None, at: float) -> str:
 
 
 def _other_code(differs: str, evaluations: int) -> str:
-    own = any(f"{place}/" in differs for place in (COMPONENTS, SIMULATORS))
+    own = UNIDENTIFIED not in differs and any(f"{place}/" in differs for place in (COMPONENTS, SIMULATORS))
     return (
         f"Other code began it than the running workers have: {differs}. {FILES_BACK if own else OLD_VERSION}; or begin "
         f"it again, without its {count(evaluations)} evaluations; or continue it as a new run, with those that are "
@@ -140,7 +142,7 @@ def _other_code(differs: str, evaluations: int) -> str:
 
 def _unknown(differs: str) -> str:
     return (
-        f"It was submitted for another version than the running workers have: {differs}. Start a worker of the version "
+        f"It was submitted for a newer version than the running workers have: {differs}. Start a worker of the version "
         "of the service, and it begins; or cancel it."
     )
 

@@ -162,8 +162,8 @@ def test_an_end_that_cannot_be_stored_fails_the_run_with_that_sentence(
     supervisor.engine.dispose()
 
 
-def test_a_simulator_that_changes_in_mid_run_spends_no_attempt(tmp_path: Path) -> None:
-    """The run is given back; the next process has another installation where simulators are, so it may refuse it."""
+def test_a_simulator_that_changes_in_every_attempt_ends_the_run(tmp_path: Path) -> None:
+    """After the first one the next process has another installation where simulators are, so it may refuse the run."""
 
     def changes(*_: object) -> None:
         raise FilesChanged([Problem("simulator.name", "drop", "drop.py has changed")])
@@ -171,12 +171,19 @@ def test_a_simulator_that_changes_in_mid_run_spends_no_attempt(tmp_path: Path) -
     url = f"sqlite:///{tmp_path}/clearance.sqlite3"
     migrate(url)
     bench, supervisor = Bench(url, tmp_path), Supervisor(url, "w1", runner="none:none")
-    run_id, claim = bench.submit("none"), supervisor.queue.claim("w1")
-    assert claim is not None
-    answer = child.perform(changes, bench.engine, catalogue(), claim)
-    assert answer["outcome"] == "stale"
-    supervisor._settle(claim, Ending(answer["outcome"], answer["text"]))
-    assert (bench.run(run_id).state, bench.run(run_id).attempts, bench.run(run_id).error) == ("queued", 0, None)
+    run_id = bench.submit("none")
+    for attempt in range(1, 4):
+        assert bench.run(run_id).state == "queued"
+        with bench.engine.begin() as writer:
+            writer.execute(sa.update(Run).values(not_before=0.0))
+        claim = supervisor.queue.claim("w1")
+        assert claim is not None
+        answer = child.perform(changes, bench.engine, catalogue(), claim)
+        assert answer["outcome"] == "edited"
+        supervisor._settle(claim, Ending(answer["outcome"], answer["text"]))
+        assert bench.run(run_id).attempts == attempt
+        assert "drop.py has changed" in (bench.run(run_id).error or "")
+    assert bench.run(run_id).state == "failed"
     known = [catalogue().model_copy(update={"digests": {"drop": text}}) for text in ("one", "other")]
     assert len({child.installation(each) for each in (catalogue(), *known)}) == 3
     bench.engine.dispose()

@@ -13,6 +13,7 @@ from backend.db.access import LOCAL
 from backend.db.engine import read
 from backend.db.queue import Queue
 from backend.db.queue import submit as put
+from backend.db.refusals import AGAIN
 from backend.db.store import RunStore
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun, Worker
@@ -68,6 +69,18 @@ def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Se
     drain(service, "old")
     assert one(client, run)["other_code"] == DIFFERS
     assert client.post(f"/api/v1/runs/{run}/restart").status_code == 200
+
+
+def test_a_worker_looks_again_at_a_run_that_it_refused_long_ago(service: Service, client: httpx.Client) -> None:
+    waiting(service, client)
+    queue = Queue(service.engine)
+    assert queue.claim("new", (), HERE) is None
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(RunRefusal).values(created=RunRefusal.created - AGAIN - 1.0))
+    claim = queue.claim("new", (), HERE)
+    assert claim is not None
+    queue.refuse(claim, HERE, DIFFERS)
+    assert queue.claim("new", (), HERE) is None
 
 
 def test_what_was_submitted_for_another_version_waits_for_it(service: Service, client: httpx.Client) -> None:

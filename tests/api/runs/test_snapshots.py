@@ -173,11 +173,12 @@ def test_the_worker_that_starts_a_run_records_the_meaning_of_its_components(
 def test_a_worker_without_what_the_campaign_was_submitted_with_leaves_it_to_others(
     service: Service, client: httpx.Client
 ) -> None:
+    install(service, altered(lambda d: d.update(version="2.10.0")))
     submit(client)
     before = client.get("/api/v1/runs/R-0001/components").json()
     claim = Queue(service.engine).claim("w1")
     assert claim is not None
-    earlier = altered(lambda d: d["components"].remove(entry(d, "circle")) or d.update(version="earlier"))
+    earlier = altered(lambda d: d["components"].remove(entry(d, "circle")) or d.update(version="2.9.1"))
     with pytest.raises(OtherCode, match="circle"):
         RunStore(service.engine, claim).describe(ASKED, earlier)
     assert client.get("/api/v1/runs/R-0001/components").json() == before
@@ -188,7 +189,7 @@ def test_what_the_same_version_cannot_run_fails(service: Service, client: httpx.
     claim = Queue(service.engine).claim("w1")
     assert claim is not None
     store = RunStore(service.engine, claim)
-    assert not store.of_other_version(CATALOGUE)
+    assert not store.of_newer_version(CATALOGUE)
     store.describe(ASKED, altered(lambda d: d["components"].remove(entry(d, "circle"))))
     document = ASKED.document()
     with pytest.raises(CampaignError, match="novel"):
@@ -198,7 +199,7 @@ def test_what_the_same_version_cannot_run_fails(service: Service, client: httpx.
 def test_a_campaign_that_the_service_could_read_and_this_version_cannot_is_left_to_others() -> None:
     document = ASKED.document()
     with pytest.raises(OtherCode, match="novel"):
-        begun.readable({**document, "scenario": {**document["scenario"], "novel": 1}}, "run 1", None, other=True)
+        begun.readable({**document, "scenario": {**document["scenario"], "novel": 1}}, "run 1", None, newer=True)
 
 
 OTHERWISE: dict[str, tuple[Change, str | None]] = {

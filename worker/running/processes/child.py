@@ -166,10 +166,10 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
 def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Execute a claim.
 
-    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `stale` (the files of its simulator have
-    changed: a new process compares them with those that began it), `unusable` (cannot be retried), `spent` (as that,
-    and this process is not used again), `failed` (this attempt; neither is it), `database` (which cannot be used: no
-    fault of the run).
+    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `edited` (the files of its simulator
+    have changed: a new process compares them with those that began it), `unusable` (cannot be retried), `spent` (as
+    that, and this process is not used again), `failed` (this attempt; neither is it), `database` (which cannot be
+    used: no fault of the run).
     """
     from worker.engine.kernels import durations
     from worker.engine.stages.parts.context import ReplayMismatch
@@ -181,8 +181,8 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
 
     try:
         store = RunStore(engine, claim, pulse.own.beat)
-        other = store.of_other_version(components)
-        campaign = begun.readable(claim.document, f"run {claim.run_id}", store.begun(), other)
+        newer = store.of_newer_version(components)
+        campaign = begun.readable(claim.document, f"run {claim.run_id}", store.begun(), newer)
         store.describe(campaign, components)
         with durations.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
             verdict = execute(campaign, store)
@@ -195,7 +195,7 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
     except OtherCode as error:
         return {"outcome": "refused", "text": str(error)}
     except FilesChanged as error:
-        return {"outcome": "stale", "text": str(error)}
+        return {"outcome": "edited", "text": str(error)}
     except (CampaignUnusable, CampaignError, ReplayMismatch) as error:
         return {"outcome": "unusable", "text": str(error)}
     except MemoryError:  # the next attempt would need as much memory

@@ -186,7 +186,7 @@ class Supervisor:
                     break
         except ChildEndedError as ended:
             answer, self.child = {"outcome": "died", "text": f"the worker process {ended}"}, None
-        if answer is None or answer["outcome"] in ("failed", "spent", "stale"):
+        if answer is None or answer["outcome"] in ("failed", "spent", "edited"):
             self._drop_child()
         self._rest(claim.run_id, "" if answer is None else answer["outcome"], time.monotonic() - began)
         self._next_beat = 0.0
@@ -210,7 +210,7 @@ class Supervisor:
             while True:
                 answer = child.receive(WATCH)
                 if answer is not None:
-                    if answer["outcome"] in ("failed", "spent", "stale"):
+                    if answer["outcome"] in ("failed", "spent", "edited"):
                         self._drop_child()
                     return Ending(answer["outcome"], answer["text"])
                 if self._wakeup.signal is not None:
@@ -265,6 +265,7 @@ class Supervisor:
             "died": lambda: queue.retry(claim, ending.text),
             "killed": lambda: queue.lost(claim, ending.text),
             "failed": lambda: queue.retry(claim, ending.text),
+            "edited": lambda: queue.retry(claim, ending.text),
             "refused": lambda: queue.refuse(claim, self.installation, ending.text),
             "unusable": lambda: queue.fail(claim, ending.text),
             "spent": lambda: queue.fail(claim, ending.text),

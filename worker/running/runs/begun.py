@@ -12,14 +12,14 @@ from campaigns.versions import OtherCode, differing
 from worker.running.runs import identity
 
 
-def readable(document: Mapping[str, object], source: str, begun: Begun | None, other: bool = False) -> Campaign:
+def readable(document: Mapping[str, object], source: str, begun: Begun | None, newer: bool = False) -> Campaign:
     """The campaign of a run that this installation may execute; raises `OtherCode` if other code began it, and
-    `CampaignError` if it cannot be read. begun: by which code; None if nothing has been evaluated; other: whether it
-    was submitted for another version."""
+    `CampaignError` if it cannot be read. begun: by which code; None if nothing has been evaluated; newer: whether it
+    was submitted for a newer version."""
     try:
         campaign = load_document(document, source)
     except CampaignError as error:
-        if begun is None and not other:
+        if begun is None and not newer:
             raise
         raise OtherCode(f"this version cannot read its campaign ({error})") from None
     others = [] if begun is None else _others(begun, campaign)

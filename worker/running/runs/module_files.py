@@ -50,10 +50,12 @@ class Recorded:
         if file is None:
             return None
         found = PathFinder.find_spec(name, path)
-        if found is not None and not _same(found.origin, file.path):
+        if found is not None and found.origin is not None and _place(found.origin) != _place(file.path):
             return None  # another file of that name comes first
+        if found is not None and not _same(found.origin, file.path):
+            found = None  # a release has put another one in its place
         if not file.path.endswith(".py"):
-            if mark(file.path) != file.mark and _content(file.path) != file.content:
+            if found is None or (mark(file.path) != file.mark and _content(file.path) != file.content):
                 raise ImportError(f"{file.path} has changed since this process started: start it again", name=name)
             return found
         folder = [str(Path(file.path).parent)] if Path(file.path).name == "__init__.py" else None
@@ -77,6 +79,12 @@ class Loader(SourceFileLoader):
         code = self.source_to_code(self.file.content, self.file.path)
         assert isinstance(code, CodeType)
         return code
+
+
+def _place(path: str) -> str:
+    """The folder that has the module, or the package that it is."""
+    file = Path(path)
+    return os.path.realpath(file.parents[1] if file.stem == "__init__" else file.parent)
 
 
 def _same(path: str | None, other: str) -> bool:

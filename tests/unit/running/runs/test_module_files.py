@@ -109,6 +109,15 @@ def test_a_file_that_is_edited_or_deleted_is_loaded_as_it_was(package: Path) -> 
     assert importlib.reload(outer).X == 2.0, "which a user asked for"
 
 
+def test_a_package_in_the_place_of_a_module_is_not_loaded_nor_a_folder_without_its_file(package: Path) -> None:
+    (package / "inner.py").unlink()
+    (package / "inner").mkdir()
+    (package / "inner" / "__init__.py").write_text("X = 2.0\n", encoding="utf-8")
+    (package / "__init__.py").unlink()
+    assert importlib.import_module("recorded_here").X == 1.0
+    assert importlib.import_module("recorded_here.inner").X == 1.0
+
+
 def test_an_edit_while_it_is_loaded_is_not_loaded(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file, marked = package / "__init__.py", module_files.mark
 

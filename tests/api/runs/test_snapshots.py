@@ -199,7 +199,7 @@ def test_what_the_same_version_cannot_run_fails(service: Service, client: httpx.
 def test_a_campaign_that_the_service_could_read_and_this_version_cannot_is_left_to_others() -> None:
     document = ASKED.document()
     with pytest.raises(OtherCode, match="novel"):
-        begun.readable({**document, "scenario": {**document["scenario"], "novel": 1}}, "run 1", None, newer=True)
+        begun.readable({**document, "scenario": {**document["scenario"], "novel": 1}}, "run 1", None, lambda: True)
 
 
 OTHERWISE: dict[str, tuple[Change, str | None]] = {

@@ -181,7 +181,7 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
 
     try:
         store = RunStore(engine, claim, pulse.own.beat)
-        newer = store.of_newer_version(components)
+        newer = partial(store.of_newer_version, components)
         campaign = begun.readable(claim.document, f"run {claim.run_id}", store.begun(), newer)
         store.describe(campaign, components)
         with durations.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
@@ -12,14 +12,16 @@ from campaigns.versions import OtherCode, differing
 from worker.running.runs import identity
 
 
-def readable(document: Mapping[str, object], source: str, begun: Begun | None, newer: bool = False) -> Campaign:
+def readable(
+    document: Mapping[str, object], source: str, begun: Begun | None, newer: Callable[[], bool] = lambda: False
+) -> Campaign:
     """The campaign of a run that this installation may execute; raises `OtherCode` if other code began it, and
     `CampaignError` if it cannot be read. begun: by which code; None if nothing has been evaluated; newer: whether it
     was submitted for a newer version."""
     try:
         campaign = load_document(document, source)
     except CampaignError as error:
-        if begun is None and not newer:
+        if begun is None and not newer():
             raise
         raise OtherCode(f"this version cannot read its campaign ({error})") from None
     others = [] if begun is None else _others(begun, campaign)

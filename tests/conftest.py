@@ -8,13 +8,17 @@ from worker.running.processes import blas as blas  # before numpy is loaded
 # isort: split
 import gc
 import re
+import ssl
+from functools import cache
 from importlib import import_module
 
+import httpx
 import pytest
 from hypothesis import HealthCheck, settings
 from numba.core.registry import cpu_target
 
 from tests import statements
+from tests.migrated import empty
 from tests.side_by_side import pytest_addoption, pytest_runtestloop
 
 __all__ = ["pytest_addoption", "pytest_runtestloop"]
@@ -94,10 +98,13 @@ def pytest_configure() -> None:
 
 
 def load() -> None:
-    """Once for all forks, what is imported when it is first needed, by most of them: a second for each."""
+    """Once for all forks, what most of them need: a second for each. All clients have one list of authorities."""
     for name in ("cma", "SALib.sample.sobol", "SALib.analyze.sobol"):
         import_module(name)
     cpu_target.target_context.refresh()
+    ssl.create_default_context = cache(ssl.create_default_context)
+    httpx.create_ssl_context()
+    empty()
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

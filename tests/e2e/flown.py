@@ -14,12 +14,13 @@ import httpx
 import sqlalchemy as sa
 
 from backend.db import workers
-from backend.db.engine import default_url, migrate, read
+from backend.db.engine import read
 from backend.db.tables import Run, Worker
 from campaigns import library, load_file
 from tests.e2e.stored import opened
 from tests.faults.processes import CLEARANCE, started, until
 from tests.given.service import Service
+from tests.migrated import migrated
 from tests.simulators import dropped, package
 
 FEW = {"at_most": 2, "evaluations": 100}
@@ -106,11 +107,10 @@ def fly(folder: Path) -> Flown:
         dropped.install(found.simulators)
         dropped.install(found.simulators, scene=True)
     environment = {
-        "CLEARANCE_DATABASE": default_url(found.data),
+        "CLEARANCE_DATABASE": migrated(found.data),
         "CLEARANCE_SIMULATORS": str(found.simulators),
         "PYTHONPATH": package.path(package.install(folder / "package")),
     }
-    migrate(environment["CLEARANCE_DATABASE"])
     command = [*CLEARANCE, "worker", "--name", "w1"]
     known = 1 + len(list(found.simulators.iterdir()))
     with (

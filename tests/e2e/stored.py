@@ -7,11 +7,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from backend.db.engine import default_url, migrate
 from backend.scenes.base.schemas import Layers, ViewState
 from backend.scenes.live.live import Live
 from backend.settings import Settings
 from tests.given.service import Service
+from tests.migrated import migrated
 
 VIEW = ViewState(
     opened=1.0,
@@ -44,7 +44,7 @@ VIEW = ViewState(
 @contextmanager
 def served(data: Path, catalogue: dict[str, Any] | None = None, **given: Any) -> Iterator[Service]:
     """A running service on an empty folder, with a catalogue, by default that of the API's tests. given: settings."""
-    migrate(default_url(data))
+    migrated(data)
     with opened(data, **given) as service:
         service.publish(catalogue)
         yield service

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from backend.db.engine import default_url, migrate
 from tests.e2e.axe import AXE, violations
 from tests.e2e.browser import draws, visiting
 from tests.e2e.stored import opened
@@ -16,6 +15,7 @@ from tests.faults.processes import until
 from tests.given.finished_runs import finish
 from tests.given.openid_provider import CLIENT, SECRET, local_provider
 from tests.given.submissions import submit
+from tests.migrated import migrated
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
 
@@ -27,7 +27,7 @@ def test_a_shared_link_leads_through_the_provider_to_the_run(browser: Browser, t
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))
         port = one.getsockname()[1]
-    migrate(default_url(tmp_path))
+    migrated(tmp_path)
     public = f"http://127.0.0.1:{port}{ROOT}"
     given = {"port": port, "public_url": public, "oidc_client_id": CLIENT, "oidc_client_secret": SECRET}
     given |= {"oidc_name": "Example", "oidc_roles": '{"eng": "engineer"}'}

@@ -12,6 +12,7 @@ from backend.db.access import LOCAL
 from backend.db.engine import connect, migrate
 from backend.db.tables import Base
 from tests.faults import postgres
+from tests.migrated import migrated
 
 
 @pytest.fixture(scope="session")
@@ -24,9 +25,10 @@ def server() -> Iterator[postgres.Server]:
 @pytest.fixture(params=["sqlite", "postgresql"])
 def database(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[sa.Engine]:
     """An empty database of each kind."""
-    file = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    url = file if request.param == "sqlite" else request.getfixturevalue("server").url
-    migrate(url)
+    if request.param == "sqlite":
+        url = migrated(tmp_path)
+    else:
+        migrate(url := request.getfixturevalue("server").url)
     engine = connect(url)
     yield engine
     if request.param == "postgresql":

@@ -32,6 +32,7 @@ from tests.faults.processes import until, worker
 from tests.faults.serving import state
 from tests.given.at_night import nightly_but
 from tests.given.databases import AT_NIGHT
+from tests.migrated import migrated
 
 
 def queued(engine: sa.Engine) -> int:
@@ -67,8 +68,7 @@ def test_a_backup_made_while_a_run_writes_goes_on_where_it_was(database: sa.Engi
 @pytest.fixture
 def stored(tmp_path: Path) -> str:
     """A database with one run."""
-    url = default_url(tmp_path / "data")
-    migrate(url)
+    url = migrated(tmp_path / "data")
     engine = connect(url)
     queued(engine)
     engine.dispose()

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import yaml
 
-from backend.db.engine import connect, migrate
+from backend.db.engine import connect
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from campaigns.asked.load import load_document
@@ -26,6 +26,7 @@ from campaigns.stored.records import StagePlan
 from tests.faults import stage
 from tests.faults.nodes import Cluster, cluster
 from tests.faults.processes import command_of, kill, started, until
+from tests.migrated import migrated
 from tests.simulators import gated, misbehaving, package
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
@@ -205,8 +206,7 @@ def test_a_killed_process_repeats_only_what_was_running(
     problem = stage.problem_of(gate.described.folder)
     expected = problem.vectors(stage.points(60))
     lines = [line({"parameters": {"x": x, "y": y}}) for x, y in expected.tolist()]
-    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    migrate(url)
+    url = migrated(tmp_path)
     engine = connect(url)
     with engine.begin() as connection:
         submit(connection, problem.campaign, name="a run", tags=[], owner="", planned=0)

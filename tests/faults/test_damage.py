@@ -15,7 +15,7 @@ import pytest
 import typer
 
 from backend.db.damage import damage
-from backend.db.engine import connect, default_url, migrate, read
+from backend.db.engine import connect, default_url, read
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Run
@@ -167,8 +167,7 @@ def test_the_whole_database_is_read_by_them(folder: Path, capsys: pytest.Capture
 @pytest.mark.nightly
 def test_a_worker_under_which_files_are_deleted_stops_writing_and_another_goes_on(tmp_path: Path) -> None:
     """Those beside the SQLite file: what was stored is there, and no attempt is used up."""
-    url = default_url(tmp_path)
-    migrate(url)
+    url = migrated(tmp_path)
 
     def run() -> Any:
         engine = connect(url)  # one that stays open would keep the deleted files

@@ -15,13 +15,14 @@ import pytest
 import sqlalchemy as sa
 import yaml
 
-from backend.db.engine import connect, default_url, migrate
+from backend.db.engine import connect
 from backend.db.queue import request_cancel, submit
 from campaigns.asked.load import load_document
 from tests.faults.nodes import cluster
 from tests.faults.processes import CLEARANCE, Started, alive, command_of, kill, started, until, worker
 from tests.faults.serving import state
 from tests.fmu import made
+from tests.migrated import migrated
 from worker.engine.systems.simulators.cluster.address import SETTING
 from worker.engine.systems.simulators.cluster.node import LOST
 from worker.engine.systems.simulators.slots.guard import PLACE
@@ -99,8 +100,7 @@ class Site:
 
     def queued(self) -> tuple[sa.Engine, int]:
         """A new database with a run."""
-        url = default_url(self.folder)
-        migrate(url)
+        url = migrated(self.folder)
         engine = connect(url)
         with engine.begin() as connection:
             campaign = load_document(self.document)

@@ -12,7 +12,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db import refusals, waiting
-from backend.db.engine import connect, migrate, read
+from backend.db.engine import connect, read
 from backend.db.queue import submit
 from backend.db.tables import EvaluationChunk
 from backend.runs import waiting as reasons
@@ -25,6 +25,7 @@ from tests.faults.releases import Release, begin
 from tests.faults.stored import Stored
 from tests.given.at_night import nightly_but
 from tests.given.edited_code import digest_with
+from tests.migrated import migrated
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs import identity, sources
 from worker.running.runs.meaning import meaning
@@ -41,8 +42,7 @@ class Service(Stored):
     """A database, and what the service says of a run."""
 
     def __init__(self, folder: Path) -> None:
-        self.url = f"sqlite:///{folder}/clearance.sqlite3"
-        migrate(self.url)
+        self.url = migrated(folder)
         self.engine = connect(self.url)
 
     def submitted(self, asked: Campaign) -> int:

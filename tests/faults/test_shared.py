@@ -152,12 +152,13 @@ def test_who_assists_leaves_for_a_run_that_waits(database: sa.Engine, tmp_path: 
 
 @pytest.mark.parametrize("certify", [{"keep": "all"}, {"until": "target"}])
 def test_what_cannot_be_shared_is_not(certify: dict[str, str], tmp_path: Path) -> None:
-    from backend.db.engine import connect, default_url, migrate
+    from backend.db.engine import connect
     from backend.db.queue import Queue
     from backend.db.tables import CampaignRow
     from campaigns.stored.records import StagePlan
+    from tests.migrated import migrated
 
-    migrate(url := default_url(tmp_path))
+    url = migrated(tmp_path)
     engine = connect(url)
     document = case().document() | {"target_probability": 0.01}
     document["stages"]["certify"] |= certify

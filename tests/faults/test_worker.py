@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 
-from backend.db.engine import connect, migrate, read
+from backend.db.engine import connect, read
 from backend.db.queue import Claim, request_cancel, submit
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run, Stage
@@ -26,6 +26,7 @@ from tests.faults.cases import campaign, columns
 from tests.faults.jobs import SEARCH, WINGS
 from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
+from tests.migrated import migrated
 from worker.running.catalogue.installed import catalogue
 from worker.running.processes import child, memory
 from worker.running.processes.supervisor import UNSTORED, Ending, Supervisor
@@ -68,8 +69,7 @@ class Bench(Stored):
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
     """A worker shared by all tests of this file: it must survive all of them."""
     folder = tmp_path_factory.mktemp("worker")
-    url = f"sqlite:///{folder}/clearance.sqlite3"
-    migrate(url)
+    url = migrated(folder)
     bench = Bench(url, folder)
     with worker(url, folder, "shared", *OPTIONS) as bench.worker:
         yield bench
@@ -146,8 +146,7 @@ def test_an_end_that_cannot_be_stored_fails_the_run_with_that_sentence(
     def unstored(*_: object) -> None:
         raise ValueError("no such column")
 
-    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    migrate(url)
+    url = migrated(tmp_path)
     bench, supervisor = Bench(url, tmp_path), Supervisor(url, "w1", runner="none:none")
     run_id, claim = bench.submit("none"), supervisor.queue.claim("w1")
     assert claim is not None
@@ -168,8 +167,7 @@ def test_a_simulator_that_changes_in_every_attempt_ends_the_run(tmp_path: Path) 
     def changes(*_: object) -> None:
         raise FilesChanged([Problem("simulator.name", "drop", "drop.py has changed")])
 
-    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    migrate(url)
+    url = migrated(tmp_path)
     bench, supervisor = Bench(url, tmp_path), Supervisor(url, "w1", runner="none:none")
     run_id = bench.submit("none")
     for attempt in range(1, 4):
@@ -290,8 +288,7 @@ def test_a_locked_database_is_waited_for(bench: Bench, tmp_path: Path) -> None:
 @pytest.mark.nightly  # by day tests/faults/test_serve.py: a worker that is stopped with its service gives its run back
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_stopped_worker_gives_its_run_back(bench: Bench, tmp_path: Path, number: signal.Signals) -> None:
-    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    migrate(url)
+    url = migrated(tmp_path)
     own = Bench(url, tmp_path)
     run_id = own.submit("hold")
     with worker(url, tmp_path, "first", *OPTIONS) as first:
@@ -351,8 +348,7 @@ def test_of_two_workers_one_continues_where_the_other_was_frozen_or_killed(bench
 @contextmanager
 def own(folder: Path, *options: str) -> Iterator[Bench]:
     """A database and a worker of one test."""
-    url = f"sqlite:///{folder}/clearance.sqlite3"
-    migrate(url)
+    url = migrated(folder)
     bench = Bench(url, folder)
     try:
         with worker(url, folder, "own", *OPTIONS, *options) as bench.worker:
@@ -376,8 +372,7 @@ def test_a_child_that_stands_still_is_replaced(tmp_path: Path, how: str) -> None
 
 @pytest.mark.nightly  # by day a database that is locked, and a child that cannot start
 def test_an_outage_while_the_child_starts(tmp_path: Path) -> None:
-    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    migrate(url)
+    url = migrated(tmp_path)
     locked = connect(url).connect()
     with own(tmp_path) as bench:
         until(lambda: bench.worker.family()[1:], "the child starts")

@@ -33,6 +33,12 @@ class Stream:
                 return json.loads(block[1].removeprefix("data: "))
         pytest.fail(f"the stream ended without an event {name!r}")
 
+    def until(self, name: str, **expected: Any) -> None:
+        """Read on to an event of that name with these values: those before it may state what was."""
+        data = self.next(name)
+        while any(data[key] != value for key, value in expected.items()):
+            data = self.next(name)
+
 
 @contextmanager
 def streaming(client: httpx.Client, **query: str) -> Iterator[Stream]:

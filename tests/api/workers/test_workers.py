@@ -170,9 +170,9 @@ def test_the_stream_reports_workers(service: Service, client: httpx.Client, monk
         assert stream.next("workers")["alive"] == 0
         assert other.next("run")["waits"] == no_worker(None, 0.0)
         arrive(service, "w1")
-        assert stream.next("workers")["alive"] == 1
-        assert other.next("workers")["alive"] == 1
-        assert other.next("run")["waits"] == SOON
+        stream.until("workers", alive=1)
+        other.until("workers", alive=1)
+        other.until("run", waits=SOON)
 
 
 def test_falling_silent_is_noticed_though_nothing_is_written(

@@ -45,24 +45,29 @@ def test_json_without_a_type_of_its_own_stays_at_the_edges(named: str, most: int
 
 def aliased(value: ast.expr | None, names: set[str]) -> bool:
     """Whether an expression is `dict[str, Any]`, or one of these names of it."""
-    return value is not None and ast.unparse(value) in {"dict[str, Any]", "Dict[str, Any]", *names}
+    named = ast.Name, ast.Attribute, ast.Subscript
+    return isinstance(value, named) and ast.unparse(value) in {"dict[str, Any]", "Dict[str, Any]", *names}
 
 
 def json_aliases(modules: dict[str, ast.Module]) -> dict[str, set[str]]:
     """By module, the names under which it has `dict[str, Any]`: those that it assigns and those that it imports."""
     names: dict[str, set[str]] = {module: set() for module in modules}
+    assigning = ast.ImportFrom, ast.Assign, ast.AnnAssign, getattr(ast, "TypeAlias", ast.ImportFrom)
+    statements = {module: [n for n in ast.walk(tree) if isinstance(n, assigning)] for module, tree in modules.items()}
     known = -1
     while known != (known := sum(map(len, names.values()))):
-        for module, tree in modules.items():
-            for node in ast.walk(tree):
-                if isinstance(node, ast.ImportFrom) and node.module in names:
+        for module, node in ((module, node) for module, nodes in statements.items() for node in nodes):
+            if isinstance(node, ast.ImportFrom):
+                if node.module in names:
                     names[module] |= {n.asname or n.name for n in node.names if n.name in names[node.module]}
-                elif isinstance(node, ast.Assign) and aliased(node.value, names[module]):
+            elif isinstance(node, ast.Assign):
+                if aliased(node.value, names[module]):
                     names[module] |= {of.id for of in node.targets if isinstance(of, ast.Name)}
-                elif isinstance(node, ast.AnnAssign) and "TypeAlias" in ast.unparse(node.annotation):
-                    names[module] |= {ast.unparse(node.target)} if aliased(node.value, names[module]) else set()
-                elif type(node).__name__ == "TypeAlias" and aliased(node.value, names[module]):  # Python 3.12
-                    names[module].add(ast.unparse(node.name))
+            elif isinstance(node, ast.AnnAssign):
+                if "TypeAlias" in ast.unparse(node.annotation) and aliased(node.value, names[module]):
+                    names[module].add(ast.unparse(node.target))
+            elif aliased(node.value, names[module]):  # Python 3.12
+                names[module].add(ast.unparse(node.name))
     return names
 
 

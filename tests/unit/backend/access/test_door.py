@@ -10,15 +10,14 @@ import pytest
 import sqlalchemy as sa
 
 from backend.access.door import Door
-from backend.db.engine import default_url, migrate
+from tests.migrated import migrated
 
 VISITORS = 2_000
 
 
 @pytest.fixture
 def database(tmp_path: Path) -> str:
-    migrate(url := default_url(tmp_path))
-    return url
+    return migrated(tmp_path)
 
 
 def test_all_that_wait_for_one_answer_get_it_and_whoever_comes_later_a_new_one(database: str) -> None:

@@ -146,17 +146,21 @@ class Parent:
             self.hand_out(fork)
         elif statement == "warned":
             hook.pytest_warning_recorded.call_historic(kwargs=content)
-        elif statement == "report":
-            report = hook.pytest_report_from_serializable(config=self.session.config, data=content)
-            report.node = _named(fork)
+        else:
+            fork.left.pop(0)
+            self.log(_named(fork), *content)
+
+    def log(self, node: SimpleNamespace, reports: list[dict[str, Any]], test: dict[str, Any]) -> None:
+        """Pass on what a process reported of a test."""
+        hook = self.session.config.hook
+        hook.pytest_runtest_logstart(**test)
+        for data in reports:
+            report = hook.pytest_report_from_serializable(config=self.session.config, data=data)
+            report.node = node
             hook.pytest_runtest_logreport(report=report)
             if report.failed:  # at once: a run of an hour may be ended before it prints its failures
                 self.session.config.get_terminal_writer().line(f"\nfailed: {report.nodeid}")
-        elif statement == "started":
-            hook.pytest_runtest_logstart(**content)
-        else:
-            fork.left.pop(0)
-            hook.pytest_runtest_logfinish(**content)
+        hook.pytest_runtest_logfinish(**test)
 
     def hand_out(self, fork: Fork) -> None:
         stopped = self.session.shouldfail or self.session.shouldstop
@@ -267,20 +271,19 @@ def _run_tests(session: pytest.Session, connection: Connection) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Child:
-    """Tells the parent what happens."""
+    """Tells the parent what happens, of each test at once: a message costs as much as a short test."""
 
     config: pytest.Config
     connection: Connection
-
-    def pytest_runtest_logstart(self, nodeid: str, location: tuple[str, int | None, str]) -> None:
-        self.connection.send(("started", {"nodeid": nodeid, "location": location}))
+    reports: list[dict[str, Any]] = field(default_factory=list)
+    """Of the test that runs."""
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        data = self.config.hook.pytest_report_to_serializable(config=self.config, report=report)
-        self.connection.send(("report", data))
+        self.reports.append(self.config.hook.pytest_report_to_serializable(config=self.config, report=report))
 
     def pytest_runtest_logfinish(self, nodeid: str, location: tuple[str, int | None, str]) -> None:
-        self.connection.send(("finished", {"nodeid": nodeid, "location": location}))
+        self.connection.send(("test", (self.reports, {"nodeid": nodeid, "location": location})))
+        self.reports.clear()
 
     def pytest_warning_recorded(
         self, warning_message: warnings.WarningMessage, when: str, nodeid: str, location: tuple[str, int, str] | None

@@ -15,11 +15,11 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.engine import connect, read
-from backend.db.queue import Claim, request_cancel, submit
+from backend.db.queue import Claim, Queue, request_cancel, submit
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.db.tables import Worker as WorkerRow
-from campaigns.asked.problem import Problem
+from campaigns.asked.problem import CampaignError, Problem
 from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from clearance.cli.worker import DRAINED
 from tests.faults.cases import campaign, columns
@@ -27,6 +27,7 @@ from tests.faults.jobs import SEARCH, WINGS
 from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
 from tests.migrated import migrated
+from worker.engine.systems.base import CampaignUnusable
 from worker.running.catalogue.installed import catalogue
 from worker.running.processes import child, memory
 from worker.running.processes.supervisor import UNSTORED, Ending, Supervisor
@@ -186,6 +187,28 @@ def test_a_simulator_that_changes_in_every_attempt_ends_the_run(tmp_path: Path) 
     assert len({child.installation(each) for each in (catalogue(), *known)}) == 3
     bench.engine.dispose()
     supervisor.engine.dispose()
+
+
+@pytest.mark.parametrize(
+    "raised",
+    [CampaignUnusable([Problem("simulator.name", "drop", "cannot be used")]), CampaignError("x", []), MemoryError()],
+)
+def test_what_cannot_be_used_while_files_change_is_tried_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, raised: Exception
+) -> None:
+    def cannot(*_: object) -> None:
+        raise raised
+
+    (folder := tmp_path / "drop").mkdir()
+    bench = Bench(migrated(tmp_path), tmp_path)
+    bench.submit("none")
+    claim = Queue(bench.engine).claim("w1")
+    assert claim is not None
+    assert child.perform(cannot, bench.engine, catalogue(), claim)["outcome"] in ("unusable", "spent")
+    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(folder.parent))
+    (folder / "simulator.yaml").write_text("name: drop", encoding="utf-8")
+    assert child.perform(cannot, bench.engine, catalogue(), claim)["outcome"] == "edited"
+    bench.engine.dispose()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")

@@ -158,18 +158,22 @@ class Waiting:
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
-    """Execute a claim; its answer may be stored and logged, whatever a component has raised."""
+    """Execute a claim; its answer may be stored and logged, whatever a component has raised.
+
+    What cannot be used while files change may be half of the earlier and half of the later ones.
+    """
     answer = _performed(execute, engine, components, claim)
+    if answer["outcome"] in ("unusable", "spent") and sources.stale():
+        answer["outcome"] = "edited"
     return answer | {"text": storable(answer["text"])}
 
 
 def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Execute a claim.
 
-    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `edited` (the files of its simulator
-    have changed: a new process compares them with those that began it), `unusable` (cannot be retried), `spent` (as
-    that, and this process is not used again), `failed` (this attempt; neither is it), `database` (which cannot be
-    used: no fault of the run).
+    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `edited` (files have changed: a new process
+    compares them with those that began it), `unusable` (cannot be retried), `spent` (as that, and this process is not
+    used again), `failed` (this attempt; neither is it), `database` (which cannot be used: no fault of the run).
     """
     from worker.engine.kernels import durations
     from worker.engine.stages.parts.context import ReplayMismatch

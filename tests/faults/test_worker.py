@@ -19,19 +19,25 @@ from backend.db.queue import Claim, Queue, request_cancel, submit
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.db.tables import Worker as WorkerRow
+from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError, Problem
+from campaigns.stored.records import StagePlan
 from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from clearance.cli.worker import DRAINED
 from tests.faults.cases import campaign, columns
 from tests.faults.jobs import SEARCH, WINGS
 from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
+from tests.given import case_campaigns
 from tests.migrated import migrated
+from worker.engine.stages.parts.context import ReplayMismatch
 from worker.engine.systems.base import CampaignUnusable
 from worker.running.catalogue.installed import catalogue
 from worker.running.processes import child, memory
 from worker.running.processes.supervisor import UNSTORED, Ending, Supervisor
+from worker.running.runs import identity
 from worker.running.runs.file_check import FilesChanged
+from worker.running.runs.provenance import machine
 
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 
@@ -209,6 +215,48 @@ def test_what_cannot_be_used_while_files_change_is_tried_again(
     (folder / "simulator.yaml").write_text("name: drop", encoding="utf-8")
     assert child.perform(cannot, bench.engine, catalogue(), claim)["outcome"] == "edited"
     bench.engine.dispose()
+
+
+@pytest.mark.parametrize("elsewhere", [True, False])
+def test_a_run_that_requests_other_points_here_waits_if_another_kind_of_machine_began_it(
+    tmp_path: Path, elsewhere: bool
+) -> None:
+    def mismatches(*_: object) -> None:
+        raise ReplayMismatch(1, 142)
+
+    bench = Bench(migrated(tmp_path), tmp_path)
+    with bench.engine.begin() as connection:
+        submit(connection, case_campaigns.campaign(), name="a", tags=[], owner="", planned=1)
+    claim = Queue(bench.engine).claim("w1")
+    assert claim is not None
+    code, here = identity.code(load_document(claim.document)), machine()
+    there = here.model_copy(update={"system": "Plan9 mips"}) if elsewhere else here
+    store = RunStore(bench.engine, claim)
+    store.plan([StagePlan("nominal", None, 1)])
+    store.record_versions(there.model_copy(update={"code": code.digest}), code)
+    store.begin(0)
+    answer = child.perform(mismatches, bench.engine, catalogue(), claim)
+    assert answer["outcome"] == ("refused" if elsewhere else "unusable"), answer["text"]
+    assert ("Plan9" in answer["text"]) == elsewhere
+    bench.engine.dispose()
+
+
+@pytest.mark.parametrize(
+    "named",
+    [
+        "platform.python_version",
+        "platform.machine",
+        "worker.running.runs.provenance.binding.get_host_cpu_name",
+        "worker.running.runs.provenance.processor_features",
+    ],
+)
+def test_processes_that_differ_in_what_runs_are_compared_by_refuse_apart(
+    named: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = child.installation(catalogue())
+    assert child.installation(catalogue()) == here
+    monkeypatch.setattr(named, lambda: "another")
+    assert child.installation(catalogue()) != here
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")

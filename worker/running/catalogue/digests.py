@@ -21,6 +21,12 @@ def with_digests(catalogue: Catalogue) -> Catalogue:
     return catalogue.model_copy(update={"digests": {name: digest for name, digest in found.items() if digest}})
 
 
+def digest_of(name: str) -> str:
+    """The digest of a simulator of this installation; empty where there is none."""
+    simulator = simulators().get(name)
+    return "" if simulator is None else _digest(simulator)
+
+
 def _digest(simulator: Simulator | Described | PythonFunction) -> str:
     """Empty where there is none."""
     try:

@@ -21,6 +21,7 @@ import json
 import logging
 import math
 import os
+import platform
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -38,6 +39,7 @@ from backend.db.queue import Claim, LostLease, Queue
 from backend.db.store import RunStore
 from campaigns import Campaign, CampaignError, Catalogue, logs
 from campaigns.runs import run_name
+from campaigns.stored.records import Begun
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
 from worker.running.processes.answering import private_output, send
@@ -93,11 +95,12 @@ def main() -> None:
 
 
 def installation(published: Catalogue) -> str:
-    """What identifies this process where a run is refused: its code, and the files of the simulators. A run that waits
-    for the earlier files of one is claimed once they are back."""
-    if not published.digests:
-        return sources.LOADED.digest
-    named = repr((sources.LOADED.digest, sorted(published.digests.items())))
+    """What identifies this process where a run is refused: all by which it may be. A run that waits for the earlier
+    files of a simulator is claimed once they are back."""
+    from worker.running.runs.provenance import machine
+
+    here = machine().model_dump_json(exclude={"cpu": {"model"}})
+    named = repr((sources.LOADED.digest, platform.python_version(), here, sorted(published.digests.items())))
     return hashlib.sha256(named.encode()).hexdigest()
 
 
@@ -171,9 +174,10 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
 def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Execute a claim.
 
-    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `edited` (files have changed: a new process
-    compares them with those that began it), `unusable` (cannot be retried), `spent` (as that, and this process is not
-    used again), `failed` (this attempt; neither is it), `database` (which cannot be used: no fault of the run).
+    Outcomes: `done`, `lost` (lease), `refused` (other code began it, or another kind of machine), `edited` (files have
+    changed: a new process compares them with those that began it), `unusable` (cannot be retried), `spent` (as that,
+    and this process is not used again), `failed` (this attempt; neither is it), `database` (which cannot be used: no
+    fault of the run).
     """
     from worker.engine.kernels import durations
     from worker.engine.stages.parts.context import ReplayMismatch
@@ -183,10 +187,11 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
     from worker.running.runs import begun
     from worker.running.runs.file_check import FilesChanged
 
+    then: Begun | None = None
     try:
         store = RunStore(engine, claim, pulse.own.beat)
-        newer = partial(store.of_newer_version, components)
-        campaign = begun.readable(claim.document, f"run {claim.run_id}", store.begun(), newer)
+        then, newer = store.begun(), partial(store.of_newer_version, components)
+        campaign = begun.readable(claim.document, f"run {claim.run_id}", then, newer)
         store.describe(campaign, components)
         with durations.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
             verdict = execute(campaign, store)
@@ -200,7 +205,12 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
         return {"outcome": "refused", "text": str(error)}
     except FilesChanged as error:
         return {"outcome": "edited", "text": str(error)}
-    except (CampaignUnusable, CampaignError, ReplayMismatch) as error:
+    except ReplayMismatch as error:
+        others = begun.elsewhere(then)
+        return (
+            {"outcome": "refused", "text": "; ".join(others)} if others else {"outcome": "unusable", "text": str(error)}
+        )
+    except (CampaignUnusable, CampaignError) as error:
         return {"outcome": "unusable", "text": str(error)}
     except MemoryError:  # the next attempt would need as much memory
         log.exception("run %d: out of memory", claim.run_id)

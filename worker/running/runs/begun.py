@@ -1,4 +1,4 @@
-"""Whether this installation may continue a run, asked before anything is opened or compiled. Read `readable`."""
+"""Whether this installation may continue a run: `readable` before anything is opened or compiled, `elsewhere` after."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from collections.abc import Callable, Mapping
 
 from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
-from campaigns.identity.identity import differences, identity_of
+from campaigns.identity.identity import differences, identity_of, is_read, simulator_of
 from campaigns.stored.records import Begun
 from campaigns.versions import OtherCode, differing
-from worker.running.runs import identity
+from worker.running.catalogue.digests import digest_of
+from worker.running.runs import identity, provenance
+from worker.running.runs.replay import other_machine
 
 
 def readable(
@@ -30,10 +32,24 @@ def readable(
     return campaign
 
 
+def elsewhere(begun: Begun | None) -> list[str]:
+    """Why a method may request other points here than where the run was begun, though its code does not differ as far
+    as that was stored."""
+    if begun is None:
+        return []
+    then = begun.versions
+    undigested = [] if then.code else ["a version began it that stored no digests of its code"]
+    return undigested + (other_machine(then, provenance.machine()) if then.cpu else [])
+
+
 def _others(begun: Begun, campaign: Campaign) -> list[str]:
     """What differs as far as it is known without opening the system; the rest is compared when the run is begun."""
     here = identity.code(campaign)
     if begun.versions.code and not here.digest:
         return ["a component, method or stage of it is not installed here"]
     modules = differing(begun.modules, here.modules) if begun.modules else []
-    return differences(identity_of(begun.versions, ""), identity_of(identity.versions(campaign), ""), modules)
+    name, then, now = simulator_of(campaign), begun.versions, identity.versions(campaign)
+    if digest := digest_of(name) if is_read(then.simulator) and not then.command else "":
+        now = now.model_copy(update={"simulator": digest})
+    known = name if digest else ""
+    return differences(identity_of(then, known), identity_of(now, known), modules)

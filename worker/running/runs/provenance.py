@@ -41,13 +41,13 @@ def begin(store: Store, system: System, campaign: Campaign, records: Sequence[St
 
 def versions(campaign: Campaign, system: System) -> Versions:
     """The versions of the code and packages that a run of the campaign uses, the processor, the system."""
-    settings = optional.settings(system)
+    settings, here = optional.settings(system), machine()
     called = None if settings.integrator else slotted(system)
     system_values = {
         "clearance": version("clearance"),
         "wording": WORDING,
-        "system": f"{platform.system()} {platform.machine()}",
-        "cpu": _processor(),
+        "system": here.system,
+        "cpu": here.cpu,
         "lanes": settings.lanes,
         "step": settings.step,
         "integrator": settings.integrator,
@@ -61,13 +61,17 @@ def versions(campaign: Campaign, system: System) -> Versions:
 
 def identified(campaign: Campaign, loop: str | None = None, simulator: str | None = None) -> object:
     """The identity of a simulation in this process as JSON, with the digest of its compiled loop or simulator."""
-    machine = {"system": f"{platform.system()} {platform.machine()}", "cpu": _processor()}
-    here = identity.versions(campaign).model_copy(update={**machine, "loop": loop, "simulator": simulator})
+    on = machine()
+    evaluating = {"system": on.system, "cpu": on.cpu, "loop": loop, "simulator": simulator}
+    here = identity.versions(campaign).model_copy(update=evaluating)
     return identity_of(here, simulator_of(campaign)).model_dump(mode="json")
 
 
-def _processor() -> Processor:
-    return Processor(model=_model(), target=binding.get_host_cpu_name(), features=" ".join(processor_features()))
+def machine() -> Versions:
+    """The part of the versions that is of this machine."""
+    features = " ".join(processor_features())
+    processor = Processor(model=_model(), target=binding.get_host_cpu_name(), features=features)
+    return Versions(system=f"{platform.system()} {platform.machine()}", cpu=processor)
 
 
 def _model() -> str:

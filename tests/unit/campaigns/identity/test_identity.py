@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
@@ -18,9 +19,9 @@ from campaigns.identity.identity import (
     unsound,
 )
 from campaigns.stored.records import Begun
-from campaigns.versions import OtherCode, Versions
+from campaigns.versions import OtherCode, Processor, Versions
 from tests.given.case_campaigns import campaign
-from worker.running.runs import begun, identity, sources
+from worker.running.runs import begun, identity, provenance, sources
 
 VERSIONS = Versions(
     code="a" * 64,
@@ -85,3 +86,24 @@ def test_a_run_with_own_components_is_continued_by_the_code_that_began_it(monkey
     monkeypatch.setattr(sources, "own", lambda modules: {"my_robot.py": "2"})
     with pytest.raises(OtherCode, match=r"components/my_robot\.py has changed"):
         begun.readable(asked.document(), "a run", Begun(versions, {}))
+
+
+TARGET = Processor(model="any", target="znver9", features="a b")
+
+
+@pytest.mark.parametrize(
+    ("then", "texts"),
+    [
+        ({"cpu": TARGET}, [r"the processor was znver9, here it is "]),
+        ({"system": "Plan9 mips"}, [r"the system was Plan9 mips, here it is "]),
+        ({"cpu": None, "system": "Plan9 mips"}, []),
+        ({"code": None}, [r"stored no digests"]),
+        ({}, []),
+    ],
+)
+def test_another_machine_may_request_other_points(then: dict[str, Any], texts: list[str]) -> None:
+    versions = provenance.machine().model_copy(update={"code": "0" * 64, **then})
+    found = begun.elsewhere(Begun(versions, {}))
+    assert len(found) == len(texts)
+    assert all(re.search(text, clause) for text, clause in zip(texts, found, strict=True))
+    assert begun.elsewhere(None) == []

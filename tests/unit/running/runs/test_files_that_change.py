@@ -17,6 +17,7 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.sample_seed import SampleSeed
 from campaigns.stored.records import Ahead, Columns
+from campaigns.versions import OtherCode
 from worker.engine.problem.problem import Problem
 from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable
@@ -28,7 +29,7 @@ from worker.engine.systems.simulators.pooled import Pooled
 from worker.engine.systems.simulators.simulated import Simulated
 from worker.running.catalogue.installed import forget_simulators
 from worker.running.opening import opened
-from worker.running.runs import file_check, repetition
+from worker.running.runs import begun, file_check, repetition
 from worker.running.runs.file_check import FilesChanged
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
@@ -126,6 +127,21 @@ def test_a_run_whose_files_changed_stores_nothing_more_and_continues_once_they_a
         assert one is not None
         assert other is not None
         assert (one.costs.tolist(), one.status.tolist()) == (other.costs.tolist(), other.status.tolist())
+
+
+def test_a_run_whose_simulator_cannot_be_opened_since_an_edit_waits_for_its_files(file: Path) -> None:
+    """That it has changed is known before it is opened."""
+    text, store = file.read_text(), MemoryStore()
+    execute(campaign(), store)
+    assert store.versions is not None
+    known = begun.Begun(store.versions, {})
+    document = campaign().document()
+    assert begun.readable(document, "a run", known) == campaign()
+    file.write_text(text + "raise ImportError\n")
+    with pytest.raises(OtherCode, match="simulators/bowl has changed"):
+        begun.readable(document, "a run", known)
+    file.write_text(text)
+    assert begun.readable(document, "a run", known) == campaign()
 
 
 def test_a_change_before_the_first_evaluation_is_no_fault_of_the_campaign(

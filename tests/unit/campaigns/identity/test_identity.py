@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import pytest
@@ -92,18 +91,18 @@ TARGET = Processor(model="any", target="znver9", features="a b")
 
 
 @pytest.mark.parametrize(
-    ("then", "texts"),
+    ("then", "named"),
     [
-        ({"cpu": TARGET}, [r"the processor was znver9, here it is "]),
-        ({"system": "Plan9 mips"}, [r"the system was Plan9 mips, here it is "]),
-        ({"cpu": None, "system": "Plan9 mips"}, []),
-        ({"code": None}, [r"stored no digests"]),
+        ({"cpu": TARGET}, ["znver9"]),
+        ({"system": "Plan9"}, ["Plan9"]),
+        ({"cpu": None, "system": "Plan9"}, []),
+        ({"code": None}, ["digests"]),
         ({}, []),
     ],
 )
-def test_another_machine_may_request_other_points(then: dict[str, Any], texts: list[str]) -> None:
+def test_another_machine_may_request_other_points(then: dict[str, Any], named: list[str]) -> None:
     versions = provenance.machine().model_copy(update={"code": "0" * 64, **then})
     found = begun.elsewhere(Begun(versions, {}))
-    assert len(found) == len(texts)
-    assert all(re.search(text, clause) for text, clause in zip(texts, found, strict=True))
+    assert [name for name in ("znver9", "Plan9", "digests") if any(name in clause for clause in found)] == named
+    assert len(found) == len(named)
     assert begun.elsewhere(None) == []

@@ -26,7 +26,7 @@ compiled() { "$VENV/bin/python" -m compileall -q -j 0 -x '/(tests?|pip|setuptool
 
 # A virtual environment knows where it stands: one that was copied along with its folder is made again.
 stamp="$VENV/.installed"
-wanted="$HERE $(digest requirements.lock pyproject.toml)"
+wanted="$HERE $(digest requirements.lock pyproject.toml tools/install.sh)"
 current="$(cat "$stamp" 2>/dev/null || true)"
 if [ -n "$current" ] && [ "${current% *}" != "$HERE" ]; then
     say ".venv belongs to ${current% *}: it is made again"
@@ -43,7 +43,8 @@ if [ "$current" != "$wanted" ] || [ ! -f "$stamp" ]; then
     packages --require-hashes --only-binary :all: -r "$locked"
     ended
     begin "compiling" compiled
-    packages --no-deps --no-build-isolation -e .
+    # By a path: a finder would come after a plain folder "campaigns" next to the script of a user.
+    packages --no-deps --no-build-isolation --config-settings editable_mode=compat -e .
     printf '%s' "$wanted" >"$stamp"
 fi
 [ "${1:-}" = --without-pages ] || tools/frontend.sh

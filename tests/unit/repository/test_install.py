@@ -1,7 +1,8 @@
-"""What `make install` tells uv: what pip is told."""
+"""What `make install` tells uv: what pip is told; and what it makes importable."""
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import threading
@@ -91,3 +92,12 @@ def test_the_real_uv_asks_the_index_of_pip_and_none_where_pip_has_none(
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode != 0
     assert asked == ([] if none else ["/simple/nothing/"]), ended.stderr
+
+
+def test_a_script_next_to_folders_with_the_names_of_our_packages_imports_ours(tmp_path: Path) -> None:
+    """Whose repository has a folder `campaigns` keeps its own files there."""
+    for name in ("backend", "campaigns", "clearance", "worker"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "fly.py").write_text("import clearance; clearance.search", encoding="utf-8")
+    without = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    subprocess.run([sys.executable, "fly.py"], cwd=tmp_path, env=without, check=True, timeout=60)

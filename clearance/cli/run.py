@@ -240,7 +240,7 @@ def _executing(threads: int | None, quiet: bool, evaluator: str = "") -> Execute
     from worker.running.runs.runner import execute
 
     with refusing(ValueError):
-        memory.allowed()
+        memory.refuse()
 
     def executed(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
         evaluators.refuse_other(evaluator, campaign)

@@ -19,11 +19,12 @@ from backend.db import access, workers
 from backend.db.availability import awaited, sentence
 from backend.db.engine import connected
 from backend.db.private import keep_private
-from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
+from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError, refusing
 from clearance.cli._where import DATA, Data, Database, alone, counted, reading, url_of
 from clearance.cli.login_link import ADDRESS_FILE
 from clearance.cli.worker import DRAINED
 from worker.engine.kernels import jit
+from worker.running.processes import memory
 from worker.running.processes.lifeline import Wakeup
 from worker.running.processes.serving import Server, Servers
 
@@ -56,6 +57,8 @@ def serve(
 ) -> None:
     """Start the service and its workers, print a login link, and stop everything on Ctrl-C."""
     jit.refuse(jit.by_environment())
+    with refusing(ValueError):
+        memory.refuse()
     if not data.exists():
         _reserved(host, port).close()  # before anything is made
     try:

@@ -55,6 +55,7 @@ def worker(
     from backend.db.private import UMASK
     from worker.engine.kernels import jit
     from worker.running.catalogue.files import unusable_simulators
+    from worker.running.processes import memory
     from worker.running.processes.supervisor import Supervisor, default_name
 
     if check:
@@ -65,6 +66,7 @@ def worker(
     jit.refuse(jit.by_environment())
     evaluators.use(evaluator)
     with refusing(ValueError):
+        memory.refuse()
         logs.set_up(os.environ, "%(asctime)s %(levelname)s %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     os.umask(UMASK)

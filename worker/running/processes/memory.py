@@ -1,4 +1,5 @@
-"""A memory limit for simulating processes, so that one simulation cannot exhaust the memory of the machine.
+"""A memory limit for simulating processes, so that one simulation cannot exhaust the memory of the machine; their
+settings.
 
 Source: setrlimit(2), RLIMIT_AS (Linux), which limits address space. LLVM and the threads' heaps map far more than they
 use, so the limit is relative to what the process has mapped once it is ready.
@@ -17,6 +18,9 @@ from worker.engine.systems.threads import usual_threads
 
 SETTING = "CLEARANCE_CHILD_MEMORY"
 """The environment variable: GiB in addition to what a ready process has mapped; 0 for no bound."""
+
+THREADS = "CLEARANCE_THREADS"
+"""Another one: see `usual_threads`."""
 
 DEFAULT = 8.0
 """[GiB]"""
@@ -37,6 +41,14 @@ def allowed() -> float:
     if not value >= 0:
         raise ValueError(f"invalid {SETTING} {setting!r}: give a number of GiB such as 8, or 0 for no bound")
     return value or math.inf
+
+
+def refuse() -> None:
+    """Raise `ValueError` where a setting of processes that simulate is no number; asked before one is started."""
+    allowed()
+    setting = os.environ.get(THREADS, "")
+    if setting and not (setting.isascii() and setting.isdigit()):
+        raise ValueError(f"invalid {THREADS} {setting!r}: give a number of threads such as 4, or 0 for one a core")
 
 
 def bound(threads: int | None = None) -> None:

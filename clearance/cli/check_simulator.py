@@ -205,6 +205,9 @@ def _propose(measured: Measured, parameters: int) -> None:
 def _advise(measured: Measured, values: bool, unit: str) -> None:
     if not values or measured.repeats:
         return
+    if not measured.identical and not measured.spread:
+        typer.echo("Its values do not differ, but some calls fail: several calls do not help, find the cause.")
+        return
     deviation = f"{measured.deviation or 0.0:.3g} {unit}".rstrip()
     typer.echo(
         "It does not repeat, so single evaluations never clear a campaign. Proposal, below `simulator`:\n"

@@ -72,6 +72,14 @@ def test_one_that_fails_at_some_points(capsys: pytest.CaptureFixture[str]) -> No
     assert "repeats: {" not in shown
 
 
+def test_several_calls_are_no_help_to_one_that_fails_now_and_then(capsys: pytest.CaptureFixture[str]) -> None:
+    with adversary("none", lambda call: FAILED if call.total % 2 else OK):
+        assert invoke(["check-simulator", "adversary"]) == NOT_AS_IT_IS
+    shown = capsys.readouterr().out
+    assert "fail only sometimes" in shown
+    assert "repeats: {" not in shown
+
+
 @pytest.mark.parametrize(("most", "code"), [(0.7, 0), (0.4, NOT_AS_IT_IS)])
 def test_one_that_excludes_some_points_and_one_that_excludes_the_nominal_case(
     most: float, code: int, capsys: pytest.CaptureFixture[str]

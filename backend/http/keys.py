@@ -23,7 +23,7 @@ Key = Annotated[
         alias="Idempotency-Key",
         min_length=1,
         max_length=128,
-        description="Any text: a repeated request with the same key is not done again.",
+        description="1 to 128 characters: a repeated request with the same key is not done again.",
     ),
 ]
 KEPT = 50

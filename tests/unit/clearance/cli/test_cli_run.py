@@ -177,7 +177,7 @@ def test_wrong_input_is_3(
     [
         (["run", "/nowhere/file.yaml"], "the file cannot be read: No such file or directory"),
         (["run", "/"], "the file cannot be read: Is a directory"),
-        (["validate", "unicycle_statik"], "the file cannot be read: No such file or directory"),
+        (["validate", "unicycle_statik"], "did you mean 'unicycle_static'?"),
         (["run", "unicycle_static", "--out", "/proc/nowhere/out"], "the folder /proc/nowhere/out cannot be written"),
         (["run", "unicycle_static", "--out", "/etc/passwd"], "--out"),
         (["run", "unicycle_static", "--threads", "-1"], "--threads"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,13 @@ def test_the_example_of_the_guide_runs() -> None:
     first, more = space["first"], space["more"]
     assert (more.method == "cma_es").sum() == 120
     assert (first.costs[first.method == "cma_es"] == more.costs[more.method == "cma_es"][:60]).all()
+
+
+def test_the_guide_has_every_argument() -> None:
+    guide = (REPOSITORY / "docs" / "python.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`.*?) \|", guide.partition("| argument |")[2].partition("\n\n")[0], re.MULTILINE)
+    listed = re.findall(r"`(\w+)`", " ".join(rows))
+    assert sorted(listed) == sorted(list(inspect.signature(clearance.search).parameters)[1:])
 
 
 def test_options_starts_and_agreement_are_those_of_the_campaign() -> None:

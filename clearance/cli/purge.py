@@ -36,8 +36,9 @@ def purge(
     size: Annotated[
         str,
         typer.Option(
-            help="What may be stored at most, such as 50GB: above it the oldest ended runs go as well, even if they "
-            "were not removed, except those that are signed off, pinned, a baseline, or of a requirement.",
+            help="What may be stored at most, such as 50GB (units: B, kB, MB, GB, TB; one is needed): above it the "
+            "oldest ended runs go as well, even if they were not removed, except those that are signed off, pinned, a "
+            "baseline, or of a requirement.",
             envvar="CLEARANCE_RETENTION_SIZE",
             show_default=False,
         ),
@@ -89,13 +90,16 @@ def purge(
 
 
 def _limit(text: str) -> int | None:
-    """The bytes of a size such as 50GB; None for none."""
+    """The bytes of a size such as 50GB; None for none. A number without a unit is refused: 50 bytes purge every run."""
     if not text:
         return None
-    found = re.fullmatch(r"(\d{1,18}) ?([kMGT]?B)?", text)
+    found = re.fullmatch(r"(\d{1,18}) ?([kMGT]?B)", text)
     if found is None:
-        raise WrongInputError(f"--size {text!r} is not a size; give 50GB, 500MB, 2TB, or a number of bytes")
-    power = " kMGT".index((found[2] or "B")[:-1] or " ")
+        what = "has no unit" if text.isdecimal() else "is not a size"
+        raise WrongInputError(
+            f"--size (CLEARANCE_RETENTION_SIZE) {text!r} {what}; give 50GB: a whole number with B, kB, MB, GB or TB"
+        )
+    power = " kMGT".index(found[2][:-1] or " ")
     return int(int(found[1]) * 1000**power)
 
 

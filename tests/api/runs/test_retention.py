@@ -86,7 +86,8 @@ def runs(service: Service, client: httpx.Client) -> list[int]:
 
 
 def command(service: Service, size: int | str, *more: str) -> int:
-    return invoke(["purge", "--size", str(size), "--database", service.settings.database_url, *more])
+    limit = f"{size}B" if isinstance(size, int) else size
+    return invoke(["purge", "--size", limit, "--database", service.settings.database_url, *more])
 
 
 @BOTH
@@ -193,7 +194,7 @@ def test_a_file_gives_its_space_back(
     assert "2 runs purged." in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("given", ["-1", "1.5GB", "50 XB", "GB", "lots"])
+@pytest.mark.parametrize("given", ["-1", "1.5GB", "50 XB", "GB", "lots", "50G", "50gb", "50", "0", "٥٠"])
 def test_what_is_no_size_is_refused(tmp_path: Path, given: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["purge", f"--size={given}", "--data", str(tmp_path)]) == WRONG_INPUT
     assert "give 50GB" in capsys.readouterr().err

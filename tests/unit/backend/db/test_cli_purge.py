@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sqlalchemy as sa
+import typer
 
 from backend.db.engine import connect, default_url
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import EvaluationChunk, Run
 from campaigns.stored.records import Columns, StagePlan
-from clearance.cli import WRONG_INPUT, invoke
+from clearance.cli import WRONG_INPUT, build, invoke
 from tests.faults.cases import campaign
 from tests.migrated import migrated
 
@@ -152,3 +153,34 @@ def test_a_file_is_made_smaller_when_no_run_is_executed_and_it_is_worth_it(
 def test_what_is_no_length_of_time_is_refused(data: Path, capsys: pytest.CaptureFixture[str], given: str) -> None:
     assert invoke(["purge", f"--older-than={given}", "--data", str(data)]) == WRONG_INPUT
     assert "give 90d for days" in capsys.readouterr().err
+
+
+RETENTION = {
+    option.opts[0]: option.envvar
+    for option in typer.main.get_command(build()).commands["purge"].params  # type: ignore[attr-defined]
+    if str(option.envvar).startswith("CLEARANCE_RETENTION_")
+}
+"""The options that state what is deleted, and their variables."""
+
+
+@pytest.mark.parametrize("number", ["50", "0", "50000000000"])
+@pytest.mark.parametrize("option", RETENTION)
+def test_a_bare_number_deletes_nothing(
+    data: Path, option: str, number: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """50 for 50GB would be 50 bytes, which no run has: all of them would go."""
+    assert set(RETENTION) == {"--older-than", "--size"}
+    assert invoke(["purge", option, number, "--yes", "--data", str(data)]) == WRONG_INPUT
+    monkeypatch.setenv(RETENTION[option], number)
+    assert invoke(["purge", "--yes", "--data", str(data)]) == WRONG_INPUT
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.count(f"{option} ") == 2
+    assert left(data) == [1, 2, 3]
+
+
+@pytest.mark.parametrize("unit", ["B", "kB", "MB", "GB", "TB"])
+def test_the_help_names_every_unit_of_a_size(unit: str, data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert invoke(["purge", "--help"]) == 0
+    assert re.search(rf"\b{unit}\b", capsys.readouterr().out)
+    assert invoke(["purge", "--size", f"{10**18 - 1}{unit}", "--yes", "--data", str(data)]) == 0

@@ -73,14 +73,19 @@ class _Earlier:
         return cited if self.versions.code else {**cited, "code": None}
 
 
-def execute_continued(run: str, budget: str, data: Path, database: str, execute: Execute) -> Continued:
-    """Extend a run with `execute(campaign, store, cancelled)`; raises `WrongInputError` if that is impossible."""
+def execute_continued(
+    run: str, budget: str, data: Path, database: str, execute: Execute, accept: Callable[[Campaign], None]
+) -> Continued:
+    """Extend a run with `execute(campaign, store, cancelled)`; raises `WrongInputError` if that is impossible.
+
+    accept: raises for an extended campaign whose results have no place, before anything is stored.
+    """
     try:
         wanted = Budget.read(budget)
         run_id = stored_run(run)
         if run_id is not None:
-            return _of_database(run_id, wanted, existing_url_of(data, database), execute)
-        return _of_folder(Path(run), wanted, execute)
+            return _of_database(run_id, wanted, existing_url_of(data, database), execute, accept)
+        return _of_folder(Path(run), wanted, execute, accept)
     except (CannotContinue, ReplayMismatch) as error:
         code = error.code if isinstance(error, CannotContinue) else RefusalCode.OTHER_POINTS
         raise WrongInputError(f"{run} cannot be extended: {error}", code) from None
@@ -89,21 +94,25 @@ def execute_continued(run: str, budget: str, data: Path, database: str, execute:
         raise WrongInputError(f"{run} cannot be extended: {why}", RefusalCode.NOT_EVALUABLE) from None
 
 
-def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
+def _of_folder(folder: Path, budget: Budget, execute: Execute, accept: Callable[[Campaign], None]) -> Continued:
     campaign, store = read_folder(folder)
     earlier = _Earlier(str(folder), campaign, store, versions_of(folder), {})
     onward, columns = earlier.onward(budget)
     refuse_other_campaign(folder, campaign)
+    accept(onward)
     memory = preloaded(onward, columns, store.sample_seed)
     with explained(memory):
         return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)
 
 
-def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Continued:
+def _of_database(
+    run_id: int, budget: Budget, url: str, execute: Execute, accept: Callable[[Campaign], None]
+) -> Continued:
     migrate(url)
     with connected(url) as engine:
         earlier = _earlier(engine, run_id)
         onward, columns = earlier.onward(budget)
+        accept(onward)
         planned = [StagePlan(*p) for p in plan(onward)]
         known = catalogue()
         versions = earlier.versions if earlier.versions.code else None

@@ -1,10 +1,17 @@
-"""The folder for a command's results."""
+"""The folder for a command's results: whether it can be written, and the results of an earlier run in it."""
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError
+
+if TYPE_CHECKING:
+    from campaigns import Campaign
 
 
 def writable(out: Path | None) -> None:
@@ -18,3 +25,81 @@ def writable(out: Path | None) -> None:
         probe.unlink()
     except OSError as error:
         raise WrongInputError(f"the folder {out} cannot be written: {error.strerror}") from None
+
+
+def refuse_other_results(out: Path | None, campaign: Campaign) -> None:
+    """Raises `WrongInputError` if the folder has results of another campaign, or a result.json that no run wrote.
+
+    The baseline is no part of the campaign here: it is that of one launch.
+    """
+    from campaigns.versions import short
+    from clearance.local.results import RESULT
+
+    if out is None or not (out / RESULT).exists():
+        return
+    stated = _digest(out / RESULT)
+    if not stated:
+        raise WrongInputError(
+            f"--out {out}: {RESULT} in it was not written by `clearance run`, and would be replaced; give another "
+            "folder, or delete the file",
+            RefusalCode.EXISTS,
+        )
+    if stated != campaign.digest and not _differs_in_baseline(out / "campaign.json", stated, campaign):
+        raise WrongInputError(
+            f"--out {out}: the folder has the results of another campaign (digest {short(stated)}; that of this one is "
+            f"{short(campaign.digest)}), which would be replaced; give another folder, or delete it",
+            RefusalCode.OTHER_CAMPAIGN,
+        )
+
+
+def remove_earlier_results(out: Path | None, source: Path | None) -> None:
+    """Remove the results of an earlier run: a run that fails leaves no verdict in the folder. source: the campaign
+    file, which stays."""
+    from clearance.local.results import remove_results
+
+    if out is None:
+        return
+    try:
+        remove_results(out, source)
+    except OSError as error:
+        raise WrongInputError(f"the earlier results in {out} cannot be removed: {error.strerror}") from None
+
+
+def same_folder(out: Path | None, run: str) -> bool:
+    """Whether a run that is read, extended or compared with, is the folder itself."""
+    from clearance.cli._where import stored_run
+
+    return out is not None and stored_run(run) is None and Path(run).is_dir() and out.is_dir() and out.samefile(run)
+
+
+def _digest(result: Path) -> str:
+    """The digest of the campaign that a result.json states; empty if it is not that of a run."""
+    from campaigns.unreadable import UNREADABLE
+
+    try:
+        document = json.loads(result.read_text(encoding="utf-8"))
+        stated = document["digest"] if "verdict" in document else ""
+    except UNREADABLE:
+        return ""
+    return stated if isinstance(stated, str) and re.fullmatch("[0-9a-f]{64}", stated) else ""
+
+
+def _differs_in_baseline(file: Path, stated: str, campaign: Campaign) -> bool:
+    """Whether the campaign of this digest, stored in a file, is the same but for its baseline, or for the form in which
+    an earlier version wrote it."""
+    from campaigns import CampaignError, load_file
+    from campaigns.documents import digest_of
+    from campaigns.unreadable import UNREADABLE
+
+    try:
+        earlier, text = load_file(file), file.read_text(encoding="utf-8")
+        stored = stated in (earlier.digest, digest_of(json.loads(text)))
+    except CampaignError:
+        return False
+    except UNREADABLE:
+        return False
+    return stored and _without_baseline(earlier) == _without_baseline(campaign)
+
+
+def _without_baseline(campaign: Campaign) -> str:
+    return campaign.model_copy(update={"baseline": None}).digest

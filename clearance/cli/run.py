@@ -10,6 +10,7 @@ import json
 import shlex
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -22,7 +23,7 @@ from clearance.cli import _code as code
 from clearance.cli import _evaluator as evaluators
 from clearance.cli import _launch as launch
 from clearance.cli._ended import Case, EndedRun, Source
-from clearance.cli._out import writable
+from clearance.cli._out import refuse_other_results, remove_earlier_results, same_folder, writable
 from clearance.cli._where import DATA, Data, Database
 from clearance.local import interrupt
 
@@ -44,7 +45,12 @@ def run(
         Path | None, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for the results: result.json, evaluations.csv, traces.", file_okay=False)
+        Path | None,
+        typer.Option(
+            help="Folder for the results: result.json, evaluations.csv, traces. Those of an earlier run of the same "
+            "campaign are removed when the run begins; a folder with other results is refused.",
+            file_okay=False,
+        ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
     threads: Annotated[int, typer.Option(help="Simulation threads; 0 means one per core.", min=0, max=1024)] = 0,
@@ -76,19 +82,29 @@ def run(
     writable(out)
     options = launch.Launch.read(label, baseline, junit, markdown, sarif)
     evaluators.use(evaluator)
-    execute = _executing(threads or None, quiet=as_json, evaluator=evaluator)
+    replaced = None if same_folder(out, onward) else out  # what is extended stays until its extension is written
+    begun = partial(remove_earlier_results, replaced, file)
+    execute = _executing(threads or None, quiet=as_json, begun=begun, evaluator=evaluator)
     note = ""
     if onward:
         from clearance.cli._continue import execute_continued
 
         code.of_results(onward, allow_code)
-        campaign, store, verdict, cites = execute_continued(onward, budget, data, database, execute)
+        campaign, store, verdict, cites = execute_continued(
+            onward, budget, data, database, execute, partial(refuse_other_results, replaced)
+        )
     else:
         assert file is not None
         campaign = code.read(file, allow_code)
+        refuse_other_results(out, campaign)
         if options.baseline:
             from clearance.cli._baseline import compared
 
+            if same_folder(out, options.baseline):
+                raise WrongInputError(
+                    f"--out {out} is the folder of --baseline, whose results would be replaced; give another folder",
+                    RefusalCode.OPTIONS,
+                )
             campaign, note = compared(campaign, options.baseline, data, database)
         announced = _announcing(execute, data, database, quiet=as_json)
         try:
@@ -233,8 +249,9 @@ def _announcing(execute: Execute, data: Path, database: str, quiet: bool) -> Exe
     return execute if quiet else announced
 
 
-def _executing(threads: int | None, quiet: bool, evaluator: str = "") -> Execute:
-    """A function that runs a campaign into a store, with progress on the terminal unless quiet."""
+def _executing(threads: int | None, quiet: bool, begun: Callable[[], None], evaluator: str = "") -> Execute:
+    """A function that runs a campaign into a store, with progress on the terminal unless quiet. begun: called before
+    anything is simulated."""
     from worker.engine.systems.simulators.cluster.address import EvaluatorLost
     from worker.running.processes import memory
     from worker.running.runs.runner import execute
@@ -244,6 +261,7 @@ def _executing(threads: int | None, quiet: bool, evaluator: str = "") -> Execute
 
     def executed(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
         evaluators.refuse_other(evaluator, campaign)
+        begun()
         try:
             with memory.bounded(threads):
                 return simulated(campaign, store, cancelled)

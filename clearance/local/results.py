@@ -39,6 +39,8 @@ from worker.running.runs.continuation import CannotContinue
 from worker.running.runs.store import MemoryStore
 
 ARRAYS, TABLE, RESULT = "evaluations.npz", "evaluations.csv", "result.json"
+OF_EVERY_RUN = ("campaign.json", TABLE, ARRAYS, "evidence.json")
+"""The files that every run has, besides result.json."""
 
 
 def write_results(
@@ -62,6 +64,18 @@ def write_results(
         for file in sorted(part.iterdir(), key=lambda file: file.name == RESULT):
             file.replace(folder / file.name)
     return digest
+
+
+def remove_results(folder: Path, source: Path | None = None) -> None:
+    """Remove the files of an earlier run, if the folder has its result.json. The campaign file `source` stays, and
+    whatever else is in the folder."""
+    if not (folder / RESULT).exists():
+        return
+    files = [*(folder / name for name in OF_EVERY_RUN), *_of_some(folder)]
+    (folder / RESULT).unlink()
+    for file in files:
+        if source is None or not (file.exists() and source.exists() and file.samefile(source)):
+            file.unlink(missing_ok=True)
 
 
 def _of_some(folder: Path) -> list[Path]:

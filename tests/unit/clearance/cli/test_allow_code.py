@@ -129,18 +129,24 @@ def test_a_run_whose_simulator_gives_no_value_fails_with_the_files_of_the_job(
     assert result["ruleId"] == "no-verdict"
 
 
-def test_no_description_of_an_earlier_run_stays_among_the_results(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    invoke(["run", str(written(tmp_path)), "--allow-code", "--out", str(out)])
+def test_no_description_of_an_earlier_run_stays_among_the_results(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, file = tmp_path / "out", written(tmp_path)
+    invoke(["run", str(file), "--allow-code", "--out", str(out)])
     assert (out / "simulator.yaml").exists()
     short = tmp_path / "short.json"
     searches = {"sensitivity": None, "search": [{"method": "direct", "evaluations": 5}], "validate": {"neighbours": 0}}
     short.write_text(campaign(stages=searches).model_dump_json(by_alias=True), encoding="utf-8")
-    invoke(["run", str(short), "--out", str(out)])
+    assert refused(capsys, "run", short, "--out", out) == RefusalCode.OTHER_CAMPAIGN
+    assert (out / "simulator.yaml").exists()
+    (tmp_path / "bowl.py").write_text("raise SystemExit('no licence')\n", encoding="utf-8")
+    assert invoke(["run", str(file), "--allow-code", "--out", str(out)]) == INTERNAL
     assert not (out / "simulator.yaml").exists()
     (out / "simulator.yaml").write_text("name: own", encoding="utf-8")
-    invoke(["run", str(short), "--out", str(out)])
-    assert (out / "simulator.yaml").read_text(encoding="utf-8") == "name: own", "no run wrote it"
+    for _ in range(2):
+        invoke(["run", str(short), "--out", str(out)])
+        assert (out / "simulator.yaml").read_text(encoding="utf-8") == "name: own", "no run wrote it"
 
 
 def test_a_run_in_other_units_is_no_baseline(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

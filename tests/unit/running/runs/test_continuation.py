@@ -282,6 +282,19 @@ def test_a_stored_run_is_extended_as_a_new_stored_run(
     engine.dispose()
 
 
+def test_no_run_is_stored_whose_results_have_no_place(
+    first: Path, data: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = written(first)
+    command = ("run", "--continue", "R-0001", "--budget", "+10", "--data", data, "--out", first)
+    assert refused(capsys, *command) == RefusalCode.OTHER_CAMPAIGN
+    assert written(first) == before
+    engine = connect(default_url(data))
+    with read(engine) as connection:
+        assert connection.scalar(sa.select(sa.func.count()).select_from(Run)) == 1
+    engine.dispose()
+
+
 def test_an_interrupt_states_what_is_stored(
     first: Path, data: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError, refusing
-from clearance.cli._where import existing_url_of, reading
+from clearance.cli._where import existing_url_of, reading, stored_run
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -30,7 +30,7 @@ def compared(campaign: Campaign, baseline: str, data: Path, database: str) -> tu
     from worker.running.catalogue.installed import catalogue
 
     with refusing(CannotCompare):
-        if Path(baseline).is_dir():
+        if stored_run(baseline) is None and Path(baseline).is_dir():
             recorded = of_folder(Path(baseline))
             name = baseline[-LONGEST:]
             then = _components(Path(baseline))

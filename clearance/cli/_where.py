@@ -103,20 +103,26 @@ def url_of(data: Path, database: str, create: bool = True) -> str:
     return url
 
 
-def existing_url_of(data: Path, database: str) -> str:
-    """The URL of an existing database; a missing file raises `WrongInputError` and is not created."""
+def existing_url_of(data: Path, database: str, otherwise: str = "") -> str:
+    """The URL of an existing database; a missing file raises `WrongInputError` and is not created. otherwise: what the
+    message adds."""
     file = data / "clearance.sqlite3"
     if not (database or file.exists()):
         raise WrongInputError(
-            f"there is no database at {file}; --data names the folder that `clearance serve` uses",
+            f"there is no database at {file}; --data names the folder that `clearance serve` uses{otherwise}",
             RefusalCode.NO_DATABASE,
         )
     return url_of(data, database)
 
 
 def stored_run(run: str) -> int | None:
-    """The number of a stored run from the original text, R-0001 or 1; None for a folder."""
-    return None if Path(run).is_dir() else run_number(run if run.startswith("R-") else f"R-{run}")
+    """The number of a stored run from the original text, R-0001 or 1; None for a folder.
+
+    A folder of this name is meant only if `clearance run --out` wrote it: `clearance export` makes one, too, in which
+    there is no run to read. ./R-0001 is always a folder.
+    """
+    number = run_number(run if run.startswith("R-") else f"R-{run}")
+    return None if number is None or (Path(run) / "result.json").is_file() else number
 
 
 Service = Annotated[
@@ -172,7 +178,12 @@ def stored_in(
                 (file,) = client.export(name, Path(folder), (RECORD,))
             yield StoredRun(f"sqlite:///{file}", run_number(name) or 0, service)
         return
-    yield StoredRun(Path(run)) if known is None else StoredRun(existing_url_of(data, database), known)
+    if known is None:
+        yield StoredRun(Path(run))
+        return
+    otherwise = "; --service names the service of the run"
+    otherwise += f", and ./{run} is the folder of this name" if Path(run).is_dir() else ""
+    yield StoredRun(existing_url_of(data, database, otherwise), known)
 
 
 def _from_service(ctx: typer.Context, run_id: int | None, service: str) -> bool:

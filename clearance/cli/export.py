@@ -31,7 +31,7 @@ def export(
 
     numbered(run)
     folder = Path(run) if out is None else out
-    if not list_:
+    if folder.exists() and not list_:  # else it is made with the first file that the service sends
         writable(folder)
     with opened(service, token_file, patience) as client:
         if list_:

@@ -43,12 +43,13 @@ def settings(address: str, token: str, how: Mapping[str, Any]) -> dict[str, Any]
 
 
 class Part:
-    """A file that exists under its name only once it is complete."""
+    """A file that exists under its name only once it is complete; its folder is made if there is none."""
 
     def __init__(self, file: Path) -> None:
         self.file, self.part = file, file.with_name(f"{file.name}.part")
 
     def __enter__(self) -> Part:
+        self.part.parent.mkdir(parents=True, exist_ok=True)
         self._out = self.part.open("wb")
         return self
 

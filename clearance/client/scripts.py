@@ -258,12 +258,11 @@ async def download(session: Session, call: Call[bytes], file: Path) -> Path:
 
 
 async def export(session: Session, run: Named, folder: str | Path, files: Iterable[str] = calls.USUAL) -> list[Path]:
-    """Write files of a run into a folder, which is made if there is none; returns their paths.
+    """Write files of a run into a folder, which is made with the first of them; returns their paths.
 
     files: campaign.yaml, report.html, report.pdf, and those that `exports` lists: the `file` of each.
     """
     requests = [(name, calls.file(run, name)) for name in files]
-    Path(folder).mkdir(parents=True, exist_ok=True)
     return [await download(session, call, Path(folder) / name) for name, call in requests]
 
 
@@ -280,5 +279,4 @@ async def campaign_text(session: Session, run: Named) -> str:
 async def report(session: Session, run: Named, file: str | Path) -> Path:
     """Write the safety-case report, as PDF if the file's name ends with .pdf, else as HTML; returns its path."""
     path = Path(file)
-    path.parent.mkdir(parents=True, exist_ok=True)
     return await download(session, calls.file(run, calls.PDF if path.suffix == ".pdf" else calls.HTML), path)

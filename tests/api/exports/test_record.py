@@ -20,7 +20,7 @@ from backend.exports.formats import record_sqlite3
 from backend.exports.formats.record_sqlite3 import PRIVATE, TABLES
 from backend.settings import Settings
 from campaigns.refusals import RefusalCode
-from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from clearance.cli import CODES, INTERNAL, VIOLATED, WRONG_INPUT, invoke
 from tests.given.corrupted_records import stored
 from tests.given.databases import KINDS
 from tests.given.finished_runs import finish
@@ -115,8 +115,72 @@ def test_a_stated_place_is_preferred_to_the_environment(
         there.setenv("CLEARANCE_DATABASE_FILE", str(file))
         assert printed(capsys, command, RUN)[0] == 0
     Path(RUN).mkdir()
-    assert printed(capsys, command, RUN)[0] == WRONG_INPUT, "a folder of this name"
+    assert printed(capsys, command, f"./{RUN}")[0] == WRONG_INPUT, "a folder of this name"
     assert printed(capsys, command, RUN, "--service", served.url)[0] == 0
+
+
+def export(served: Service, *arguments: str) -> int:
+    return invoke(["export", RUN, "--service", served.url, *arguments])
+
+
+@pytest.mark.parametrize("exported", [False, True], ids=["empty", "exported"])
+def test_a_folder_without_a_run_is_not_taken_for_the_run_of_its_name(
+    exported: bool, served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By any command that reads a folder or a stored run."""
+    data, campaign = ("--data", str(served.settings.data)), "asked/campaign.yaml"
+    assert export(served, "--out", "asked", "--file", "campaign.yaml") == 0
+    if exported:
+        assert export(served) == 0
+    else:
+        Path(RUN).mkdir()
+    content = {path.name: path.read_bytes() for path in Path(RUN).iterdir()}
+    assert refused(capsys, "audit", RUN) == RefusalCode.NO_DATABASE
+    for where in (data, ("--service", served.url)):
+        assert printed(capsys, "audit", RUN, *where)[0] == 0
+        assert printed(capsys, "audit", RUN, "--replay", "1", *where)[0] == 0
+        assert printed(capsys, "replay", RUN, "direct:7", *where)[0] == 0
+    with monkeypatch.context() as there:
+        there.setenv("CLEARANCE_SERVICE", served.url)
+        for run in (RUN, "1"):
+            assert printed(capsys, "audit", run)[0] == 0
+            assert printed(capsys, "replay", run, "direct:7")[0] == 0
+        for command in ("audit", "replay"):
+            assert printed(capsys, command, f"./{RUN}")[0] == WRONG_INPUT, "the folder"
+    code, text = printed(capsys, "run", campaign, "--baseline", RUN, "--json", *data)
+    assert (code in CODES.values(), json.loads(text)["regression"]["run"]) == (True, RUN)
+    assert printed(capsys, "run", campaign, "--baseline", f"./{RUN}", *data)[0] == WRONG_INPUT
+    code, text = printed(capsys, "run", "--continue", RUN, "--budget", "+10", "--json", *data)
+    assert (code in CODES.values(), json.loads(text)["continues"]["as"]) == (True, "R-0002")
+    assert printed(capsys, "run", "--continue", f"./{RUN}", "--budget", "+10", *data)[0] == WRONG_INPUT
+    assert {path.name: path.read_bytes() for path in Path(RUN).iterdir()} == content
+    options = ("--budget", "+10", "--out", RUN, "--json")
+    assert json.loads(printed(capsys, "run", "--continue", RUN, *options, *data)[1])["continues"]["as"] == "R-0003"
+
+
+def test_a_folder_with_a_run_may_have_the_name_of_a_run(served: Service, capsys: pytest.CaptureFixture[str]) -> None:
+    assert export(served, "--out", "asked", "--file", "campaign.yaml") == 0
+    assert invoke(["run", "asked/campaign.yaml", "--out", RUN]) in CODES.values()
+    for folder in (RUN, f"./{RUN}"):
+        for command in ("audit", "replay"):
+            assert printed(capsys, command, folder)[0] == 0
+        options = ("--baseline", folder, "--json")
+        assert json.loads(printed(capsys, "run", "asked/campaign.yaml", *options)[1])["regression"]["run"] == folder
+    code, text = printed(capsys, "run", "--continue", RUN, "--budget", "+10", "--json")
+    assert (code in CODES.values(), json.loads(text)["continues"]["run"]) == (True, RUN)
+
+
+def test_an_export_that_saves_nothing_makes_no_folder(
+    served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert export(served, "--file", "nope.csv") == WRONG_INPUT
+    assert export(served, "--file", "nothing") == WRONG_INPUT
+    assert export(served, "--list") == 0
+    assert refused(capsys, "export", "R-0042", "--service", served.url) == "not-found"
+    monkeypatch.setenv("CLEARANCE_TOKEN", "another")
+    assert export(served) == WRONG_INPUT
+    assert invoke(["export", RUN, "--service", "http://127.0.0.1:9", "--patience", "0"]) == INTERNAL
+    assert not list(Path().glob("R-*"))
 
 
 @pytest.mark.parametrize("command", ["audit", "replay"])

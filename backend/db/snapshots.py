@@ -24,9 +24,20 @@ def store(writer: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> st
 
 
 def of_run(reader: sa.Connection, run_id: int) -> Catalogue | None:
-    """The descriptions of a run's components; None if none were stored or there is no such run."""
+    """The descriptions of a run's components; None if none were stored or there is no such run.
+
+    Raises `ValidationError` if another version stored them in a form that this one cannot read.
+    """
     text = reader.scalar(_stored(sa.cast(CatalogueSnapshot.document, sa.Text), run_id))
     return None if text is None else _read(text)
+
+
+def version(reader: sa.Connection, run_id: int) -> str:
+    """The version that the stored descriptions state, also if this version cannot read them; empty if they state
+    none."""
+    document: object = reader.scalar(_stored(CatalogueSnapshot.document, run_id))
+    stated = document.get("version") if isinstance(document, dict) else None
+    return stated if isinstance(stated, str) else ""
 
 
 def digest(reader: sa.Connection, run_id: int) -> str | None:

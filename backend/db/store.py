@@ -9,10 +9,11 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, Concatenate, ParamSpec, TypeGuard
+from typing import Any, Concatenate, ParamSpec
 
 import numpy as np
 import sqlalchemy as sa
+from pydantic import ValidationError
 
 from backend.db import (
     codes,
@@ -95,10 +96,11 @@ class RunStore:
         The catalogue at submission may have been published by another worker.
         """
         begun = connection.scalar(sa.select(Stage.position).where(Stage.run_id == self._run).limit(1))
-        snapshot = snapshots.of_run(connection, self._run)
+        snapshot = self._descriptions(connection, catalogue)
         if begun is None:
             missing = simulation_problems(campaign, catalogue)
-            if missing and _of_newer_version(snapshot, catalogue) and not simulation_problems(campaign, snapshot):
+            newer = None if snapshot is None or not _newer(snapshot.version, catalogue) else snapshot
+            if missing and newer is not None and not simulation_problems(campaign, newer):
                 raise OtherCode("; ".join(map(str, missing)))
             fenced(connection, self.claim, snapshot=snapshots.store(connection, campaign, catalogue))
             return
@@ -109,7 +111,16 @@ class RunStore:
     def of_newer_version(self, catalogue: Catalogue) -> bool:
         """Whether the run was submitted for a newer version than the one that has these components."""
         with read(self.engine) as connection:
-            return _of_newer_version(snapshots.of_run(connection, self._run), catalogue)
+            return _newer(snapshots.version(connection, self._run), catalogue)
+
+    def _descriptions(self, connection: sa.Connection, catalogue: Catalogue) -> Catalogue | None:
+        """Those stored with the run; raises `OtherCode` if a newer version stored them in a form of its own."""
+        try:
+            return snapshots.of_run(connection, self._run)
+        except ValidationError:
+            if not _newer(snapshots.version(connection, self._run), catalogue):
+                raise
+            raise OtherCode("this version cannot read the descriptions of its components") from None
 
     def begun(self) -> Begun | None:
         """What began the run; None if nothing has been evaluated."""
@@ -351,9 +362,9 @@ class RunStore:
             connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
 
 
-def _of_newer_version(snapshot: Catalogue | None, catalogue: Catalogue) -> TypeGuard[Catalogue]:
-    """Whether the descriptions at submission are of a newer version than these."""
-    return snapshot is not None and _release(snapshot.version) > _release(catalogue.version)
+def _newer(version: str, catalogue: Catalogue) -> bool:
+    """Whether it is newer than the version that has these components; false if it is empty."""
+    return _release(version) > _release(catalogue.version)
 
 
 def _release(version: str) -> list[int]:

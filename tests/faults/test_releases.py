@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,12 +14,13 @@ import sqlalchemy as sa
 
 from backend.db import refusals, waiting
 from backend.db.engine import connect, read
-from backend.db.queue import submit
-from backend.db.tables import EvaluationChunk
+from backend.db.queue import Queue, submit
+from backend.db.store import RunStore
+from backend.db.tables import CatalogueSnapshot, EvaluationChunk
 from backend.runs import waiting as reasons
 from campaigns import Campaign
 from campaigns.runs import RunState
-from campaigns.versions import Versions
+from campaigns.versions import OtherCode, Versions
 from tests.faults.cases import campaign
 from tests.faults.processes import kill, until
 from tests.faults.releases import Release, begin
@@ -27,6 +29,8 @@ from tests.given.at_night import nightly_but
 from tests.given.edited_code import digest_with
 from tests.migrated import migrated
 from worker.running.catalogue.installed import catalogue
+from worker.running.processes import child
+from worker.running.processes.supervisor import Ending, Supervisor
 from worker.running.runs import identity, sources
 from worker.running.runs.meaning import meaning
 
@@ -109,6 +113,63 @@ def test_each_of_these_edits_is_one_of_code_and_other_code_only_where_it_may_cha
     assert meaning(content.replace(old, new, 1)).digest != meaning(content).digest
     assert (digest_with(QUICK, module, old, new) != identity.code(QUICK).digest) == bool(edit.differs)
     assert edit.differs in ("", module)
+
+
+FORMS: dict[str, dict[str, object]] = {
+    "one more field": {"novel": 1},
+    "an unknown value": {"frame": "body"},
+    "a new role": {"role": "wind"},
+}
+"""What a later version may change in the description of a component."""
+
+
+def never(*_: object) -> None:
+    """In place of the physics of a run that is not executed."""
+    pytest.fail("it is executed")
+
+
+def described_by(service: Service, version: str, form: str) -> None:
+    """The stored descriptions of all runs are of that version, and of a form that this one cannot read."""
+    with service.engine.begin() as writer:
+        [document] = writer.scalars(sa.select(CatalogueSnapshot.document))
+        first, *others = document["components"]
+        changed = {**document, "version": version, "components": [first | FORMS[form], *others]}
+        writer.execute(sa.update(CatalogueSnapshot).values(document=changed))
+
+
+@pytest.mark.parametrize("readable", [True, False], ids=["a campaign", "a campaign of a newer form"])
+@pytest.mark.parametrize("form", FORMS)
+def test_a_run_that_a_newer_version_describes_in_another_form_waits_for_it(
+    service: Service, form: str, readable: bool
+) -> None:
+    run_id, supervisor = service.submitted(QUICK), Supervisor(service.url, "w1", runner="none:none")
+    described_by(service, "99.0", form)
+    claim = supervisor.queue.claim("w1")
+    assert claim is not None
+    store = RunStore(service.engine, claim)
+    assert store.of_newer_version(catalogue())
+    with pytest.raises(OtherCode, match="descriptions of its components"):
+        store.describe(QUICK, catalogue())
+    given = claim if readable else replace(claim, document={**claim.document, "novel": 1})
+    answer = child.perform(never, service.engine, catalogue(), given)
+    assert answer["outcome"] == "refused", answer["text"]
+    supervisor._settle(claim, Ending(answer["outcome"], answer["text"]))
+    run = service.run(run_id)
+    assert (run.state, run.attempts, run.error) == (RunState.QUEUED, 0, None)
+    assert service.refused(run_id) == answer["text"]
+    supervisor.engine.dispose()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_damaged_descriptions_of_the_same_version_are_not_those_of_a_newer_one(service: Service, form: str) -> None:
+    service.submitted(QUICK)
+    described_by(service, catalogue().version, form)
+    claim = Queue(service.engine).claim("w1")
+    assert claim is not None
+    assert not RunStore(service.engine, claim).of_newer_version(catalogue())
+    unreadable = replace(claim, document={**claim.document, "novel": 1})
+    outcomes = [child.perform(never, service.engine, catalogue(), one)["outcome"] for one in (claim, unreadable)]
+    assert outcomes == ["failed", "unusable"]
 
 
 @pytest.mark.parametrize("name", nightly_but(EDITS.keys() - AT_NIGHT, EDITS))

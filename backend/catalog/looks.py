@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
-from backend.catalog.service import published
-from backend.db import snapshots
+from backend.catalog.service import published, snapshot_of
 from campaigns import Catalogue
 from campaigns.catalogue import ComponentEntry, MethodEntry, Role
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
@@ -47,4 +46,4 @@ class Looks:
 
 
 def looks(reader: sa.Connection, run_id: int) -> Looks:
-    return Looks(snapshots.of_run(reader, run_id), published(reader))
+    return Looks(snapshot_of(reader, run_id), published(reader))

@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import json
+import logging
 import math
 
 import sqlalchemy as sa
+from pydantic import ValidationError
 
 from backend.catalog.estimate import estimate
 from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, ProblemOut
 from backend.db import snapshots
 from backend.db.tables import CampaignRow, CatalogueDocument, Run, Stage
 from backend.http.errors import RefusedError, not_found
+from backend.http.versions import readable
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
 from campaigns.asked.text import readable_yaml
 from campaigns.checked.check import parameters
 from campaigns.results.drawn import library_flights
-from campaigns.runs import RunState, StageState
+from campaigns.runs import RunState, StageState, run_name
 from campaigns.stages.plan import most
+from campaigns.version import VERSION
+
+_log = logging.getLogger(__name__)
 
 NO_CATALOGUE = (
     "no worker has published its components yet, so campaigns cannot be checked: start a worker with `clearance worker`"
@@ -29,9 +36,10 @@ RECENT_RUNS = 300
 
 
 def published(reader: sa.Connection) -> Catalogue | None:
-    """The catalogue of the newest worker; None if no worker has started."""
-    text = _stored(reader)
-    return None if text is None else _read(text)
+    """The catalogue of the newest worker; None if no worker has started, or if that worker is of another version and
+    its catalogue has a form that this version cannot read."""
+    found = _found(_stored(reader))
+    return found if isinstance(found, Catalogue) else None
 
 
 def published_digest(reader: sa.Connection) -> str:
@@ -45,22 +53,50 @@ def _stored(reader: sa.Connection) -> str | None:
 
 
 @functools.lru_cache(maxsize=4)
-def _read(text: str) -> Catalogue:
-    """Cached: a live page needs it several times a second, and it is the largest document."""
-    return Catalogue.model_validate_json(text)
+def _found(text: str | None) -> Catalogue | str:
+    """The catalogue, or the sentence that states why there is none.
+
+    Cached: a live page needs it several times a second, and it is the largest document.
+    """
+    if text is None:
+        return NO_CATALOGUE
+    try:
+        return Catalogue.model_validate_json(text)
+    except ValidationError as error:
+        sentence = _unreadable(text)
+        _log.warning("%s (%s)", sentence, " ".join(str(error).split())[:500])
+        return sentence
+
+
+def _unreadable(text: str) -> str:
+    document = json.loads(text)
+    stated = document.get("version") if isinstance(document, dict) else None
+    known = isinstance(stated, str) and stated != VERSION
+    who = f"a worker of version {stated} published them" if known else "another version published them"
+    return (
+        f"the published components cannot be read by this version of the service, {VERSION}: {who}, or they are "
+        f"damaged. Upgrade the service to the version of its workers, or start a worker of version {VERSION}, which "
+        "publishes its own"
+    )
+
+
+def snapshot_of(reader: sa.Connection, run_id: int) -> Catalogue | None:
+    """The descriptions stored with a run; None without any, 409 if another version stored them in another form."""
+    with readable(f"the description of the components of {run_name(run_id)}", reader, run_id):
+        return snapshots.of_run(reader, run_id)
 
 
 def described(reader: sa.Connection, run_id: int) -> Catalogue | None:
     """The descriptions of a run's components: those stored with it, or for earlier runs the current ones."""
-    return snapshots.of_run(reader, run_id) or published(reader)
+    return snapshot_of(reader, run_id) or published(reader)
 
 
 def required(reader: sa.Connection) -> Catalogue:
-    """The catalogue, or 503 if there is none."""
-    catalogue = published(reader)
-    if catalogue is None:
-        raise RefusedError("no-catalogue", NO_CATALOGUE, headers={"Retry-After": "2"})
-    return catalogue
+    """The catalogue, or 503 if there is none that this version can read."""
+    found = _found(_stored(reader))
+    if isinstance(found, str):
+        raise RefusedError("no-catalogue", found, headers={"Retry-After": "2"})
+    return found
 
 
 def library_campaigns(reader: sa.Connection) -> list[LibraryCampaign]:
@@ -71,20 +107,21 @@ def library_campaigns(reader: sa.Connection) -> list[LibraryCampaign]:
 @functools.lru_cache(maxsize=4)
 def _library(text: str | None) -> tuple[LibraryCampaign, ...]:
     """Cached: each is checked against the whole catalogue, and every form reads all of them."""
-    catalogue = None if text is None else _read(text)
-    return tuple(_library_campaign(name, catalogue) for name in library())
+    found = _found(text)
+    return tuple(_library_campaign(name, found) for name in library())
 
 
 def library_campaign(reader: sa.Connection, name: str) -> LibraryCampaign:
     """One shipped campaign, or 404."""
     if name not in library():
         raise not_found("campaign in the library called", name)
-    return _library_campaign(name, published(reader))
+    return _library_campaign(name, _found(_stored(reader)))
 
 
-def _library_campaign(name: str, catalogue: Catalogue | None) -> LibraryCampaign:
+def _library_campaign(name: str, catalogue: Catalogue | str) -> LibraryCampaign:
+    """catalogue: or the sentence that states why there is none."""
     campaign, text = _shipped(name)
-    problems = [Problem("", "", NO_CATALOGUE)] if catalogue is None else check(campaign, catalogue)
+    problems = [Problem("", "", catalogue)] if isinstance(catalogue, str) else check(campaign, catalogue)
     flight = library_flights().get(name)
     return LibraryCampaign(
         id=name,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import sqlalchemy as sa
+from pydantic import ValidationError
 
 from backend.db import continuation, labels, snapshots
 from backend.db.sweeps import in_sweep
@@ -83,9 +84,10 @@ def _labelled(reader: sa.Connection, campaign: Campaign, request: str, here: Cat
     for run_id in reader.scalars(query).all():
         try:
             other = _campaign(reader, run_id)
+            comparable = same_question(campaign, other) and not _other_units(reader, campaign, run_id, other, here)
         except CannotCompare:  # one of another version of Clearance
             continue
-        if same_question(campaign, other) and not _other_units(reader, campaign, run_id, other, here):
+        if comparable:
             statement = f"Baseline: {run_name(run_id)}, the newest run with the label {'='.join(wanted)}."
             return _compared(reader, campaign, run_id, other, statement, here)
     return Resolved(campaign, None, none_found(request), request)
@@ -100,7 +102,11 @@ def _compared(
 
 def _other_units(reader: sa.Connection, campaign: Campaign, run_id: int, other: Campaign, here: Catalogue) -> str:
     """How the units of a run differ, as a clause; runs of earlier versions may have stored none."""
-    then = snapshots.of_run(reader, run_id)
+    try:
+        then = snapshots.of_run(reader, run_id)
+    except ValidationError:
+        what = "the description of its components is of another version"
+        raise CannotCompare(f"{run_name(run_id)} cannot be the baseline: {what}") from None
     return "" if then is None else differing(other, then, campaign, here)
 
 

@@ -166,9 +166,9 @@ class Watch:
 def _parameters(reader: sa.Connection, run_id: int) -> tuple[list[str], Bounds]:
     try:
         campaign = service.campaign(reader, run_id)
+        return list(campaign.uncertain), bounds(campaign, described(reader, run_id))
     except RefusedError:  # its progress is reported nevertheless
         return [], {}
-    return list(campaign.uncertain), bounds(campaign, described(reader, run_id))
 
 
 def _stages(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event]:

@@ -149,7 +149,7 @@ KINDS = {
     "no-space": Kind(503, "The disk of the database, or of temporary files, is full."),
     "not-ready": Kind(503, "No run can be done now: `errors` has the reasons."),
     "no-browser": Kind(503, "The service's machine has no Chromium."),
-    "no-catalogue": Kind(503, "No worker has published its components yet."),
+    "no-catalogue": Kind(503, "No worker has published components yet, or another version published them."),
     "preview-busy": Kind(503, "The queue of previews is full."),
     "preview-failed": Kind(503, "The preview could not be simulated."),
     "preview-overtaken": Kind(503, "The connection was closed before this preview started."),

@@ -9,10 +9,10 @@ import sqlalchemy as sa
 from backend.db.rows import as_columns, chunks
 from backend.db.tables import EvaluationChunk, Stage
 from backend.http.errors import RefusedError
+from backend.http.versions import readable
 from backend.likelihood.schemas import ReweightRequest
 from backend.results.likely import densities
 from backend.runs.service import campaign
-from backend.runs.versions import readable
 from campaigns import Campaign, Problem
 from campaigns.asked.distributions import Uncertain
 from campaigns.checked.uncertainty import distributed

@@ -9,8 +9,7 @@ import sqlalchemy as sa
 from markupsafe import Markup
 
 from backend.catalog.looks import Looks
-from backend.catalog.service import bounds, published
-from backend.db import snapshots
+from backend.catalog.service import bounds, published, snapshot_of
 from backend.reports import declared_view
 from backend.reports.figures import Case, Quantity
 from backend.reports.plot import NOMINAL, WORST
@@ -123,7 +122,7 @@ class Record:
 
 def load(reader: sa.Connection, run_id: int) -> Record:
     """Read all data in one snapshot; 404 if there is no such run."""
-    campaign, kept, installed = runs.campaign(reader, run_id), snapshots.of_run(reader, run_id), published(reader)
+    campaign, kept, installed = runs.campaign(reader, run_id), snapshot_of(reader, run_id), published(reader)
     catalogue = kept or installed
     found = results.findings(reader, run_id)
     traced = {flight.name: flight.meta for flight in results.traces(reader, run_id)}

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from backend.db.tables import Finding, Run, Trace
 from backend.http.errors import not_found
+from backend.http.versions import readable
 from backend.http.written import finite_all
 from backend.results import likely
 from backend.results.likely import Limits
 from backend.results.schemas import FindingDetail, TraceData, TraceInfo
 from backend.runs.earlier import Terms, terms_of
 from backend.runs.service import campaign, require
-from backend.runs.versions import readable
 from campaigns import thin
 from campaigns.claims import earlier
 from campaigns.densities.joint import Joint

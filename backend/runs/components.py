@@ -6,8 +6,8 @@ from functools import partial
 
 import sqlalchemy as sa
 
-from backend.catalog.service import published, required
-from backend.db import codes, snapshots
+from backend.catalog.service import published, required, snapshot_of
+from backend.db import codes
 from backend.db.tables import Run
 from backend.runs import identity, service
 from backend.runs.schemas import RunComponents
@@ -21,7 +21,7 @@ def components(reader: sa.Connection, run_id: int) -> RunComponents:
     """The descriptions stored with the run, or the installed ones if nothing was stored. 404 if there is no such
     run."""
     campaign = service.campaign(reader, run_id)
-    kept = snapshots.of_run(reader, run_id)
+    kept = snapshot_of(reader, run_id)
     digest = reader.scalar(sa.select(Run.snapshot).where(Run.id == run_id))
     then = identity.of_run(reader, run_id) or UNSTORED
     now = identity.of_installed(reader, campaign, then)

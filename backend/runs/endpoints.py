@@ -220,7 +220,7 @@ def list_stages(run: RunName, reader: Reader) -> list[StageDetail]:
     return service.stages(reader, service.number(run))
 
 
-@router.get("/runs/{run}/components", responses=problems("not-found", "other-version", "purged"))
+@router.get("/runs/{run}/components", responses=problems("not-found", "other-version", "purged", "no-catalogue"))
 def list_run_components(run: RunName, reader: Reader) -> RunComponents:
     """The description of a run's components and methods when it was submitted, and its differences from now."""
     return components(reader, service.number(run))

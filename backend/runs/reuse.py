@@ -13,6 +13,7 @@ from backend.db import workers
 from backend.db.engine import now, read
 from backend.db.purge import violates
 from backend.db.tables import Run
+from backend.http.errors import RefusedError
 from backend.runs import identity
 from backend.runs.components import components
 from campaigns import Campaign
@@ -80,7 +81,10 @@ def reusable(reader: sa.Connection, campaign: Campaign, sample_seed: int | None 
         now = None if then is None else identity.of_installed(reader, campaign, then)
         if then is None or now is None or not same(then, now) or Versions.of(flown).command:
             continue
-        descriptions = components(reader, run_id)
+        try:
+            descriptions = components(reader, run_id)
+        except RefusedError:  # another version stored them
+            continue
         if descriptions.digest is not None and not descriptions.changes:
             return int(run_id) if answers else None
     return None

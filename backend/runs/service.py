@@ -13,6 +13,7 @@ from backend.catalog.service import bounds, described, published
 from backend.db import audit, baselines
 from backend.db.tables import Audit, CampaignRow, Run, Stage
 from backend.http.errors import RefusedError, not_found
+from backend.http.versions import readable
 from backend.runs import counts, identity, listing, sample_kind
 from backend.runs.earlier import terms_of
 from backend.runs.schemas import (
@@ -26,7 +27,6 @@ from backend.runs.schemas import (
     StageSummary,
 )
 from backend.runs.tombstones import refuse_purged
-from backend.runs.versions import readable
 from campaigns import Campaign
 from campaigns.asked.distributions import Normal
 from campaigns.claims import earlier
@@ -232,7 +232,7 @@ def _so_far(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
     try:
         campaign = Campaign.model_validate(run.document)
         outside = _outside(reader, run_id, campaign)
-    except ValidationError:
+    except (ValidationError, RefusedError):
         return {}
     return {row.position: _shown(row, campaign.confidence, outside, seed) for row in rows if row.counted > row.excluded}
 

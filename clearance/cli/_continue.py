@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import NamedTuple, TypedDict
 
 import sqlalchemy as sa
+from pydantic import ValidationError
 
 from backend.db import codes, snapshots
 from backend.db import continuation as stored
@@ -149,7 +150,12 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
             campaign = load_document(document, run_name(run_id))
         except CampaignError as error:
             raise CannotContinue(f"its campaign was written for another version of Clearance: {error}") from None
-        refuse_other_components(campaign, snapshots.of_run(connection, run_id))
+        try:
+            descriptions = snapshots.of_run(connection, run_id)
+        except ValidationError:
+            what = "the description of its components was written for another version of Clearance"
+            raise CannotContinue(what, RefusalCode.OTHER_COMPONENTS) from None
+        refuse_other_components(campaign, descriptions)
         versions = stored.versions(connection, run_id)
         return _Earlier(
             run_name(run_id),

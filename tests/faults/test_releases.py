@@ -27,6 +27,7 @@ from tests.faults.releases import Release, begin
 from tests.faults.stored import Stored
 from tests.given.at_night import nightly_but
 from tests.given.edited_code import digest_with
+from tests.given.newer_forms import FORMS, NEWER, in_form
 from tests.migrated import migrated
 from worker.running.catalogue.installed import catalogue
 from worker.running.processes import child
@@ -115,14 +116,6 @@ def test_each_of_these_edits_is_one_of_code_and_other_code_only_where_it_may_cha
     assert edit.differs in ("", module)
 
 
-FORMS: dict[str, dict[str, object]] = {
-    "one more field": {"novel": 1},
-    "an unknown value": {"frame": "body"},
-    "a new role": {"role": "wind"},
-}
-"""What a later version may change in the description of a component."""
-
-
 def never(*_: object) -> None:
     """In place of the physics of a run that is not executed."""
     pytest.fail("it is executed")
@@ -132,9 +125,7 @@ def described_by(service: Service, version: str, form: str) -> None:
     """The stored descriptions of all runs are of that version, and of a form that this one cannot read."""
     with service.engine.begin() as writer:
         [document] = writer.scalars(sa.select(CatalogueSnapshot.document))
-        first, *others = document["components"]
-        changed = {**document, "version": version, "components": [first | FORMS[form], *others]}
-        writer.execute(sa.update(CatalogueSnapshot).values(document=changed))
+        writer.execute(sa.update(CatalogueSnapshot).values(document=in_form(document, form, version)))
 
 
 @pytest.mark.parametrize("readable", [True, False], ids=["a campaign", "a campaign of a newer form"])
@@ -143,12 +134,12 @@ def test_a_run_that_a_newer_version_describes_in_another_form_waits_for_it(
     service: Service, form: str, readable: bool
 ) -> None:
     run_id, supervisor = service.submitted(QUICK), Supervisor(service.url, "w1", runner="none:none")
-    described_by(service, "99.0", form)
+    described_by(service, NEWER, form)
     claim = supervisor.queue.claim("w1")
     assert claim is not None
     store = RunStore(service.engine, claim)
     assert store.of_newer_version(catalogue())
-    with pytest.raises(OtherCode, match="descriptions of its components"):
+    with pytest.raises(OtherCode):
         store.describe(QUICK, catalogue())
     given = claim if readable else replace(claim, document={**claim.document, "novel": 1})
     answer = child.perform(never, service.engine, catalogue(), given)

@@ -15,16 +15,17 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 from numpy.typing import NDArray
 
-from backend.db import codes, continuation, snapshots, sources
+from backend.catalog.service import snapshot_of
+from backend.db import codes, continuation, sources
 from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.exports import service
 from backend.exports.format import Format, Stored, Words
 from backend.http.deps import account, capacities
 from backend.http.errors import RefusedError, not_found
+from backend.http.versions import readable
 from backend.results import service as results
 from backend.runs import service as runs
-from backend.runs.versions import readable
 from campaigns.capsules.capsule import Origin, Trajectory
 from campaigns.capsules.packing import Content, packed
 from campaigns.results.trace import TraceColumn, TraceHead
@@ -57,7 +58,7 @@ def content(reader: sa.Connection, run_id: int, label: str) -> Content:
         finding=found[label],
         versions=versions,
         modules=codes.modules(reader, versions.code),
-        components=snapshots.of_run(reader, run_id),
+        components=snapshot_of(reader, run_id),
         measured=None if nominal is None else nominal.repeatability,
         trajectories=trajectories,
         sources=sources.of_run(reader, run_id),

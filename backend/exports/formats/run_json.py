@@ -8,7 +8,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db import snapshots
+from backend.catalog.service import snapshot_of
 from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.exports.format import Format, words
@@ -45,7 +45,7 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
 
 def _components(reader: sa.Connection, run_id: int) -> dict[str, object] | None:
     """The stored component descriptions; None if there are none, since the installed ones may differ."""
-    descriptions = snapshots.of_run(reader, run_id) and components(reader, run_id)
+    descriptions = snapshot_of(reader, run_id) and components(reader, run_id)
     return descriptions.model_dump(mode="json") if descriptions else None
 
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from backend.http.versions import readable
 from backend.results import service as results
-from backend.runs.versions import readable
 from backend.scenes.base.axes import Axes, Floats, axes_of
 from backend.scenes.base.declaration import axes_in, motion
 from campaigns import thin

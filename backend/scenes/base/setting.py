@@ -14,10 +14,10 @@ from backend.catalog.looks import Looks, looks
 from backend.catalog.service import described
 from backend.db.tables import Run, Trace
 from backend.http.errors import RefusedError
+from backend.http.versions import readable
 from backend.results import service as results
 from backend.runs import identity
 from backend.runs.service import campaign
-from backend.runs.versions import readable
 from backend.scenes.base import declaration
 from backend.scenes.base.axes import Axes, Floats, axes_of
 from backend.scenes.base.flight import from_stored

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
+from typing import Any
 
 import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.tables import CampaignRow, Finding, Run, Stage, Trace
+from backend.db.engine import read
+from backend.db.tables import CampaignRow, CatalogueDocument, CatalogueSnapshot, Finding, Run, Stage, Trace
 from backend.scenes.recordings import recording
 from campaigns import Campaign
 from campaigns.version import VERSION
 from tests.given.code_versions import VERSIONS
+from tests.given.event_streams import streaming
 from tests.given.finished_runs import finish
+from tests.given.newer_forms import FORMS, NEWER, in_form
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
@@ -138,6 +143,86 @@ def test_a_stored_campaign_that_cannot_be_read_is_no_error_of_the_request(
         assert {VERSION, "0.0.9"} <= set(re.findall(r"\d+\.\d+\.\d+", detail))
         for path in EVERY_RUN:
             assert guest.get(f"/api/v1/{path}").status_code == 200, path
+
+
+@pytest.fixture(scope="module")
+def queued(guest: httpx.Client, run: str, signed: str) -> str:
+    """A run that waits, of which only the catalogue states quantity and unit."""
+    return submit(guest, criterion=CRITERION, seed=2)
+
+
+def newer(service: Service, table: type[CatalogueDocument] | type[CatalogueSnapshot], form: str) -> sa.Update:
+    """What is stored there, as a newer version writes it."""
+    with read(service.engine) as reader:
+        document: Any = reader.scalar(sa.select(table.document).limit(1))
+    return sa.update(table).values(document=in_form(document, form))
+
+
+def read_all(client: httpx.Client, *runs: str) -> dict[str, int]:
+    """The statuses of all that reads these runs, their files and many runs."""
+    paths = [re.sub(r"\{\w+\}", "F1", path.replace("{run}", run)) for run in runs for path in of_a_run(client)]
+    files = [(run, one["name"]) for run in runs for one in client.get(f"/api/v1/runs/{run}/exports").json()]
+    paths += [f"/api/v1/runs/{run}/exports/{name}" for run, name in files if not name.endswith(("pdf", "report.html"))]
+    paths += [f"/api/v1/{path}" for path in (*EVERY_RUN, "campaigns", f"campaigns/{LIBRARY}")]
+    return {path: client.get(path, follow_redirects=False).status_code for path in paths}
+
+
+LIBRARY = "unicycle_static"
+REQUIRING: dict[str, Callable[[httpx.Client], httpx.Response]] = {
+    "components": lambda client: client.get("/api/v1/components"),
+    "check": lambda client: client.post("/api/v1/campaigns/check", json={"campaign": DOCUMENT}),
+    "preview": lambda client: client.post("/api/v1/campaigns/preview", json={"campaign": DOCUMENT}),
+    "submit": lambda client: client.post("/api/v1/runs", json={"campaign": DOCUMENT}),
+    "submit, reuse": lambda client: client.post("/api/v1/runs", json={"campaign": DOCUMENT, "reuse": True}),
+    "sweep": lambda client: client.post(
+        "/api/v1/sweeps", json={"campaign": DOCUMENT, "path": "avoider.d_0", "values": [1.0, 2.0], "name": "Range"}
+    ),
+    "proposal": lambda client: client.get("/api/v1/simulators/drop/proposal?parameters=2"),
+}
+"""What cannot be answered without the catalogue."""
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_what_a_newer_worker_publishes_hides_no_run(
+    form: str, still: Service, guest: httpx.Client, signed: str, queued: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording, "RATE", 0.2)
+    before = read_all(guest, signed, queued)
+    with changed(still.engine, newer(still, CatalogueDocument, form)):
+        assert read_all(guest, signed, queued) == before
+        assert guest.get(f"/api/v1/runs/{queued}").json()["quantity"] == "d_min", "its own descriptions have it"
+        for path, request in REQUIRING.items():
+            answer = request(guest)
+            assert answer.headers["Retry-After"], path
+            detail = str(problem(answer, 503, "no-catalogue")["detail"])
+            assert {VERSION, NEWER} <= set(re.findall(r"\d+(?:\.\d+)+", detail)), path
+            (stated,) = guest.get(f"/api/v1/campaigns/{LIBRARY}").json()["problems"]
+            assert stated["message"] == detail
+        with streaming(guest) as every, streaming(guest, run=queued) as one:
+            assert every.next("run")["id"] == one.next("run")["id"] == queued
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_run_that_a_newer_version_describes_is_no_error_of_the_request(
+    form: str, still: Service, guest: httpx.Client, signed: str, queued: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording, "RATE", 0.2)
+    before, listed = read_all(guest, signed, queued), of_a_run(guest)
+    with changed(still.engine, newer(still, CatalogueSnapshot, form)):
+        for path, status in before.items():
+            answer = guest.get(path, follow_redirects=False)
+            if answer.status_code != status:
+                assert path.startswith((f"/api/v1/runs/{signed}", f"/api/v1/runs/{queued}")), path
+                problem(answer, 409, "other-version")
+        assert all("409" in listed["/api/v1/runs/{run}" + end] for end in ("", "/components", "/findings"))
+        for run in (signed, queued):
+            assert VERSION in str(problem(guest.get(f"/api/v1/runs/{run}"), 409, "other-version")["detail"])
+            problem(guest.get(f"/api/v1/runs/{run}/components"), 409, "other-version")
+        given = {"campaign": DOCUMENT, "baseline": signed}
+        errors: Any = problem(guest.post("/api/v1/runs", json=given), 422)["errors"]
+        assert [error["field"] for error in errors] == ["baseline"]
+        with streaming(guest) as every, streaming(guest, run=queued) as one:
+            assert every.next("run")["id"] == one.next("run")["id"] == queued
 
 
 def digest(client: httpx.Client, run: str) -> str:

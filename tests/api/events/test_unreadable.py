@@ -9,10 +9,11 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.engine import now
-from backend.db.tables import CampaignRow, Run, Stage, Worker
+from backend.db.tables import CampaignRow, CatalogueDocument, CatalogueSnapshot, Run, Stage, Worker
 from backend.runs.service import number
 from campaigns.runs import StageState
 from tests.given.event_streams import streaming
+from tests.given.newer_forms import in_form
 from tests.given.service import Service
 from tests.given.submissions import submit
 
@@ -22,8 +23,30 @@ def of_newer_version(writer: sa.Connection, run: int) -> None:
     of = sa.select(Run.campaign_digest).where(Run.id == run).scalar_subquery()
     document: Any = writer.scalar(sa.select(CampaignRow.document).where(CampaignRow.digest == of))
     writer.execute(sa.update(CampaignRow).where(CampaignRow.digest == of).values(document=document | {"newer": 1}))
+    sampling(writer, run)
+
+
+def sampling(writer: sa.Connection, run: int) -> None:
     stage = {"position": 0, "kind": "certify", "planned": 100, "state": StageState.RUNNING, "counted": 10}
     writer.execute(sa.insert(Stage).values(run_id=run, **stage))
+
+
+def of_newer_descriptions(writer: sa.Connection, run: int) -> None:
+    """Its components are described in another form, while its sample is drawn."""
+    mine = CatalogueSnapshot.digest == sa.select(Run.snapshot).where(Run.id == run).scalar_subquery()
+    document: Any = writer.scalar(sa.select(CatalogueSnapshot.document).where(mine))
+    changed = in_form(document, "one more field")
+    writer.execute(sa.insert(CatalogueSnapshot).values(digest="newer", document=changed, created=0.0))
+    writer.execute(sa.update(Run).where(Run.id == run).values(snapshot="newer"))
+    sampling(writer, run)
+
+
+def of_newer_workers(writer: sa.Connection, run: int) -> None:
+    """It has no descriptions of its own, and the published ones are of another form."""
+    document: Any = writer.scalar(sa.select(CatalogueDocument.document))
+    writer.execute(sa.update(CatalogueDocument).values(document=in_form(document, "one more field")))
+    writer.execute(sa.update(Run).where(Run.id == run).values(snapshot=None))
+    sampling(writer, run)
 
 
 def of_unknown_stage(writer: sa.Connection, run: int) -> None:
@@ -40,11 +63,21 @@ def of_other_columns(writer: sa.Connection, run: int) -> None:
     writer.execute(sa.update(Run).where(Run.id == run).values(tags={"newer": 1}))
 
 
-@pytest.mark.parametrize("stored", [of_newer_version, of_unknown_stage, of_unknown_state, of_other_columns])
+NORMAL = {"low": 4.0, "high": 6.0, "distribution": {"kind": "normal", "mean": 5.0, "deviation": 0.25}}
+"""What the bound of a sample counts beyond the bounds, which the descriptions state."""
+
+
+@pytest.mark.parametrize(
+    "stored",
+    [
+        *(of_newer_version, of_newer_descriptions, of_newer_workers),
+        *(of_unknown_stage, of_unknown_state, of_other_columns),
+    ],
+)
 def test_a_run_that_cannot_be_read_keeps_no_other_from_the_streams(
     service: Service, client: httpx.Client, stored: Any
 ) -> None:
-    unreadable, other = submit(client), submit(client, seed=2)
+    unreadable, other = submit(client, uncertain={"vehicle.m": NORMAL}), submit(client, seed=2)
     with service.engine.begin() as writer:
         stored(writer, number(unreadable))
     with streaming(client) as every, streaming(client, run=unreadable) as one, streaming(client, run=other) as its:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import httpx
@@ -11,12 +12,13 @@ import sqlalchemy as sa
 from backend.db.baselines import none_found
 from backend.db.queue import Queue
 from backend.db.rows import plain
-from backend.db.tables import CatalogueDocument, Run
+from backend.db.tables import CatalogueDocument, CatalogueSnapshot, Run
 from backend.runs import reuse
 from backend.runs.submission import AT_LAUNCH
 from campaigns.claims.say import say
 from campaigns.results.regression import FindingChange, Regression, Standing
 from tests.given.code_versions import CODE, IDENTITY, VERSIONS, edited
+from tests.given.newer_forms import in_form
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import PARAMETERS, finish_fully
 from tests.given.service import Service
@@ -80,6 +82,14 @@ def test_a_label_selects_the_newest_run_of_the_same_question(service: Service, c
     assert " branch=main " in sentence
     client.delete("/api/v1/runs/R-0002", params={"reason": "wrong"})
     assert launched(client, baseline="label: branch = main")["baseline"]["run"] == "R-0001"
+
+
+def test_no_label_selects_a_run_that_a_newer_version_describes(service: Service, client: httpx.Client) -> None:
+    for _ in range(2):
+        finished(service, client, labels={"branch": "main"})
+    with service.engine.begin() as writer:
+        described_by_newer(writer, 2)
+    assert launched(client, baseline="label:branch=main")["baseline"]["run"] == "R-0001"
 
 
 def test_no_label_selects_a_variant_of_a_sweep(service: Service, client: httpx.Client) -> None:
@@ -162,7 +172,15 @@ def test_a_verdict_is_reused_for_the_same_campaign_and_code(service: Service, cl
     assert launched(client)["reused"] is None, "only on request"
 
 
-CHANGES = {
+def described_by_newer(writer: sa.Connection, run: int) -> None:
+    """A newer version has stored the descriptions of the components of a run, in a form that this one cannot read."""
+    document: Any = writer.scalar(sa.select(CatalogueSnapshot.document).limit(1))
+    changed = in_form(document, "one more field")
+    writer.execute(sa.insert(CatalogueSnapshot).values(digest="newer", document=changed, created=0.0))
+    writer.execute(sa.update(Run).where(Run.id == run).values(snapshot="newer"))
+
+
+CHANGES: dict[str, Callable[[sa.Connection], object]] = {
     "other code": lambda c: c.execute(sa.update(CatalogueDocument).values(document=edited())),
     "no stored code": lambda c: c.execute(sa.update(Run).values(flown=None)),
     "an own component has changed": lambda c: c.execute(
@@ -174,6 +192,7 @@ CHANGES = {
         )
     ),
     "no stored descriptions": lambda c: c.execute(sa.update(Run).values(snapshot=None)),
+    "descriptions of a newer form": lambda c: described_by_newer(c, 1),
     "removed": lambda c: c.execute(sa.update(Run).values(removed=1.0)),
     "cancelled": lambda c: c.execute(sa.update(Run).values(state="cancelled", verdict=None)),
 }

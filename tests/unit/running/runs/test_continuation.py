@@ -16,7 +16,7 @@ from backend.db import continuation as stored
 from backend.db.engine import connect, default_url, read
 from backend.db.queue import LostLease, Queue, submit
 from backend.db.store import RunStore
-from backend.db.tables import Run
+from backend.db.tables import CatalogueSnapshot, Run
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.refusals import RefusalCode
@@ -27,6 +27,7 @@ from clearance.local.likelihood import likelihoods
 from clearance.local.results import read_folder
 from tests.audited import audited
 from tests.given.case_campaigns import searching
+from tests.given.newer_forms import in_form
 from tests.given.refused_commands import refused
 from tests.migrated import migrated
 from worker.engine.problem.evaluate import InProcess
@@ -340,6 +341,19 @@ def test_a_run_of_other_code_is_not_extended(data: Path, capsys: pytest.CaptureF
     with read(engine) as connection:
         assert connection.scalar(sa.select(sa.func.count()).select_from(Run)) == 1
     engine.dispose()
+
+
+def test_a_run_that_a_newer_version_describes_in_another_form_is_not_extended(
+    data: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    engine = connect(default_url(data))
+    newer = in_form(catalogue().model_dump(mode="json"), "one more field")
+    with engine.begin() as connection:
+        connection.execute(sa.insert(CatalogueSnapshot).values(digest="newer", document=newer, created=0.0))
+        connection.execute(sa.update(Run).values(snapshot="newer"))
+    engine.dispose()
+    code = refused(capsys, "run", "--continue", "R-0001", "--budget", "+10", "--data", data)
+    assert code == RefusalCode.OTHER_COMPONENTS
 
 
 def test_a_folder_of_other_code_is_not_extended(

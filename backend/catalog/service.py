@@ -69,7 +69,10 @@ def _found(text: str | None) -> Catalogue | str:
 
 
 def _unreadable(text: str) -> str:
-    document = json.loads(text)
+    try:
+        document = json.loads(text)
+    except ValueError:
+        document = None
     stated = document.get("version") if isinstance(document, dict) else None
     known = isinstance(stated, str) and stated != VERSION
     who = f"a worker of version {stated} published them" if known else "another version published them"

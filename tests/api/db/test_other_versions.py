@@ -202,6 +202,13 @@ def test_what_a_newer_worker_publishes_hides_no_run(
             assert every.next("run")["id"] == one.next("run")["id"] == queued
 
 
+@pytest.mark.parametrize("text", ["{}", "[]", "{"])
+def test_a_damaged_catalogue_hides_no_run(text: str, still: Service, guest: httpx.Client, queued: str) -> None:
+    with changed(still.engine, sa.update(CatalogueDocument).values(document=sa.literal_column(f"'{text}'"))):
+        assert guest.get("/api/v1/runs").status_code == guest.get(f"/api/v1/runs/{queued}").status_code == 200
+        problem(guest.post("/api/v1/runs", json={"campaign": DOCUMENT}), 503, "no-catalogue")
+
+
 @pytest.mark.parametrize("form", FORMS)
 def test_a_run_that_a_newer_version_describes_is_no_error_of_the_request(
     form: str, still: Service, guest: httpx.Client, signed: str, queued: str, monkeypatch: pytest.MonkeyPatch

@@ -214,9 +214,10 @@ def test_a_campaign_of_another_version_is_reported_as_such(service: Service, cli
 
 
 def test_an_internal_error_is_a_problem_without_internal_details(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
     with service.engine.begin() as connection:
-        connection.execute(sa.text("update catalogue set document = '{}'"))
-    answer = client.get("/api/v1/components")
+        connection.execute(sa.text("update runs set tags = '{}'"))
+    answer = client.get(f"/api/v1/runs/{run}")
     assert "log" in str(problem(answer, 500)["detail"])
     assert "pydantic" not in answer.text
     assert answer.headers["x-content-type-options"] == "nosniff"

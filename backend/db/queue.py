@@ -10,7 +10,6 @@ Start reading at `Queue.claim`.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -22,6 +21,8 @@ from pydantic import ValidationError
 
 from backend.db import labels, refusals, reset, sizes, snapshots
 from backend.db.engine import insert, now, read
+from backend.db.leases import Leases, doubtful
+from backend.db.losses import LOSSES, MOST_LOSSES, SILENT, after, failed_after, lost
 from backend.db.outages import storable
 from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
 from backend.db.tables_installed import WebhookDelivery
@@ -34,14 +35,9 @@ from campaigns.sample_seed import SampleSeed
 LEASE = 10.0
 """How long a worker may send no heartbeat before its run can be claimed by another [s]."""
 
-MOST_LOSSES = 10
-"""Workers in a row that a run may lose without a new evaluation: a fault of its own may look like this, as when the
-system kills what takes too much memory."""
-
 LONGEST_PAUSE, LONGEST_PAUSE_AFTER_LOSS = 60.0, 5.0
 """Between two attempts [s]."""
 
-SILENT = "its worker stopped sending heartbeats"
 _CLAIMED = (
     Run.id, Run.state, Run.fence, Run.attempts, Run.max_attempts, Run.losses, Run.started, Run.advanced,
     Run.campaign_digest,
@@ -166,9 +162,7 @@ class Queue:
 
     def __init__(self, engine: sa.Engine, lease: float = LEASE) -> None:
         self.engine, self.lease = engine, lease
-        self._ahead: dict[tuple[int, int, float], float] = {}
-        """Leases further ahead than any is given, as after the clock was put back, by run and fence: when they were
-        first seen [s of the monotonic clock]."""
+        self._leases = Leases()
 
     def claim(self, worker: str, simulators: Sequence[str] = (), installation: str = "") -> Claim | None:
         """Claim the next run under a new fence; None if there is none for a worker with these simulators and this code.
@@ -180,7 +174,7 @@ class Queue:
         while self._any_ready(able):
             with self.engine.begin() as connection:
                 at = now(connection)
-                ready = sa.select(*_CLAIMED).where(_ready(at, self._stuck()), able(at)).order_by(*_order(at)).limit(1)
+                ready = sa.select(*_CLAIMED).where(self._ready(at), able(at)).order_by(*_order(at)).limit(1)
                 row = connection.execute(ready.with_for_update(skip_locked=True, of=Run)).first()
                 if row is None:
                     return None
@@ -191,6 +185,25 @@ class Queue:
     def ready(self, simulators: Sequence[str] = (), installation: str = "") -> bool:
         """Whether there is a run to claim for such a worker."""
         return self._any_ready(partial(_able, simulators, installation))
+
+    def free(self) -> None:
+        """Queue the runs of lost workers that no other one has taken since, so that each states what it waits for.
+
+        Called by every worker with its heartbeats, because those that take runs may be unable to continue these.
+        """
+        longest = _longest(self.lease)
+        with read(self.engine) as connection:
+            self._leases.look(connection, now(connection), longest)
+        if not (stuck := self._leases.stuck(longest)):
+            return
+        with self.engine.begin() as connection:
+            at = now(connection)
+            gone = sa.select(*_CLAIMED).where(Run.id.in_(stuck), doubtful(at, longest))
+            for row in connection.execute(gone.with_for_update(skip_locked=True)).all():
+                if not self._ended(connection, row, at):
+                    values = {"state": RunState.QUEUED, "lease_until": 0.0, "attempts": max(0, row.attempts - 1)}
+                    values |= {"fence": row.fence + 1} | after(row.losses)
+                    connection.execute(sa.update(Run).where(Run.id == row.id).values(**values))
 
     def shared(
         self, worker: str, simulators: Sequence[str] = (), installation: str = "", without: Collection[int] = ()
@@ -235,7 +248,7 @@ class Queue:
             if row.state == RunState.CANCELLING:
                 return self._end(connection, claim, RunState.CANCELLED)
             if row.attempts >= row.max_attempts:
-                sentence = _failed_after(connection, claim.run_id, row.attempts, how)
+                sentence = failed_after(connection, claim.run_id, row.attempts, how)
                 return self._end(connection, claim, RunState.FAILED, sentence)
             pause = min(LONGEST_PAUSE, delay * 2 ** (row.attempts - 1))
             sentence = storable(f"Attempt {row.attempts} of {row.max_attempts}: {how}.")
@@ -251,10 +264,10 @@ class Queue:
                 return self._end(connection, claim, RunState.CANCELLED)
             losses = row.losses + 1
             if losses >= MOST_LOSSES:
-                sentence = _failed_after(connection, claim.run_id, losses, how, LOSSES)
+                sentence = failed_after(connection, claim.run_id, losses, how, LOSSES)
                 return self._end(connection, claim, RunState.FAILED, sentence)
             pause = min(LONGEST_PAUSE_AFTER_LOSS, delay * 2**row.losses)
-            later = {"lease_until": 0.0, "not_before": now(connection) + pause, "error": _lost(losses, how)}
+            later = {"lease_until": 0.0, "not_before": now(connection) + pause, "error": lost(losses, how)}
             later |= {"attempts": max(0, row.attempts - 1), "losses": losses}
             return fenced(connection, claim, state=RunState.QUEUED, **later)
 
@@ -299,25 +312,21 @@ class Queue:
         """Checked before claiming, so that an idle worker never writes."""
         with read(self.engine) as connection:
             at = now(connection)
-            leases = sa.select(Run.id, Run.fence, Run.lease_until)
-            ahead = leases.where(Run.state.in_(HELD), Run.lease_until > at + _longest(self.lease))
-            seen, self._ahead = self._ahead, {}
-            for run_id, fence, lease in connection.execute(ahead).all():
-                self._ahead[run_id, fence, lease] = seen.get((run_id, fence, lease), time.monotonic())
-            found = sa.select(Run.id).where(_ready(at, self._stuck()), able(at)).limit(1)
-            return connection.scalar(found) is not None
+            self._leases.look(connection, at, _longest(self.lease))
+            return connection.scalar(sa.select(Run.id).where(self._ready(at), able(at)).limit(1)) is not None
 
-    def _stuck(self) -> list[int]:
-        """The runs whose lease is too far ahead and was not renewed for the time of a lease: their worker is gone."""
-        since = time.monotonic() - _longest(self.lease)
-        return [run for (run, _, _), seen in self._ahead.items() if seen <= since]
+    def _ready(self, at: float) -> sa.ColumnElement[bool]:
+        """A lease too far ahead counts as expired if its worker is gone."""
+        stuck = self._leases.stuck(_longest(self.lease))
+        gone = sa.and_(Run.id.in_(stuck), doubtful(at, _longest(self.lease)))
+        return sa.or_(_ready(at), gone) if stuck else _ready(at)
 
     def _ended(self, connection: sa.Connection, row: Any, at: float) -> bool:
         values: dict[str, object] = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
         if row.state == RunState.CANCELLING:
             values |= {"state": RunState.CANCELLED, "error": None}
         elif row.state == RunState.RUNNING and row.losses + 1 >= MOST_LOSSES:
-            sentence = _failed_after(connection, row.id, MOST_LOSSES, SILENT, LOSSES)
+            sentence = failed_after(connection, row.id, MOST_LOSSES, SILENT, LOSSES)
             values |= {"state": RunState.FAILED, "error": sentence}
         else:
             return False
@@ -329,7 +338,7 @@ class Queue:
         attempt = row.attempts + 1
         if row.state == RunState.RUNNING:  # its worker is lost
             attempt = max(1, row.attempts)
-            values |= {"losses": row.losses + 1, "error": _lost(row.losses + 1, SILENT)}
+            values |= after(row.losses)
         values |= {"attempts": attempt, "lease_until": at + self.lease}
         values |= {"started": at if row.started is None else row.started}
         waited = attempt == 1 and row.losses == 0 and row.state == RunState.QUEUED  # and nothing went wrong
@@ -362,14 +371,10 @@ def _order(at: float) -> tuple[Any, ...]:
     return (Run.priority.desc(), fewest, Run.created, Run.id)
 
 
-def _ready(at: float, stuck: Sequence[int] = ()) -> sa.ColumnElement[bool]:
-    """stuck: runs whose lease counts as expired although it is ahead.
-
-    A pause further ahead than any is given is over: the clock was put back.
-    """
+def _ready(at: float) -> sa.ColumnElement[bool]:
+    """A pause further ahead than any is given is over: the clock was put back."""
     due = sa.or_(Run.not_before <= at, Run.not_before > at + LONGEST_PAUSE)
-    expired = sa.or_(Run.lease_until < at, Run.id.in_(stuck)) if stuck else Run.lease_until < at
-    return sa.or_(sa.and_(Run.state == RunState.QUEUED, due), sa.and_(Run.state.in_(HELD), expired))
+    return sa.or_(sa.and_(Run.state == RunState.QUEUED, due), sa.and_(Run.state.in_(HELD), Run.lease_until < at))
 
 
 def _longest(lease: float) -> float:
@@ -382,22 +387,3 @@ def _able(simulators: Sequence[str], installation: str, at: float) -> sa.ColumnE
     cancelled."""
     has = sa.or_(Run.needs.is_(None), Run.needs.in_(simulators))
     return sa.or_(sa.and_(has, ~refusals.by(installation, at)), Run.state == RunState.CANCELLING)
-
-
-ATTEMPTS = ("attempts", "last attempt")
-LOSSES = ("lost workers without a new evaluation", "the last one")
-
-
-def _lost(losses: int, how: str) -> str:
-    return storable(f"Worker {losses} of {MOST_LOSSES} lost without a new evaluation: {how}.")
-
-
-def _failed_after(
-    connection: sa.Connection, run_id: int, count: int, how: str, what: tuple[str, str] = ATTEMPTS
-) -> str:
-    running = sa.select(Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.state == StageState.RUNNING)
-    stage = connection.execute(running.order_by(Stage.position)).first()
-    where = "before its first stage"
-    if stage is not None:
-        where = f"in the {stage.kind} stage" + (f" ({stage.method})" if stage.method else "")
-    return f"Failed after {count} {what[0]} {where}; {what[1]}: {how}."

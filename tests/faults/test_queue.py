@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
+from backend.db import queue as queues
 from backend.db import refusals, workers
+from backend.db import waiting as ways
 from backend.db.engine import now
 from backend.db.queue import MOST_LOSSES, SILENT, Claim, LostLease, Queue, request_cancel, resume, submit
 from backend.db.store import RunStore
@@ -400,6 +402,72 @@ def test_a_queued_run_reports_what_it_waits_for(database: sa.Engine) -> None:
         ]
         connection.execute(sa.update(Run).where(Run.id == run_id).values(state="running"))
         assert waiting.reasons(connection, [run_id]) == {}
+
+
+LOST: dict[str, dict[str, Any]] = {
+    "without its simulator": {"simulators": []},
+    "refused": {"refused": True, "run_id": None},
+    "refused, busy": {"refused": True, "run_id": 7},
+    "draining": {"draining": True},
+    "short of space": {"short": True},
+    "busy": {"run_id": 7},
+    "refused, short of space": {"refused": True, "short": True},
+    "refused, draining": {"refused": True, "draining": True, "run_id": 7},
+}
+
+
+@pytest.mark.parametrize("state", LOST)
+def test_a_run_of_a_lost_worker_that_no_other_takes_reports_what_it_waits_for(
+    database: sa.Engine, monkeypatch: pytest.MonkeyPatch, state: str
+) -> None:
+    queue, here = Queue(database), dict(LOST[state])
+    with database.begin() as connection:
+        asked = load_document(package.campaign())
+        run_id = submit(connection, asked, name="a", tags=[], owner="ada", planned=1, catalogue=HAS)
+    claim = queue.claim("gone", [ENTRY.version], "old")
+    assert claim is not None
+    store = RunStore(database, claim)
+    store.plan(PLAN)
+    with database.begin() as connection:
+        if refused := bool(here.pop("refused", False)):
+            refusals.store(connection, run_id, "new", "the code differs")
+        workers.arrive(connection, "live")
+        workers.beat(connection, "live", None, [ENTRY.version], "new")
+        connection.execute(sa.update(Worker).where(Worker.name == "live").values(**here))
+    expire(database, run_id)
+    queue.free()
+    assert row(database, run_id).state == "running", "its worker may be about to renew the lease"
+    monkeypatch.setattr(queues, "LEASE", 0.0)
+    Queue(database, 0.0).free()
+    lost = row(database, run_id)
+    assert (lost.state, lost.attempts, lost.losses) == ("queued", 0, 1)
+    assert lost.error
+    with pytest.raises(LostLease):
+        store.begin(0)
+    with database.begin() as connection:
+        found = waiting.reasons(connection, [run_id])[run_id]
+        assert found.waits
+        assert (found.other_code is not None) is refused
+        assert ways.restart(connection, run_id) is refused
+
+
+def test_freed_runs_end_with_the_limit_of_losses_or_where_they_are_cancelled(
+    database: sa.Engine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(queues, "LEASE", 0.0)
+    queue, run_id = Queue(database, 0.0), put(database)
+    for lost in range(1, MOST_LOSSES + 1):
+        claimed(queue)
+        expire(database, run_id)
+        queue.free()
+        assert row(database, run_id).state == ("queued" if lost < MOST_LOSSES else "failed")
+    other = put(database)
+    claimed(queue)
+    with database.begin() as connection:
+        connection.execute(sa.update(Run).where(Run.id == other).values(state="cancelling"))
+    expire(database, other)
+    queue.free()
+    assert row(database, other).state == "cancelled"
 
 
 @pytest.mark.parametrize("how", ["retry", "lost", "put_off", "refuse", "fail"])

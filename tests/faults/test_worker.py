@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 
+from backend.db import queue as queues
 from backend.db.engine import connect, read
 from backend.db.queue import Claim, Queue, request_cancel, submit
 from backend.db.store import RunStore
@@ -164,6 +165,21 @@ def test_an_end_that_cannot_be_stored_fails_the_run_with_that_sentence(
     with monkeypatch.context() as patched:  # nor the sentence: its lease expires
         patched.setattr(supervisor.queue, "fail", unstored)
         supervisor._settle(claim, Ending("unusable", "it has no wings"))
+    bench.engine.dispose()
+    supervisor.engine.dispose()
+
+
+def test_every_heartbeat_queues_the_runs_of_lost_workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also of a worker that takes no run at that time."""
+    monkeypatch.setattr(queues, "LEASE", 0.0)
+    url = migrated(tmp_path)
+    bench, supervisor = Bench(url, tmp_path), Supervisor(url, "w1", runner="none:none", lease=0.0)
+    run_id = bench.submit("none")
+    assert Queue(bench.engine, 0.0).claim("gone") is not None
+    with bench.engine.begin() as writer:
+        writer.execute(sa.update(Run).values(lease_until=1.0))
+    supervisor._beat(None)
+    assert bench.run(run_id).state == "queued"
     bench.engine.dispose()
     supervisor.engine.dispose()
 

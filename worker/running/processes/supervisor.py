@@ -363,6 +363,7 @@ class Supervisor:
     def _beat(self, run_id: int | None) -> None:
         known = (run_id, self.simulators, self.installation, self._files.age, self._short)
         self.drained = write(self.engine, lambda connection: workers.beat(connection, self.name, *known), 0.0)
+        self.queue.free()
 
     @property
     def _short(self) -> bool:

@@ -223,8 +223,27 @@ class SimulatorEntry(Entry):
 
     @property
     def version(self) -> str:
-        """Its name with a digest of this declaration: a run is claimed only by a worker with the same."""
-        return f"{self.name}@{hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]}"
+        """Its name with a digest of this declaration: a run is claimed only by a worker with the same.
+
+        Without its words, by an edit of which no campaign means something else.
+        """
+        document = self.model_dump_json(
+            exclude={
+                "title": True,
+                "text": True,
+                "parameters": {"__all__": {"symbol", "text"}},
+                "results": {"__all__": {"title", "quantity", "text"}},
+            }
+        )
+        return self._digested(document)
+
+    @property
+    def versions(self) -> list[str]:
+        """Its version, and the one of which runs were submitted by earlier versions, whose digest had the words."""
+        return [self.version, self._digested(self.model_dump_json())]
+
+    def _digested(self, document: str) -> str:
+        return f"{self.name}@{hashlib.sha256(document.encode()).hexdigest()[:16]}"
 
     def result(self, name: str | None) -> ResultEntry | None:
         """The result of that name, or None."""
@@ -265,6 +284,11 @@ class Catalogue(Entry):
     """Of the code, by part, when this was published; not in snapshots."""
     unusable: Annotated[list[UnusableEntry], UNSTATED] = []
     """What was skipped, when this was published; not in snapshots, and omitted if there is none."""
+
+    @property
+    def versions(self) -> list[str]:
+        """Of its simulators."""
+        return [version for entry in self.simulators for version in entry.versions]
 
     def why_not(self, kind: Kind, name: str, text: str) -> str:
         """Why nothing has that name: the sentence of what was skipped under it, else `text`.

@@ -80,7 +80,7 @@ def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurem
     query = (
         sa.select(Run.id, Run.started, Run.flown, Stage.result)
         .join(Stage, nominal)
-        .where(Run.needs == entry.version, Run.removed.is_(None))
+        .where(Run.needs.in_(entry.versions), Run.removed.is_(None))
         .order_by(Run.id.desc())
         .limit(RECENT)
     )
@@ -94,7 +94,8 @@ def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurem
 def _of_checks(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurement]:
     """The measurements by `clearance check-simulator` of the simulator with this declaration, the newest first."""
     table = SimulatorMeasurement
-    query = sa.select(table.measured, table.host, table.digest, table.result).where(table.simulator == entry.version)
+    query = sa.select(table.measured, table.host, table.digest, table.result)
+    query = query.where(table.simulator.in_(entry.versions))
     for at, host, digest, result in reader.execute(query.order_by(table.measured.desc()).limit(RECENT)):
         with suppress(ValidationError):  # another version stored it
             cost = _cost(Measured.model_validate(result), None, at, host)

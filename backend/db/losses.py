@@ -17,11 +17,6 @@ ATTEMPTS = ("attempts", "last attempt")
 LOSSES = ("lost workers without a new evaluation", "the last one")
 
 
-def after(losses: int) -> dict[str, object]:
-    """Columns of a run that had so many losses when its worker stopped sending heartbeats."""
-    return {"losses": losses + 1, "error": lost(losses + 1, SILENT)}
-
-
 def lost(losses: int, how: str) -> str:
     return storable(f"Worker {losses} of {MOST_LOSSES} lost without a new evaluation: {how}.")
 

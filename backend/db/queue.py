@@ -22,7 +22,7 @@ from pydantic import ValidationError
 from backend.db import labels, refusals, reset, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.leases import Leases, doubtful
-from backend.db.losses import LOSSES, MOST_LOSSES, SILENT, after, failed_after, lost
+from backend.db.losses import LOSSES, MOST_LOSSES, SILENT, failed_after, lost
 from backend.db.outages import storable
 from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
 from backend.db.tables_installed import WebhookDelivery
@@ -202,7 +202,7 @@ class Queue:
             for row in connection.execute(gone.with_for_update(skip_locked=True)).all():
                 if not self._ended(connection, row, at):
                     values = {"state": RunState.QUEUED, "lease_until": 0.0, "attempts": max(0, row.attempts - 1)}
-                    values |= {"fence": row.fence + 1} | after(row.losses)
+                    values |= {"fence": row.fence + 1, "losses": row.losses + 1, "error": lost(row.losses + 1, SILENT)}
                     connection.execute(sa.update(Run).where(Run.id == row.id).values(**values))
 
     def shared(
@@ -338,7 +338,7 @@ class Queue:
         attempt = row.attempts + 1
         if row.state == RunState.RUNNING:  # its worker is lost
             attempt = max(1, row.attempts)
-            values |= after(row.losses)
+            values |= {"losses": row.losses + 1, "error": lost(row.losses + 1, SILENT)}
         values |= {"attempts": attempt, "lease_until": at + self.lease}
         values |= {"started": at if row.started is None else row.started}
         waited = attempt == 1 and row.losses == 0 and row.state == RunState.QUEUED  # and nothing went wrong

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
+
 import sqlalchemy as sa
 
 from backend.db import groups, refusals, reset
@@ -22,12 +24,16 @@ BEGUN = sa.or_(Run.flown.is_not(None), Run.evaluations > 0, sa.exists().where(St
 CONTINUED = "It was continued as {run}."
 
 
-def restart(writer: sa.Connection, run_id: int) -> bool:
-    """Put a waiting run back to where it was when it was submitted; false if it does not wait for its code."""
+def restart(writer: sa.Connection, run_id: int, needs: str | None = None) -> bool:
+    """Put a waiting run back to where it was when it was submitted; false if it does not wait for its code.
+
+    needs: the simulator that it needs from then on, if not the same as before.
+    """
     if not waits(writer, run_id):
         return False
     reset.empty(writer, run_id)
-    writer.execute(sa.update(Run).where(Run.id == run_id).values(carries=False))
+    changed = {} if needs is None else {"needs": needs}
+    writer.execute(sa.update(Run).where(Run.id == run_id).values(carries=False, **changed))
     return True
 
 
@@ -61,12 +67,22 @@ def waits(writer: sa.Connection, run_id: int) -> bool:
         groups.lock(writer, group)
     queued = sa.select(Run.needs).where(Run.id == run_id, Run.state == RunState.QUEUED)
     row = writer.execute(queued.with_for_update()).one_or_none()
-    refused = refusals.of(writer, [run_id]).get(run_id)
-    if row is None or not refused:
+    if row is None:
         return False
-    live = sa.select(Worker.installation, Worker.simulators).where(Worker.beat > now(writer) - SEEN, ~Worker.draining)
-    others = [here for here in writer.execute(live) if here.installation not in refused]
+    refused = refusals.of(writer, [run_id]).get(run_id, {})
+    shown = (Worker.installation, Worker.simulators, Worker.draining)
+    live = writer.execute(sa.select(*shown).where(Worker.beat > now(writer) - SEEN)).all()
+    if not refused and not has_changed(row.needs, [here.simulators for here in live]):
+        return False
+    others = [here for here in live if here.installation not in refused and not here.draining]
     return not any(row.needs is None or row.needs in here.simulators for here in others)
+
+
+def has_changed(needs: str | None, workers: Iterable[Collection[str]]) -> bool:
+    """Whether workers with these simulators have the one that a run needs, but none as it was at submission."""
+    known = {version for simulators in workers for version in simulators}
+    name = (needs or "").partition("@")[0]
+    return needs is not None and needs not in known and any(version.partition("@")[0] == name for version in known)
 
 
 def _group(reader: sa.Connection, run_id: int) -> str | None:

@@ -98,7 +98,7 @@ def simulators(connection: sa.Connection, but: str = "") -> list[SimulatorEntry]
     for stored_entry in document.get("simulators", []):
         with contextlib.suppress(ValidationError):
             entry = SimulatorEntry.model_validate(stored_entry)
-            found += [entry] if entry.version in had else []
+            found += [] if had.isdisjoint(entry.versions) else [entry]
     return found
 
 

@@ -109,7 +109,7 @@ KINDS = {
     "no-verdict": Kind(409, "The run has no verdict to sign off."),
     "not-failed": Kind(409, "The run has not failed."),
     "not-waiting": Kind(409, "The run does not wait for the code that began it."),
-    "not-continuable": Kind(409, "No evaluation of the run can be used by the installed code."),
+    "not-continuable": Kind(409, "The run's campaign or its evaluations cannot be used by the installed code."),
     "not-removable": Kind(409, "A run is running, or has a valid sign-off."),
     "notes-changed": Kind(409, "The notes were changed since they were read."),
     "other-version": Kind(409, "The run's campaign or a result is of another version of Clearance, or damaged."),

@@ -161,7 +161,11 @@ def retry_run(run: RunName, request: Request, once: OnceOnly, visitor: CurrentVi
     return _once(once, lambda writer: onward.retry(writer, number, visitor, quota))
 
 
-@router.post("/runs/{run}/restart", dependencies=ROOM, responses=problems("not-found", "not-waiting", "purged", *ONCE))
+@router.post(
+    "/runs/{run}/restart",
+    dependencies=ROOM,
+    responses=problems("not-found", "not-waiting", "not-continuable", "no-catalogue", "other-version", "purged", *ONCE),
+)
 def restart_run(run: RunName, once: OnceOnly, visitor: CurrentVisitor) -> RunSummary:
     """Begin a run again that waits for the code that began it; its evaluations are discarded."""
     return _once(once, lambda writer: onward.restart(writer, service.number(run), visitor))

@@ -83,11 +83,18 @@ def names(found: Collection[Change]) -> list[str]:
     return [name for change in sorted(found, key=lambda one: bool(one.modules)) for name in change.names]
 
 
+def unusable(run_id: int, campaign: Campaign, catalogue: Catalogue) -> str | None:
+    """Why the newest worker cannot run the campaign; None if it can."""
+    if not (problems := check(campaign, catalogue)):
+        return None
+    found = "; ".join(map(str, problems[:MOST_SHOWN]))
+    return f"the campaign of {run_name(run_id)} cannot be run with what the newest worker has installed: {found}"
+
+
 def not_continuable(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue) -> str | None:
     """Why the newest worker can continue nothing of it; None if it can."""
-    if problems := check(campaign, catalogue):
-        found = "; ".join(map(str, problems[:MOST_SHOWN]))
-        return f"the campaign of {run_name(run_id)} cannot be run with what the newest worker has installed: {found}"
+    if detail := unusable(run_id, campaign, catalogue):
+        return detail
     then = of_run(reader, run_id) or UNSTORED
     others = unsound(then, installed(campaign, catalogue, then))
     if not others:

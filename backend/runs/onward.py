@@ -39,10 +39,13 @@ def retry(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) ->
 
 
 def restart(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
-    """Begin a run again without its evaluations; 409 unless it waits for its code, 403 if it is another user's."""
+    """Begin a run again without its evaluations, with the simulator as it is now; 409 unless it waits for its code, 403
+    if it is another user's."""
     _own(writer, run_id, visitor)
+    if not waiting.waits(writer, run_id):
+        raise _not_waiting(run_id)
     lost = writer.scalar(sa.select(Run.evaluations).where(Run.id == run_id))
-    if not waiting.restart(writer, run_id):
+    if not waiting.restart(writer, run_id, _changed_simulator(writer, run_id)):
         raise _not_waiting(run_id)
     audit.note(writer, visitor, "run.restarted", run_name(run_id), {"evaluations": lost})
     return service.summary(writer, run_id)
@@ -64,6 +67,17 @@ def carry_on(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota)
 def now(reader: sa.Connection, made: RunSummary) -> RunSummary:
     """The run of an earlier answer, as it is by now."""
     return service.summary(reader, service.number(made.id))
+
+
+def _changed_simulator(reader: sa.Connection, run_id: int) -> str | None:
+    """The published version of the simulator that a run needs; None if that is the same."""
+    needs = reader.scalar(sa.select(Run.needs).where(Run.id == run_id))
+    entry = None if needs is None else required(reader).simulator(needs.partition("@")[0])
+    if entry is None or needs in entry.versions:
+        return None
+    if detail := identity.unusable(run_id, service.campaign(reader, run_id), required(reader)):
+        raise RefusedError("not-continuable", detail)
+    return entry.version
 
 
 def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:

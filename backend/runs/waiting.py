@@ -13,7 +13,7 @@ from backend.db.engine import now
 from backend.db.queue import waiting_order
 from backend.db.space import VARIABLE
 from backend.db.tables import Run, Worker
-from backend.db.waiting import BEGUN
+from backend.db.waiting import BEGUN, has_changed
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs.schemas import RunDoing
 from campaigns.claims.numbers import count
@@ -85,6 +85,9 @@ def doing_of(known: Doing) -> RunDoing:
 
 def _of(row: Any, live: Sequence[Any], at: float, position: int | None, refused: Mapping[str, str]) -> Waits:
     able = [worker for worker in live if row.needs is None or row.needs in worker.simulators]
+    if not able and has_changed(row.needs, [worker.simulators for worker in live]):
+        changes = f"{SIMULATORS}/{row.needs.partition('@')[0]} has changed"
+        return Waits(_other_code(changes, row.evaluations) if row.begun else _changed(changes), changes)
     if not able:
         return Waits(_no_simulator(row.needs or "", len(live)))
     same = [worker for worker in able if worker.installation not in refused]
@@ -145,6 +148,10 @@ def _unknown(differs: str) -> str:
         f"It was submitted for a newer version than the running workers have: {differs}. Start a worker of the version "
         "of the service, and it begins; or cancel it."
     )
+
+
+def _changed(differs: str) -> str:
+    return f"{differs} since the run was submitted. {FILES_BACK}; or begin it again, with the simulator as it is now."
 
 
 def _no_simulator(needs: str, live: int) -> str:

@@ -48,7 +48,7 @@ def _out(row: Any, at: float, stages: dict[int, str]) -> WorkerOut:
         run=None if row.run_id is None else run_name(row.run_id),
         stage=None if silent or row.run_id is None else stages.get(row.run_id),
         doing=None if known is None else waiting.doing_of(known),
-        simulators=sorted(version.partition("@")[0] for version in row.simulators),
+        simulators=sorted({version.partition("@")[0] for version in row.simulators}),
     )
 
 

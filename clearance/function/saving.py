@@ -49,7 +49,7 @@ def _page(engine: sa.Engine, origin: Origin) -> str:
         planned=most(campaign), catalogue=origin.known, seed=store.sample_seed,
     )  # fmt: skip
     run = write(engine, submitted, PATIENCE)
-    claim = queue.Queue(engine).claim("clearance.search", [s.version for s in origin.known.simulators])
+    claim = queue.Queue(engine).claim("clearance.search", origin.known.versions)
     assert claim is not None
     stored = RunStore(engine, claim)
     stored.plan([record.plan for record in store.stages])

@@ -160,7 +160,7 @@ def missing(campaign: Campaign, version: str) -> str:
             "the machine of the service has no such simulator; start the service with the same CLEARANCE_SIMULATORS "
             "and packages as the workers"
         )
-    if version and entry.version != version:
+    if version and version not in entry.versions:
         return "on the machine of the service it has other parameters or results than for this run"
     return ""
 

@@ -87,7 +87,7 @@ def main() -> None:
         {
             "ready": True,
             "fresh": fresh,
-            "simulators": [s.version for s in document.simulators],
+            "simulators": document.versions,
             "installation": here,
         },
     )
@@ -132,7 +132,7 @@ def assist(engine: sa.Engine, components: Catalogue, claim: Claim, here: str) ->
     from worker.engine.stages.parts.context import Cancelled
     from worker.running.runs import runner
 
-    waiting = Waiting(Queue(engine), claim, [s.version for s in components.simulators], here)
+    waiting = Waiting(Queue(engine), claim, components.versions, here)
 
     def share(campaign: Campaign, store: Store) -> bool:
         with suppress(Cancelled):

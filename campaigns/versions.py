@@ -99,6 +99,9 @@ class Versions(Documented):
         return Versions.model_validate({**known, "cpu": cpu if isinstance(cpu, dict) else None})
 
 
+OTHER_POINTS = "its method requests other points than where it was begun"
+"""How a worker says why it leaves a run to others, whose code does not differ; what differs follows."""
+
 UNDIGESTED = (
     "it was begun by a version of Clearance that stored no digests of its code: nothing shows which code computed its "
     "first results, nor that later ones are of the same"

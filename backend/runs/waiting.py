@@ -19,6 +19,7 @@ from backend.runs.schemas import RunDoing
 from campaigns.claims.numbers import count
 from campaigns.identity.identity import COMPONENTS, SIMULATORS
 from campaigns.runs import RunState, run_name
+from campaigns.versions import OTHER_POINTS
 
 MOST_NAMED = 3
 """Largest number of runs that are named as the reason why another one waits."""
@@ -29,6 +30,7 @@ OLD_VERSION = (
 )
 UNIDENTIFIED = "is not identified"
 """As `campaigns.identity.identity.differences` says it of what is never the same, also with its files as they were."""
+SAME_MACHINE = "A worker on a machine of the kind that began it continues it"
 FILES_BACK = "Put these files back as they were, and it continues"
 _COMPILING = "Compiling your closed loop{about}, once: it is stored for later runs."
 
@@ -136,10 +138,12 @@ def no_worker(last: float | None, at: float) -> str:
 
 def _other_code(differs: str, evaluations: int) -> str:
     own = UNIDENTIFIED not in differs and any(f"{place}/" in differs for place in (COMPONENTS, SIMULATORS))
+    who, way = "Other code began it than the running workers have", FILES_BACK if own else OLD_VERSION
+    if differs.startswith(OTHER_POINTS):
+        who, way = "No running worker can continue it", SAME_MACHINE
     return (
-        f"Other code began it than the running workers have: {differs}. {FILES_BACK if own else OLD_VERSION}; or begin "
-        f"it again, without its {count(evaluations)} evaluations; or continue it as a new run, with those that are "
-        "still valid, if any."
+        f"{who}: {differs}. {way}; or begin it again, without its {count(evaluations)} evaluations; or continue it as a "
+        "new run, with those that are still valid, if any."
     )
 
 

@@ -9,6 +9,7 @@ import pytest
 import sqlalchemy as sa
 import yaml
 
+from backend.db import refusals
 from backend.db.access import LOCAL
 from backend.db.engine import read
 from backend.db.queue import Queue
@@ -19,9 +20,10 @@ from backend.db.sweeps import in_sweep
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun, Worker
 from backend.db.waiting import CONTINUED
 from backend.runs.quota import Quota
-from backend.runs.waiting import SOON
+from backend.runs.waiting import SAME_MACHINE, SOON
 from backend.signoffs.present import present
 from campaigns.runs import run_name
+from campaigns.versions import OTHER_POINTS
 from tests.given.code_versions import CODE, VERSIONS, edited
 from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE, campaign
@@ -69,6 +71,15 @@ def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Se
     drain(service, "old")
     assert one(client, run)["other_code"] == DIFFERS
     assert client.post(f"/api/v1/runs/{run}/restart").status_code == 200
+
+
+def test_a_run_that_another_kind_of_machine_began_waits_for_one(service: Service, client: httpx.Client) -> None:
+    run, differs = waiting(service, client), f"{OTHER_POINTS}: the processor was znver9, here it is znver4"
+    with service.engine.begin() as writer:
+        refusals.store(writer, 1, HERE, differs)
+    found = one(client, run)
+    assert found["other_code"] == differs
+    assert found["waits"].startswith(f"No running worker can continue it: {differs}. {SAME_MACHINE}; or begin it again")
 
 
 def test_a_worker_looks_again_at_a_run_that_it_refused_long_ago(service: Service, client: httpx.Client) -> None:

@@ -40,7 +40,7 @@ from backend.db.store import RunStore
 from campaigns import Campaign, CampaignError, Catalogue, logs
 from campaigns.runs import run_name
 from campaigns.stored.records import Begun
-from campaigns.versions import OtherCode
+from campaigns.versions import OTHER_POINTS, OtherCode
 from worker.engine.stages.parts.store import Store
 from worker.running.processes.answering import private_output, send
 from worker.running.runs import pulse

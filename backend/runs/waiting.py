@@ -142,8 +142,8 @@ def _other_code(differs: str, evaluations: int) -> str:
     if differs.startswith(OTHER_POINTS):
         who, way = "No running worker can continue it", SAME_MACHINE
     return (
-        f"{who}: {differs}. {way}; or begin it again, without its {count(evaluations)} evaluations; or continue it as a "
-        "new run, with those that are still valid, if any."
+        f"{who}: {differs}. {way}; or begin it again, without its {count(evaluations)} evaluations; or continue it as "
+        "a new run, with those that are still valid, if any."
     )
 
 

@@ -206,10 +206,9 @@ def _performed(execute: Execute, engine: sa.Engine, components: Catalogue, claim
     except FilesChanged as error:
         return {"outcome": "edited", "text": str(error)}
     except ReplayMismatch as error:
-        others = begun.elsewhere(then)
-        return (
-            {"outcome": "refused", "text": "; ".join(others)} if others else {"outcome": "unusable", "text": str(error)}
-        )
+        if not (others := begun.elsewhere(then)):
+            return {"outcome": "unusable", "text": str(error)}
+        return {"outcome": "refused", "text": f"{OTHER_POINTS}: {'; '.join(others)}"}
     except (CampaignUnusable, CampaignError) as error:
         return {"outcome": "unusable", "text": str(error)}
     except MemoryError:  # the next attempt would need as much memory

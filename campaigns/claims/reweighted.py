@@ -19,15 +19,14 @@ NO_BOUNDS = say("no estimate: the bounds of a parameter are not known in this in
 
 
 class Draws(NamedTuple):
-    """What an estimate rests on. outside: relative to what is not excluded; few: whether too few violate to weight
-    them."""
+    """What an estimate rests on. outside, missed: probabilities in the interval, relative to what is not excluded."""
 
     samples: int
     failed: int
     excluded: int
     effective: float
     outside: float
-    few: bool
+    missed: float
 
 
 def estimate(probability: float, ends: tuple[float, float], confidence: float, of: Draws) -> Spans:
@@ -48,12 +47,11 @@ def _failed(of: Draws) -> Spans:
 
 def _width(of: Draws) -> Spans:
     """Why the interval is as wide as it is."""
-    beyond = say(
-        *("; the interval includes ", at_most(of.outside, name="outside"), " of draws outside the bounds"),
-        " relative to those not excluded" if of.excluded else "",
-    )
-    few = say("; few of them violate, so the interval holds wherever the violations are")
-    return say(beyond if of.outside else (), few if of.few else ())
+    relative = " relative to those not excluded" if of.excluded else ""
+    beyond = say(at_most(of.outside, name="outside"), " of draws outside the bounds", relative)
+    unseen = say(at_most(of.missed, name="missed"), " for regions that the draws may have missed")
+    parts = [part for part, fraction in ((beyond, of.outside), (unseen, of.missed)) if fraction]
+    return say("; the interval includes ", listed(parts)) if parts else ()
 
 
 def too_few(effective: float, samples: int, needed: int) -> Spans:

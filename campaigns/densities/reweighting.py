@@ -2,7 +2,7 @@
 
 Self-normalised importance sampling: Owen, Monte Carlo theory, methods and examples, 2013, section 9.2. Effective sample
 size: Kish, Survey Sampling, 1965. Interval: Korn and Graubard, Survey Methodology 24, 1998, that of Clopper and Pearson
-with the effective number of draws; where few draws violate, that of `wherever`.
+with the effective number of draws, and wider by what the draws can have `missed`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ NEEDED = 100
 TRIALS, SEED = 2**14, 1
 """Points of the moved distributions for what is expected of the weights, always the same."""
 FEW = 10
-"""With fewer effective draws that violate, or below a quantile, too little is known of the weights there."""
+"""With fewer effective draws below a quantile, too little is known of the weights there."""
 ROUNDING = 1e-9
 """Of a sum of weights, and of a bound as a fraction of its range."""
 REDRAWN = 1e-3
@@ -135,14 +135,12 @@ def _estimated(found: Reweighted, of: _Weighted, terms: Terms) -> Reweighted:
     violate = of.costs <= terms.threshold
     p = min(float(of.shares[violate].sum()), 1.0)
     low, high = interval(p, of.shares, violate, found.effective, terms.confidence)
-    few = min(_kish(of.shares[violate]), _kish(of.shares[~violate])) < FEW
-    if few:
-        ends = wherever(found.violations, found.samples + found.excluded, of.ratios, terms.confidence)
-        low, high = min(low, ends[0]), max(high, min(ends[1] / of.kept, 1.0))
     # Of the draws outside the bounds none may be excluded, whereas of those within some are.
     outside = min(1.0, found.outside / of.kept)
-    low, high = low * (1.0 - outside), high * (1.0 - outside) + outside
-    draws = claims.Draws(found.samples, found.failed, found.excluded, found.effective, outside, few)
+    unseen = missed(found, of.ratios, of.kept)
+    for unknown in (unseen, outside):
+        low, high = low * (1.0 - unknown), high * (1.0 - unknown) + unknown
+    draws = claims.Draws(found.samples, found.failed, found.excluded, found.effective, outside, unseen)
     statement = claims.estimate(p, (low, high), terms.confidence, draws)
     quantiles = _quantiles(of.shares, of.costs, terms.shares)
     estimates = {"probability": p, "low": low, "high": high, "quantiles": quantiles, "statement": statement}
@@ -168,17 +166,32 @@ def _clopper_pearson(events: float, draws: float, confidence: float) -> tuple[fl
     return low, high
 
 
-def wherever(violations: int, draws: int, ratios: Floats, confidence: float) -> tuple[float, float]:
-    """An interval that holds wherever the violations are, from their unweighted number; ratios: `log_ratio` of trials.
+def missed(found: Reweighted, ratios: Floats, kept: float) -> float:
+    """The probability that the draws can have missed, beyond what the interval of Korn and Graubard counts.
 
-    Of all regions with a stated probability, that with the highest ratio of densities has the highest moved one (Neyman
-    and Pearson, Phil. Trans. R. Soc. A 231, 1933), and that with the lowest the lowest.
+    For any violating region V, with half of the error at each end: let c = log(2 / (1 - confidence)). n draws miss a
+    region of stated probability c / n with probability exp(-c). Let T be the part of V with the highest ratios that has
+    this stated probability, or all of V. Its moved probability is at most `highest`, which is added: T needs no draw.
+    The rest of V has no higher ratios, and the draws of T are c more than are needed for it. The upper limit for a
+    Poisson number k of draws is above k + z sqrt(k) by c if k = 0 and by less otherwise (Garwood, Biometrika 28, 1936),
+    so these c draws are what a normal interval lacks; a test has pairs of ratios. The lower end is one minus the upper
+    one of what does not violate. The interval of Clopper and Pearson has c effective draws of it already.
+
+    kept: the weight that is not excluded.
     """
-    low, high = _clopper_pearson(violations, draws, confidence)
+    expected = math.log(2.0 / (1.0 - found.confidence))
+    most = highest(expected / (found.samples + found.excluded), ratios) / kept - expected / found.effective
+    return min(most, 1.0) if most > ROUNDING else 0.0
+
+
+def highest(stated: float, ratios: Floats) -> float:
+    """The highest moved probability of all regions with this stated one; ratios: `log_ratio` of trials.
+
+    It is that of the region with the highest ratio of densities (Neyman and Pearson, Phil. Trans. R. Soc. A 231, 1933).
+    """
     inverse = np.sort(np.exp(-np.clip(ratios, -700.0, 700.0))) / len(ratios)
-    most = np.searchsorted(np.cumsum(inverse), high) + 1
-    least = np.searchsorted(np.cumsum(inverse[::-1]), low)
-    return float(least) / len(ratios), min(float(most) / len(ratios), 1.0)
+    share = np.arange(len(ratios) + 1) / len(ratios)
+    return float(np.interp(stated, np.concatenate([[0.0], np.cumsum(inverse)]), share))
 
 
 def _quantiles(shares: Floats, costs: Floats, wanted: Sequence[float]) -> list[EstimatedQuantile]:

@@ -20,7 +20,7 @@ SOURCES = [
     for file in sorted((ROOT / folder).rglob("*.py"))
     if "migrations" not in file.parts
 ]
-UPWARD = {"upper_bound", "at_end", "high", "redrawn"}
+UPWARD = {"upper_bound", "at_end", "high", "redrawn", "missed"}
 DOWNWARD = {"low", "bound", "effective", "confidence", "level"}
 """The names of the numbers that are upper bounds, and of those that are lower ones or must not reach what they miss."""
 NEAREST = {"number", "probability", "share", "probable", "percent", "signed"}
@@ -73,7 +73,7 @@ def _sentences(value: float) -> Iterator[Spans]:
     yield sample.so_far(sample.Drawn(1, 300, value, value), value, 10, value)
     yield calls.independent(1, 0, 10, value, value)
     yield estimate.estimated(value, (value, value), value, estimate.Draws(100, 50.0, outside=value))
-    yield reweighted.estimate(value, (value, value), value, reweighted.Draws(300, 0, 7, 200.0, value, few=False))
+    yield reweighted.estimate(value, (value, value), value, reweighted.Draws(300, 0, 7, 200.0, value, value))
     yield reweighted.outside(value, 0.05)
     yield reweighted.redrawn(value)
 

@@ -64,28 +64,32 @@ def test_the_interval_holds_the_exact_probability(name: str) -> None:
 @pytest.mark.parametrize("name", nightly_but(PAIRS_BY_DAY, PAIRS))
 def test_the_interval_holds_where_a_second_region_has_few_draws(name: str) -> None:
     """At 1.5 deviations it held P in 66 % of the samples without what they can have missed."""
-    found = coverage(PAIRS[name], range(120))
-    assert found.made > 80
+    found = coverage(PAIRS[name], range(100))
+    assert found.made > 70
     assert found.held >= 0.93
 
 
 @pytest.mark.nightly
 def test_the_interval_holds_for_pairs_of_regions_at_random() -> None:
+    """An interval that holds in 95 % of the samples holds in fewer than 88 of a hundred once in 680 times."""
     found = [coverage(case, range(100)) for case in random_pairs(30, 7)]
     held = [one.held for one in found if one.made >= 50]
     assert len(held) > 20
-    assert min(held) >= 0.93
+    assert min(held) >= 0.88
+    assert np.mean(held) >= 0.95
 
 
-def test_what_draws_can_have_missed_is_the_region_with_the_highest_ratio() -> None:
-    """A shift by one deviation: of the upper tail with log(40) of 1000 expected draws, the interval has the effective
-    ones."""
-    stated, moved = over(Normal(mean=5.0, deviation=0.2)), over(Normal(mean=5.2, deviation=0.2))
+@pytest.mark.parametrize(("shift", "missable"), [(1.0, 0.046), (1.5, 0.12)])
+def test_what_draws_can_have_missed_is_the_region_with_the_highest_ratio(shift: float, missable: float) -> None:
+    """Of the upper tail with log(40) of 1000 expected draws, the interval has the effective ones already."""
+    stated, moved = over(Normal(mean=5.0, deviation=0.2)), over(Normal(mean=5.0 + 0.2 * shift, deviation=0.2))
     trials = moved.values(moved.drawn(np.random.default_rng(1).random((100_000, 1))))
     ratios, expected = log_ratio(stated, moved, trials), np.log(40.0)
-    exact = stats.norm.cdf(stats.norm.ppf(expected / 1000) + 1.0)
+    exact = stats.norm.cdf(stats.norm.ppf(expected / 1000) + shift)
+    assert exact == pytest.approx(missable, rel=0.02)
     assert highest(expected / 1000, ratios) == pytest.approx(exact, rel=0.02)
-    of = from_first(Normal(mean=5.0, deviation=0.2), moved, 4.0, 1000, 1)
+    of = from_first(Normal(mean=5.0, deviation=0.2), moved, 4.0, 1000, 0)
+    assert of.probability is not None
     assert missed(of, ratios, 1.0) == pytest.approx(exact - expected / of.effective, rel=0.03)
     assert missed(of, ratios, 0.5) == pytest.approx(2.0 * exact - expected / of.effective, rel=0.03)
     assert values(of.statement)["missed"] == pytest.approx(missed(of, ratios, 1.0), rel=0.05)

@@ -39,3 +39,6 @@ SEARCH, SEARCHED, SEARCHED_EACH = "auto", 5000, 1000
 
 BETWEEN = (0.2, 0.4, 0.6, 0.8)
 """Positions on the straight line from a mode of an estimate to a finding that must violate for them to be the same."""
+LINE = 32
+"""Equal parts of the straight line from a violation of a baseline to a finding; no case between them may be clear for
+them to be the same."""

@@ -205,6 +205,16 @@ class Downhill(Result):
     cost: float
 
 
+class Line(Result):
+    """The straight line from a violation of the baseline to the finding of its basin, which are one only if no case on
+    it is clear."""
+
+    end: list[float]
+    """On the unit cube: the finding, or a point so close to it that both are at one place."""
+    highest: float | None
+    """The highest cost of the cases between both ends; null if one of these has no cost."""
+
+
 class CaseBasin(Result):
     """What is known of the basin of a case of the baseline."""
 
@@ -214,6 +224,9 @@ class CaseBasin(Result):
     """At that cost; omitted if a finding has them."""
     violation: Annotated[Downhill | None, UNLESS_NONE] = None
     """Of a case that violates no more; omitted if there is none."""
+    line: Annotated[Line | None, UNLESS_NONE] = None
+    """Omitted if it decides nothing: the case did not violate or the finding does not, or both are at one place; and in
+    results of earlier versions."""
     not_compared: int = 0
     """Stored violations that the line was not evaluated to, because the allowance was used up; those close to each
     other count once."""

@@ -21,7 +21,7 @@ from campaigns.results.slices import Curve
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin, Downhill, Gathered
 from campaigns.stored.records import Trace
-from worker.engine.stages.parts import findings, incumbents, modes, noise, offered, seeds
+from worker.engine.stages.parts import between, findings, incumbents, modes, noise, offered, seeds
 from worker.engine.stages.parts.base import all_columns, drive, traced
 from worker.engine.stages.parts.comparison import compare, reached
 from worker.engine.stages.parts.confirm import cases
@@ -61,6 +61,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     nominal_flight = context.problem.system.trace("nominal", {}) if flies else None
     tolerance = context.campaign.stages.validate_.tolerance
     validated = [nominal, *(f.validation for f in named if f.validation is not None)]
+    since = [_matching(context, case, named, found, basins) for case in _reevaluated(context)]
     result = ValidateResult(
         ok=all(case.ok for case in validated),
         statement=(),
@@ -74,8 +75,8 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         incumbents=best,
         untraced=untraced,
         spent=left.spent(),
-        since=[_matching(context, case, named, found, basins) for case in _reevaluated(context)],
-        basins=_basins(context, position, found),
+        since=since,
+        basins=_basins(context, position, found, since, basins),
         modes=modes.named(context, found.lines, named),
     )
     return Outcome(result, named, tuple(t for t in flights if t is not None))
@@ -89,30 +90,46 @@ def _matching(
     context: Context, case: Reevaluated, named: Sequence[Finding], found: findings.Found, labels: Sequence[str]
 ) -> str | None:
     """The finding whose basin contains a case of the baseline: the stored evaluation itself, one with the same noise at
-    the same place, or that of the basin that its descent ended in; labels: those of the listed basins."""
+    the same place, or that of the basin that its descent ended in, unless the line to it decides and is not evaluated;
+    labels: those of the listed basins."""
     if case.cost is None:
         return None
-    point, distance = np.array(case.point), context.campaign.stages.findings.distance
+    point, distance = np.array(case.point), between.near(context)
     for finding in named:
         same = case.realisation == finding.realisation
         apart = float(np.abs(np.array(finding.point) - point).max())
         if same and (apart == 0.0 or (case.realisation is not None and apart < distance)):
             return finding.label
     basin = found.basin_at(point)
-    return None if basin is None or basin >= len(labels) else labels[basin]
+    if basin is None or basin >= len(labels) or _undecided(context, case, found, basin):
+        return None
+    return labels[basin]
 
 
-def _basins(context: Context, position: int, found: findings.Found) -> list[CaseBasin]:
-    """What is known of the basin of each case of the baseline, listed or not."""
-    known, basins = [*found.basins, *found.besides], []
-    for k, case in enumerate(_reevaluated(context)):
+def _undecided(context: Context, case: Reevaluated, found: findings.Found, basin: int) -> bool:
+    """Whether the allowance did not suffice for the line that decides if a case and a listed worst case are one."""
+    end = found.basins[basin]
+    return between.decides(context, case, end) and between.line(context, found.since, case, end) is None
+
+
+def _basins(
+    context: Context, position: int, found: findings.Found, since: Sequence[str | None], labels: Sequence[str]
+) -> list[CaseBasin]:
+    """What is known of the basin of each case of the baseline, listed or not; since: their findings, labels: those of
+    the listed basins."""
+    every, basins = [*found.basins, *found.besides], []
+    for k, (case, finding) in enumerate(zip(_reevaluated(context), since, strict=True)):
         basin = found.basin_at(np.array(case.point)) if case.cost is not None and found.descended else None
-        listed = basin is not None and basin < len(found.basins)
+        listed, line = basin is not None and basin < len(found.basins), None
+        if basin is not None and listed and between.decides(context, case, found.basins[basin]):
+            line = between.line(context, found.since, case, found.basins[basin]) if finding == labels[basin] else None
+            basin = basin if finding is not None else None
         fall = found.falls.cases.get(k)
         basins.append(
             CaseBasin(
-                lowest=None if basin is None else known[basin].cost,
-                parameters=None if basin is None or listed else context.problem.named(known[basin].point),
+                lowest=None if basin is None else every[basin].cost,
+                parameters=None if basin is None or listed else context.problem.named(every[basin].point),
+                line=line,
                 violation=None if fall is None else _downhill(context, position, fall),
                 not_compared=not_compared(context, position, found.falls, k),
             )

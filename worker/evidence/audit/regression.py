@@ -1,7 +1,8 @@
 """Recomputes the comparison with a baseline: margins, changes, tolerances, standings, and what follows from the policy.
 
 Taken as given: which finding of this run is in the basin of one of the baseline, which of the evaluations is the lowest
-there, and between which stored violations and a case no barrier was found.
+there, and between which stored violations and a case no barrier was found. That no case is clear between a violation of
+the baseline and the finding of this run that is the same is judged by the stored evaluations between them.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from campaigns.asked.regression import BaselineCase, FailOn
 from campaigns.claims.stages import earlier_run
 from campaigns.results.base import OK, STATUS
@@ -18,6 +21,7 @@ from campaigns.results.regression import FindingChange, Regression
 from campaigns.results.stage import Reevaluated
 from campaigns.stages.baseline import BaselineResult
 from worker.evidence.audit import limits
+from worker.evidence.audit.modes import NEAR
 from worker.evidence.audit.parts import OMIT, REST, changed, made
 from worker.evidence.audit.recompute import Run
 
@@ -87,6 +91,8 @@ def examined(run: Run) -> bool:
 
 def _seen(run: Run, number: int) -> bool:
     basin = run.claims["results"][-1]["basins"][number]
+    if not _between(run, number, basin.get("line")):
+        return False
     lowest, violation = basin["lowest"], basin.get("violation")
     if violation is not None:
         _, costs, status = run.rows(violation["position"])
@@ -104,6 +110,49 @@ def _seen(run: Run, number: int) -> bool:
     again = run.claims["results"][position(run)]["cases"][number]
     plain = again["cost"] is not None and again.get("realisation") is None and not run.calls.noisy
     return bool(here.any()) and (not plain or lowest <= again["cost"])
+
+
+def _between(run: Run, number: int, stated: Any) -> bool:
+    """Whether the line from a case to a finding is stated as it was evaluated, and not left out if it was."""
+    now = run.claims["results"][-1]["since"][number]
+    finding = next((f["point"] for f in run.claims["findings"] if f["label"] == now), None)
+    if finding is None:
+        return stated is None
+    begin = _begin(run, number)
+    place = min(run.campaign.stages.findings.distance, limits.SAME_PLACE)
+    whole = _along(run, begin, np.array(finding))
+    if stated is None:
+        return whole is None or not _decides(run, number, now) or float(np.abs(begin - finding).max()) < place
+    end = np.array(stated["end"])
+    costs, moved = _along(run, begin, end), float(np.abs(end - finding).max())
+    if costs is None or moved >= place or (whole is not None and moved > 0.0):
+        return False
+    highest = float(costs.max())
+    return bool((highest if math.isfinite(highest) else None) == stated["highest"])
+
+
+def _begin(run: Run, number: int) -> Any:
+    """The point of a case of the baseline, as evaluated."""
+    return np.array(run.claims["results"][position(run)]["cases"][number]["point"], dtype=np.float64)
+
+
+def _decides(run: Run, number: int, now: str) -> bool:
+    """Whether a case violated in the baseline, and the finding of its basin does here."""
+    baseline, there = run.campaign.baseline, next(f for f in run.findings if f.label == now)
+    return baseline is not None and baseline.cases[number].cost <= run.threshold and there.cost <= run.threshold
+
+
+def _along(run: Run, begin: Any, end: Any) -> Any:
+    """The costs of the cases between two points, infinite without one; None if they are not all evaluated."""
+    points, costs, status = run.rows(len(run.plan) - 1)
+    found = []
+    for part in range(1, limits.LINE):
+        at = begin + part / limits.LINE * (end - begin) if begin.shape == end.shape else end
+        rows = np.flatnonzero((np.abs(points - at) <= NEAR).all(axis=1))
+        if begin.shape != end.shape or not len(rows):
+            return None
+        found.append(float(costs[rows[0]]) if status[rows[0]] == OK else math.inf)
+    return np.array(found)
 
 
 def _near(one: float, other: float) -> bool:
@@ -220,18 +269,30 @@ class Basin(NamedTuple):
 
 
 def _basin(run: Run, number: int) -> Basin:
-    """That of one case of the baseline; earlier versions stored the finding only."""
-    validated = run.claims["results"][-1]
+    """That of one case of the baseline, which is alone if one between it and the finding is clear; earlier versions
+    stored the finding only."""
+    validated, again = run.claims["results"][-1], run.claims["results"][position(run)]["cases"][number]
     now = validated["since"][number]
     there = next((f for f in run.findings if f.label == now), None)
     listed, at = (math.inf, {}) if there is None else (there.cost, there.parameters)
     if not validated.get("basins"):
         return Basin(now, listed, violates=False, examined=True, parameters=at)
     stored = validated["basins"][number]
+    if now is not None and stored.get("line") is not None and not _one(run, number, now, stored["line"]["highest"]):
+        return Basin(None, again["cost"], "violation" in stored, not stored["not_compared"], again["parameters"])
     known = stored["lowest"] is not None
     cost = stored["lowest"] if known and now is None else listed
     examined = known and not stored["not_compared"]
     return Basin(now, cost, "violation" in stored, examined, at or stored.get("parameters") or {})
+
+
+def _one(run: Run, number: int, now: str, highest: float | None) -> bool:
+    """Whether a case of the baseline and a finding are one, from the highest cost between them."""
+    baseline, stage = run.campaign.baseline, position(run)
+    assert baseline is not None
+    k = run.claims["results"][stage]["cases"][number]["index"]
+    most = max(run.threshold, float(run.rows(stage)[1][k])) + _tolerance(run, baseline.cases[number].difference, now)
+    return highest is not None and highest <= most
 
 
 def _tolerance(run: Run, before: float, label: str | None) -> float:

@@ -6,6 +6,9 @@ model by more than the tolerance, or if the search found a case in its basin tha
 baseline there: of that one the tolerance is larger, because two searches do not stop at the same point. A case that
 begins or ceases to violate has changed whatever the tolerance; it is fixed only if nothing known in its basin violates,
 listed as a finding or not, and unresolved if validation could not examine the basin.
+
+A violation of the baseline and a violating finding in its basin are two if a case on the line between them is clear:
+one basin has barriers of a fraction of nominal minus worst, which may be far above the threshold.
 """
 
 from __future__ import annotations
@@ -47,13 +50,18 @@ def regression(problem: Problem, evidence: Evidence, checks: Sequence[Check]) ->
     found = {f.label: f for f in evidence.findings}
     examined: Sequence[CaseBasin | None] = evidence.validation.basins or [None] * len(matched)
     basins = [_Basin(found.get(label or ""), basin) for label, basin in zip(matched, examined, strict=True)]
-    rows = list(zip(baseline.cases, evidence.results[evaluated].reevaluated, basins, strict=True))
+    again = evidence.results[evaluated].reevaluated
+    cases_there = zip(baseline.cases, again, basins, strict=True)
+    basins = [_own(problem, evidence, *row) for row in cases_there]
+    rows = list(zip(baseline.cases, again, basins, strict=True))
+    same = {basin.finding.label for basin in basins if basin.finding is not None}
     # Of several findings of the baseline in one basin, the lowest one represents it.
     lowest: dict[object, float] = {}
     for case, _, basin in rows:
         lowest[basin.key] = min(case.cost, lowest.get(basin.key, case.cost))
     cases = [_known(problem, evidence, baseline, *row, row[0].cost <= lowest[row[2].key]) for row in rows]
-    cases += [_new(problem, f, baseline.run) for f in evidence.findings if f.label not in matched]
+    apart = {basin.apart: case.label for case, _, basin in reversed(rows)}
+    cases += [_new(problem, f, baseline.run, apart.get(f.label)) for f in evidence.findings if f.label not in same]
     strictest = max(baseline.threshold, problem.threshold) - problem.threshold
     cases = [case.model_copy(update={"fails": _fails(policy, case, strictest)}) for case in cases]
     cases.sort(key=lambda case: (not case.fails, case.margin is None, case.margin or 0.0))
@@ -83,6 +91,8 @@ class _Basin:
     finding: Finding | None
     known: CaseBasin | None
     """None in results of earlier versions, which know the findings only."""
+    apart: str | None = None
+    """The finding that is not the same, because a case between them is clear."""
 
     @property
     def cost(self) -> float:
@@ -150,6 +160,18 @@ def _known(
     )
 
 
+def _own(problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, basin: _Basin) -> _Basin:
+    """The basin of a case; only the case itself where one between it and the finding is clear, or has no cost."""
+    there, known = basin.finding, basin.known
+    if there is None or known is None or known.line is None or again.cost is None:
+        return basin
+    highest, most = known.line.highest, max(problem.threshold, again.cost)
+    if highest is not None and highest <= most + _tolerance(problem, evidence, before, there):
+        return basin
+    own = known.model_copy(update={"lowest": again.cost, "parameters": again.parameters})
+    return _Basin(None, own, there.label)
+
+
 def _standing(
     problem: Problem, evidence: Evidence, costs: tuple[float, float, float], violated: bool, tolerance: float
 ) -> Standing:
@@ -167,11 +189,13 @@ def _standing(
     return Standing.BETTER if cost > before + tolerance else Standing.SAME
 
 
-def _new(problem: Problem, found: Finding, run: str) -> FindingChange:
+def _new(problem: Problem, found: Finding, run: str, apart: str | None) -> FindingChange:
+    """apart: the finding of the baseline that is in its basin, but is not the same."""
     cost = number(found.cost, problem.unit)
-    statement = say(
-        finding(found.label), " is new: no finding of ", run, " is in its basin; ", symbol(problem.quantity)
-    )
+    why = f"no finding of {run} is in its basin"
+    if apart is not None:
+        why = f"a case between it and {apart} of {run} does not violate"
+    statement = say(finding(found.label), f" is new: {why}; ", symbol(problem.quantity))
     return FindingChange(
         standing=Standing.NEW,
         before=None,
@@ -248,6 +272,10 @@ def _where(problem: Problem, again: float, cost: float, standing: Standing, basi
         return say(f"there is no barrier between it and {at}, which violates with ", value)
     if standing is Standing.UNRESOLVED:
         return say(_unexamined(known))
+    if basin.apart is not None and known is not None and known.line is not None:
+        highest = known.line.highest
+        between = say("a case between it and ", finding(basin.apart))
+        return say(between, " has no cost") if highest is None else say(between, " has ", number(highest, unit))
     if cost < again or basin.cost <= threshold < again:
         lowest = number(basin.cost, unit, "lowest")
         if there is None:

@@ -23,7 +23,7 @@ from worker.engine.search.parts.basin import ROUGH, Basin, Rules, close, lower
 from worker.engine.search.parts.basins import added, distinct
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.search.parts.polish import Polish, crossed, explored, sharpened
-from worker.engine.stages.parts import modes, seeds
+from worker.engine.stages.parts import between, modes, seeds
 from worker.engine.stages.parts.base import stream
 from worker.engine.stages.parts.boundary import Around, after
 from worker.engine.stages.parts.candidates import Candidate, gather, promising_rows, walked
@@ -72,6 +72,8 @@ class Found:
     falls: Falls = field(default_factory=Falls)
     lines: modes.Lines = field(default_factory=dict)
     """From the modes of an estimate to the worst cases."""
+    since: between.Lines = field(default_factory=dict)
+    """From the violations of the baseline to the worst cases."""
     evidence: dict[bytes, Evidence] = field(default_factory=dict)
 
     def of(self, basin: Basin) -> Evidence:
@@ -179,13 +181,19 @@ def _search(context: Context, position: int, found: Found) -> Search:
     yield from _distinguished(context, found, starts, random, alone, lambda of: _spare(context, found, of) // 2)
     yield from _sharpened(context, found, random)
     yield from _further(context, position, found, random)
+    yield from _joined(context, found)
     yield from _evidence(context, found, random)
     compared = True
     while compared:
         yield from _polished(context, position, found, random)
-        compared = yield from _fall(context, position, found)
+        compared = yield from _joined(context, found)
+        compared |= yield from _fall(context, position, found)
         compared |= yield from modes.joined(context, found.basins, found.lines, _room(context, found))
     return ends.FINDINGS
+
+
+def _joined(context: Context, found: Found) -> Generator[Floats, Batch, bool]:
+    return between.joined(context, found.basins, found.basin_at, found.since, _room(context, found))
 
 
 def _room(context: Context, found: Found) -> int:

@@ -24,7 +24,7 @@ ORDER = (
 )  # fmt: skip
 """Of the checks of a verdict."""
 TURN, CONTINUED = math.pi / 4, 2
-DRAWS, LINE = 2, 32
+DRAWS = 2
 OF_VIOLATIONS = ("nominal", "no violation", "noise of calls", "probability", "target")
 """Checks that violations alone can make fail."""
 BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED = 5, 6, 7, 8, 9, 10

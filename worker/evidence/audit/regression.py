@@ -25,6 +25,9 @@ from worker.evidence.audit.modes import NEAR
 from worker.evidence.audit.parts import OMIT, REST, changed, made
 from worker.evidence.audit.recompute import Run
 
+LINE = 32
+"""Equal parts of the line from a violation of the baseline to the finding of its basin."""
+
 
 def position(run: Run) -> int:
     """Where the plan has the stage that evaluates the findings of the baseline."""
@@ -146,8 +149,8 @@ def _along(run: Run, begin: Any, end: Any) -> Any:
     """The costs of the cases between two points, infinite without one; None if they are not all evaluated."""
     points, costs, status = run.rows(len(run.plan) - 1)
     found = []
-    for part in range(1, limits.LINE):
-        at = begin + part / limits.LINE * (end - begin) if begin.shape == end.shape else end
+    for part in range(1, LINE):
+        at = begin + part / LINE * (end - begin) if begin.shape == end.shape else end
         rows = np.flatnonzero((np.abs(points - at) <= NEAR).all(axis=1))
         if begin.shape != end.shape or not len(rows):
             return None

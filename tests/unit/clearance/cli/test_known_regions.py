@@ -4,6 +4,7 @@ barrier between them is; two of one violating region are one."""
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +38,14 @@ def two_regions(x, y, slope, first, second, ridge):
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     (tmp_path / "sims").mkdir()
     (tmp_path / "sims" / "two_regions.py").write_text(SIMULATOR, encoding="utf-8")
     monkeypatch.setenv("CLEARANCE_SIMULATORS", str(tmp_path / "sims"))
     monkeypatch.chdir(tmp_path)
-    installed.catalogue.cache_clear()
-    return tmp_path
+    installed.forget_simulators()
+    yield tmp_path
+    installed.forget_simulators()
 
 
 def ran(folder: Path, out: str, *words: str, barrier: float = 0.05, **values: float) -> int:

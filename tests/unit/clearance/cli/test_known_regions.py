@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from campaigns.results.regression import Standing
 from clearance.cli import VIOLATED, invoke
 from tests.given.corrupted_records import Folder
 from worker.engine.stages.parts import between
@@ -81,7 +82,7 @@ def test_a_violation_beyond_a_clear_ridge_is_new(first: float, barrier: float, s
     assert fails == VIOLATED
     found = changes(folder, "new")
     new, before = found[None, "F1"], next(case for labels, case in found.items() if labels[0] == "F1")
-    assert (new["standing"], new["newly_violating"], new["fails"]) == ("new", True, True)
+    assert (new["standing"], new["newly_violating"], new["fails"]) == (Standing.NEW, True, True)
     assert new["margin"] == pytest.approx(-0.4, abs=1e-3)
     assert before["now"] != "F1"
     assert before["margin_again"] == pytest.approx(first, abs=1e-3)
@@ -89,12 +90,12 @@ def test_a_violation_beyond_a_clear_ridge_is_new(first: float, barrier: float, s
     assert invoke(["audit", "new"]) == 0
 
 
-@pytest.mark.parametrize(("second", "standing"), [(-0.2, "same"), (-0.4, "worse")])
-def test_two_of_one_violating_region_are_one(second: float, standing: str, folder: Path) -> None:
+@pytest.mark.parametrize(("second", "standing"), [(-0.2, Standing.SAME), (-0.4, Standing.WORSE)])
+def test_two_of_one_violating_region_are_one(second: float, standing: Standing, folder: Path) -> None:
     """The line between the wells rises by a part of a metre, but not to the threshold."""
     assert ran(folder, "old", ridge=0.2, second=0.0) == VIOLATED
     ended = ran(folder, "new", "--baseline", "old", ridge=0.2, first=-0.19, second=second)
-    assert ended == (0 if standing == "same" else VIOLATED)
+    assert ended == (0 if standing is Standing.SAME else VIOLATED)
     (found,) = changes(folder, "new").values()
     assert (found["before"], found["now"], found["standing"]) == ("F1", "F1", standing)
     assert not found["newly_violating"]

@@ -33,6 +33,8 @@ class RefusalCode(StrEnum):
     TOO_LITTLE_MEMORY = "too-little-memory"
     UNREADABLE = "unreadable"
     UNUSED_SOURCE = "unused-source"
+    WOULD_LOSE = "would-lose"
+    """An extension would not store what bars "cleared" in the run."""
 
 
 class Refusal(Exception):

@@ -36,6 +36,8 @@ def _question_count(record: Record) -> str:
     runs = sum(record.question.values())
     if not runs:
         return "How often its question was asked is not known, because its campaign is of an earlier version."
+    if runs < 2 and record.extends:
+        return f"It extends {record.extends}, which asks the same question."
     if runs < 2:
         return (
             "No other run of this service asks the same question: the same system, bounds and criterion, at any "

@@ -63,6 +63,8 @@ class Record:
     looks: Looks
     question: dict[str, int]
     """How many runs ask the same question, by verdict."""
+    extends: str = ""
+    """What the run extends, if that is no run of this service."""
 
     @property
     def digest(self) -> str:

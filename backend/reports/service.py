@@ -58,11 +58,16 @@ _DAY, _MOMENT = (f"{secrets.token_hex(16)}-{name}" for name in ("day", "moment")
 """Stand for the time of creation in a kept report; drawn, so that no text of a user contains them."""
 
 
-def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> Page:
-    """The current report; `at` is its time of creation [s since 1970]; fonts from the built pages, if present."""
+def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path, extends: str | None = None) -> Page:
+    """The current report; `at` is its time of creation [s since 1970]; fonts from the built pages, if present.
+
+    extends: what the run extends, if that is no run of this database.
+    """
     known = key(reader, run_id, pages)
-    page = KEPT.get(run_id, known)
-    if page is None:
+    page = KEPT.get(run_id, known) if extends is None else None
+    if page is None and extends is not None:
+        page = _written(replace(load(reader, run_id), extends=extends), pages)
+    elif page is None:
         page = _written(load(reader, run_id), pages)
         if key(reader, run_id, pages) == known:  # else something changed while it was read, as PostgreSQL permits
             KEPT.put(run_id, known, page)
@@ -202,7 +207,7 @@ def _origin(record: Record) -> list[tuple[str, str]]:
         ("Submitted", f"{words.moment(record.run.created)} by {words.launched_by(record.run.owner, record.run.token)}"),
         ("Started", words.moment(record.run.started)),
         ("Finished", words.moment(record.run.finished)),
-        ("Extends", record.run.continues or "no earlier run"),
+        ("Extends", record.run.continues or record.extends or "no earlier run"),
     ]
 
 

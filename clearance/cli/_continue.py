@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, TypedDict
+from typing import NamedTuple
 
 import sqlalchemy as sa
 from pydantic import ValidationError
 
-from backend.db import codes, snapshots
+from backend.db import codes, evaluations_ahead, snapshots
 from backend.db import continuation as stored
 from backend.db.engine import connected, migrate, read, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
@@ -31,6 +31,7 @@ from campaigns.stored.records import Columns, StagePlan
 from campaigns.versions import Versions
 from clearance.cli import WrongInputError
 from clearance.cli._where import existing_url_of, stored_run
+from clearance.local.cited import Cited
 from clearance.local.interrupt import explained
 from clearance.local.results import read_folder, refuse_other_campaign, refuse_other_components, versions_of
 from worker.engine.stages.parts.store import Store
@@ -40,10 +41,6 @@ from worker.running.runs.runner import CampaignUnusable, Cancelled, ReplayMismat
 from worker.running.runs.store import MemoryStore
 
 Execute = Callable[[Campaign, Store, Callable[[], bool]], Verdict]
-
-
-Cited = TypedDict("Cited", {"as": str, "run": str, "digest": str, "code": None}, total=False)
-"""The run that is extended, and the number of the new one in the database; code: its version was not stored."""
 
 
 class Continued(NamedTuple):
@@ -214,8 +211,11 @@ def _beating(queue: Queue, claim: Claim) -> Iterator[Callable[[], bool]]:
 
 
 def _snapshot(connection: sa.Connection, run_id: int) -> MemoryStore:
+    stages = stored.stages(connection, run_id)
+    waiting = {at: found for at in range(len(stages)) if (found := evaluations_ahead.read(connection, run_id, at))}
     return MemoryStore(
-        stages=stored.stages(connection, run_id),
+        stages=stages,
+        waiting={at: [ahead] for at, ahead in waiting.items()},
         chunks={at: [columns] for at, columns in stored.evaluations(connection, run_id).items()},
         findings=stored.findings(connection, run_id),
         traces={t.name: t for t in stored.traces(connection, run_id)},

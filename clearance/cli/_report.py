@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.markup import escape
@@ -25,14 +24,13 @@ from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
 from clearance.cli import CODES, INCONCLUSIVE, VIOLATED
 from clearance.cli._ended import changes, code, sureness
+from clearance.local.cited import Cited
+from clearance.local.cited import lines as citing
 from clearance.local.failures import lines as failures
 from clearance.local.likelihood import Likelihoods, likelihoods
 from clearance.local.progress import named
 from clearance.local.summary import confirmed, made, searched
 from worker.running.runs.store import MemoryStore
-
-if TYPE_CHECKING:
-    from clearance.cli._continue import Cited
 
 SIGNS = {0: ("✓", "green"), VIOLATED: ("✗", "red"), INCONCLUSIVE: ("?", "yellow")}
 """Of the exit codes: what fails a job has no tick, whatever the verdict, nor has what is not cleared."""
@@ -60,11 +58,8 @@ def print_report(
 
     note: the sentence on the baseline; likely: computed already."""
     console = Console(width=None if sys.stdout.isatty() else 120)
-    if cites is not None:
-        named = f"{cites['as']} extends" if "as" in cites else "Continues"
-        console.print(Text(f"{named} {cites['run']} (campaign {cites['digest'][:12]})"))
-        if "code" in cites and cites["code"] is None:
-            console.print(Text(f"The code version of {cites['run']} was not stored, so the code cannot be compared."))
+    for line in [] if cites is None else citing(cites):
+        console.print(Text(line))
     console.print(_stages(store, verdict))
     console.print(_comparison(store, verdict))
     if store.findings:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from campaigns.claims.numbers import count, number, signed
+from clearance.local.cited import lines as citing
 from worker.running.catalogue.installed import methods
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ MOST = 200
 def text(result: Result) -> str:
     """The result as text for a terminal; sentences are wrapped at 100 characters."""
     verdict = result.verdict
-    lines = [f"{ICONS[verdict]} {verdict.capitalize()}", *textwrap.wrap(verdict.sentence, 100), ""]
+    lines = [f"{ICONS[verdict]} {verdict.capitalize()}", *textwrap.wrap(verdict.sentence, 100), *_cites(result), ""]
     rows = _rows(result)
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     lines += [_line(row, widths) for row in rows]
@@ -60,14 +61,20 @@ def page(result: Result) -> str:
     failing = [f"<li><b>{escape(c.title)}</b>: {escape(c.text)}</li>" for c in verdict.checks if c.standing != "holds"]
     listed = f'<ul style="margin:6px 0">{"".join(failing)}</ul>' if failing else ""
     sure = "" if verdict.sureness is None else f'<p style="opacity:.8">{escape(verdict.sureness.text)}</p>'
+    cites = "".join(f"<p>{escape(line)}</p>" for line in _cites(result))
     failed = ""
     if why := _failed(result):
         failed = f"<p>{_many(why)}, the first because: <code>{escape(why[0])}</code></p>"
     return (
         f'<div style="font-family:system-ui,sans-serif;font-size:13px;max-width:760px;color:inherit">{badge}'
         f'<p style="margin:8px 0">{escape(verdict.sentence)}</p>'
-        f"{listed}{sure}{_table(result)}{failed}{_convergence(result)}</div>"
+        f"{cites}{listed}{sure}{_table(result)}{failed}{_convergence(result)}</div>"
     )
+
+
+def _cites(result: Result) -> list[str]:
+    """The sentences on the search that it resumed."""
+    return [] if result.origin.cites is None else citing(result.origin.cites)
 
 
 def _failed(result: Result) -> list[str]:

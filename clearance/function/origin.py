@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from campaigns import Campaign, Catalogue
+from clearance.local.cited import Cited
 from worker.engine.problem.problem import Problem
 from worker.running.runs.store import MemoryStore
 
@@ -18,3 +19,5 @@ class Origin:
     store: MemoryStore
     known: Catalogue
     names: tuple[str, ...]
+    cites: Cited | None = None
+    """The search that it extends."""

@@ -164,6 +164,12 @@ class Result(Evaluations):
         return None if seed is None else seed.value
 
     @property
+    def continues(self) -> Mapping[str, object] | None:
+        """What it resumed: `run`, a folder or "an earlier search", and the `digest` of its campaign; None for a search
+        of its own. `code` is None if its code version was not stored."""
+        return self.origin.cites
+
+    @property
     def bound(self) -> int:
         """How many evaluations the search could take at most, those made again to confirm results included."""
         from campaigns.stages.plan import most

@@ -1,7 +1,8 @@
 """Resumes an earlier search: its stored evaluations are replayed, and only the rest is evaluated.
 
 With larger budgets a method continues where it ended. What validation evaluated depends on all of it and is made again,
-and so is an independent sample that is no longer the one that was asked for.
+and so is an independent sample that is no longer the one that was asked for: where these alone found a violation, the
+search is not resumed.
 """
 
 from __future__ import annotations
@@ -15,35 +16,52 @@ from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from clearance.function.result import Evaluations, Interrupted
+from clearance.local.cited import Cited
 from clearance.local.results import read_folder, refuse_other_document, versions_of
 from worker.engine.problem.problem import Problem
-from worker.running.runs.continuation import Budget, CannotContinue, carried, preloaded, raised, same_sample
+from worker.running.runs.continuation import (
+    Budget,
+    CannotContinue,
+    WouldLose,
+    carried,
+    preloaded,
+    raised,
+    same_sample,
+)
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
 
 class Earlier(NamedTuple):
-    """A search that ended or was interrupted: its campaign, its evaluations, and what evaluated them."""
+    """A search that ended or was interrupted: its name, its campaign, its evaluations, and what evaluated them."""
 
+    name: str
     campaign: Campaign
     store: MemoryStore
     versions: Versions
 
+    @property
+    def cited(self) -> Cited:
+        """It, as the run that is extended."""
+        cited: Cited = {"run": self.name, "digest": self.campaign.digest}
+        return cited if self.versions.code else {**cited, "code": None}
+
 
 def earlier(resume: object) -> Earlier:
     """What `resume` is: a result, an interrupt, or a folder that a result was saved in."""
+    name = "an earlier search"
     if isinstance(resume, Interrupted):
-        resume = resume.evaluations
+        resume, name = resume.evaluations, "an interrupted search"
     if isinstance(resume, Evaluations):
         origin = resume.origin
         ran = origin.store.versions or versions(origin.campaign, origin.problem.system)
-        return Earlier(origin.campaign, origin.store, ran)
+        return Earlier(name, origin.campaign, origin.store, ran)
     if isinstance(resume, (str, Path)):
         folder = Path(resume)
         try:
             campaign, kept = read_folder(folder)
             refuse_other_document(folder, campaign)
-            return Earlier(campaign, kept, versions_of(folder))
+            return Earlier(str(folder), campaign, kept, versions_of(folder))
         except CannotContinue as error:
             raise ValueError(f"resume: {folder}: {error}") from None
     raise TypeError(f"resume must be a result, an interrupted search or the folder of one, given {resume!r:.60}")
@@ -79,7 +97,9 @@ def store(campaign: Campaign, problem: Problem, before: Earlier, seed: SampleSee
             raise ValueError(f"resume: the earlier search had another {name}; give the same arguments")
     kept = before.store
     try:
-        columns = carried(before.campaign, campaign, kept)
+        columns = carried(before.campaign, campaign, kept, ahead=True)
+    except WouldLose as error:
+        raise ValueError(f"resume: {before.name}: {error.why}; search again without resume") from None
     except CannotContinue:
         listed = ", ".join(s.method or s.kind for s in plan(before.campaign))
         raise ValueError(f"resume: the earlier search had other stages: {listed}") from None
@@ -89,7 +109,7 @@ def store(campaign: Campaign, problem: Problem, before: Earlier, seed: SampleSee
     if apart:
         raise ValueError(f"resume: its evaluations cannot be used: {'; '.join(apart)}")
     if not same_sample(before.campaign, campaign):
-        return preloaded(campaign, columns, seed)
+        return preloaded(campaign, columns, seed, kept.waiting)
     if seed is not None and (kept.sample_seed is None or kept.sample_seed.value != seed.value):
         raise ValueError("resume: the independent sample of the earlier search has another seed; leave sample_seed out")
-    return preloaded(campaign, columns, kept.sample_seed)
+    return preloaded(campaign, columns, kept.sample_seed, kept.waiting)

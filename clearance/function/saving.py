@@ -14,6 +14,7 @@ from backend.db.store import PATIENCE, RunStore
 from campaigns.stages.found import declared
 from campaigns.stages.plan import most
 from clearance.function.origin import Origin
+from clearance.local.cited import named
 from clearance.local.results import write_results
 from clearance.local.summary import summary
 from worker.running.runs import identity
@@ -24,6 +25,8 @@ def save(origin: Origin, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     assert origin.store.verdict is not None
     result = summary(origin.campaign, origin.store, origin.store.verdict)
+    if origin.cites is not None:
+        result["continues"] = origin.cites
     write_results(folder, origin.campaign, origin.store, result, origin.problem, origin.known)
     return folder
 
@@ -67,5 +70,6 @@ def _page(engine: sa.Engine, origin: Origin) -> str:
         findings = store.findings if declared()[record.plan.kind].of_findings else ()
         stored.finish(position, record.result, record.seconds, findings)
     stored.conclude(store.verdict)
+    extends = None if origin.cites is None else named(origin.cites)
     with read(engine) as reader:
-        return report_html(reader, run, now(reader), Path("no fonts")).html
+        return report_html(reader, run, now(reader), Path("no fonts"), extends).html

@@ -1,12 +1,14 @@
 """Extends a finished search: the new run replays the stored evaluations and simulates only the rest.
 
 A method is deterministic, so its first evaluations under the larger budget are bit-identical to the stored ones. Stages
-that depend on all earlier ones are computed again. Runs of other code are refused.
+that depend on all earlier ones are computed again. Runs of other code are refused, and those that found a violation
+only in such stages: the new run could miss it.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -23,17 +25,28 @@ from campaigns.refusals import Refusal, RefusalCode
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
-from campaigns.stored.records import Columns, StagePlan, StageRecord
+from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord
 from campaigns.versions import Versions, differing, other_code
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
 from worker.running.runs import identity
+from worker.running.runs.not_carried import Stored, lost
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
 
 class CannotContinue(Refusal, ValueError):
     """The run cannot be extended; the message states why and what to do."""
+
+
+class WouldLose(CannotContinue):
+    """What bars "cleared" in the run would not be stored by the new one; why: without what to do."""
+
+    def __init__(self, why: str) -> None:
+        super().__init__(
+            f"{why}; run the campaign again as a new run, with this one as its baseline", RefusalCode.WOULD_LOSE
+        )
+        self.why = why
 
 
 @dataclass(frozen=True)
@@ -98,10 +111,12 @@ def raised(search: Search, budget: Budget) -> dict[str, object] | None:
     return document | {"evaluations": evaluations, "options": stated}
 
 
-def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Columns]:
-    """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`.
+def carried(old: Campaign, new: Campaign, store: MemoryStore, ahead: bool = False) -> dict[int, Columns]:
+    """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`,
+    `WouldLose` where other    stages alone stored a violation or a failure.
 
-    Not those of an estimate, which begins at the violations of all stages before it.
+    Not those of an estimate or of validation, which depend on all stages before them, unless the campaigns are the
+    same. ahead: whether the new run begins also with those that an earlier one of their stage is missing for.
     """
     if not store.stages:
         raise CannotContinue("it ended before its first stage; run the campaign again")
@@ -112,10 +127,37 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
         raise CannotContinue(
             "its stages were planned by another version of Clearance; run the campaign again", RefusalCode.OTHER_PLAN
         )
-    kinds = {kind for kind, stage in declared().items() if not (stage.of_findings or stage.partly(old))}
-    kinds -= {"estimate"} if same_sample(old, new) else {"estimate", "certify"}
-    found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if kind in kinds}
-    return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
+    kinds = {kind for kind, stage in declared().items() if not stage.partly(old)}
+    if old != new:
+        kinds -= {"estimate", *(kind for kind, stage in declared().items() if stage.of_findings)}
+    if not same_sample(old, new):
+        kinds -= {"certify"}
+    found = {at: columns for at in range(len(stages)) if (columns := store.evaluations(at)) is not None}
+    kept = {at: columns for at, columns in found.items() if stages[at][0] in kinds and len(columns.status)}
+    _refuse_to_lose(old, store, kept.keys(), _made_again(old, new, store), ahead)
+    return kept
+
+
+def _made_again(old: Campaign, new: Campaign, store: MemoryStore) -> set[int]:
+    """The stages of which a part is stored, and of which the new run evaluates the same points to the same bits."""
+    if old.scenario is None or store.sample_seed is None or not same_sample(old, new):
+        return set()
+    return {at for at, record in enumerate(store.stages) if declared()[record.plan.kind].partly(old)}
+
+
+def _refuse_to_lose(
+    old: Campaign, store: MemoryStore, kept: Collection[int], again: Collection[int], ahead: bool
+) -> None:
+    replayed: list[Stored] = []
+    others: list[Stored] = []
+    for at, record in enumerate(store.stages):
+        columns, waiting = store.evaluations(at), store.ahead(at)
+        if columns is not None:
+            (replayed if at in kept or at in again else others).append((record.plan, columns))
+        if waiting is not None:
+            (replayed if at in kept and ahead else others).append((record.plan, waiting.columns))
+    if why := lost(old.criterion.threshold, (columns for _, columns in replayed), others):
+        raise WouldLose(why)
 
 
 def same_sample(old: Campaign, new: Campaign) -> bool:
@@ -139,8 +181,12 @@ def refuse_other_code(new: Campaign, then: Versions, modules: dict[str, str] | N
         raise CannotContinue(other_code("it", others), RefusalCode.OTHER_CODE)
 
 
-def preloaded(new: Campaign, evaluations: dict[int, Columns], seed: SampleSeed | None) -> MemoryStore:
-    """A store in memory that a run of the new campaign resumes from."""
+def preloaded(
+    new: Campaign, evaluations: dict[int, Columns], seed: SampleSeed | None, ahead: dict[int, list[Ahead]] | None = None
+) -> MemoryStore:
+    """A store in memory that a run of the new campaign resumes from; ahead: those that an earlier one is missing for,
+    of the same stages."""
     stages = [StageRecord(StagePlan(*planned)) for planned in plan(new)]
     chunks = {at: [columns] for at, columns in evaluations.items()}
-    return MemoryStore(stages=stages, chunks=chunks, sample_seed=seed or SampleSeed.drawn())
+    waiting = {at: columns for at, columns in (ahead or {}).items() if at in chunks}
+    return MemoryStore(stages=stages, chunks=chunks, sample_seed=seed or SampleSeed.drawn(), waiting=waiting)

@@ -23,17 +23,19 @@ from worker.engine.systems import optional
 from worker.engine.systems.base import System, slotted
 from worker.running.runs import identity
 from worker.running.runs.own_sources import added
-from worker.running.runs.valid_evaluations import carry
+from worker.running.runs.valid_evaluations import valid
 
 
 def begin(store: Store, system: System, campaign: Campaign, records: Sequence[StageRecord]) -> None:
     """Store the present versions, the source of what is not shipped, and the evaluations that a new run begins with.
 
-    Raises `OtherCode` if the run was begun by other code.
+    Raises `OtherCode` if the run was begun by other code, or if only that of the run which it continues can begin it.
     """
     here = versions(campaign, system)
+    sound = valid(store, identity_of(here, simulator_of(campaign)), campaign, records)
     store.record_versions(here, identity.code(campaign))
-    carry(store, identity_of(here, simulator_of(campaign)), campaign, records)
+    for position, columns in sound.items():
+        store.append(position, 0, columns)
     found = added(campaign)
     if found is not None:
         store.record_sources(*found)

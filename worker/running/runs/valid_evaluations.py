@@ -1,7 +1,7 @@
 """Evaluations of a run that other code began, as far as a new run may begin with them.
 
 A stored evaluation is sound if what evaluates is the same to the digest; the evaluations of a stage are replayed if
-what chooses its points is the same, too. From the first stage that is not, everything is evaluated. Read `carry`.
+what chooses its points is the same, too. From the first stage that is not, everything is evaluated. Read `valid`.
 """
 
 from __future__ import annotations
@@ -11,17 +11,27 @@ from collections.abc import Sequence
 from campaigns.asked.spec import Campaign
 from campaigns.identity.identity import Identity, identity_of, simulator_of, unsound
 from campaigns.stages.found import declared
-from campaigns.stored.records import Begun, Cited, StageRecord
+from campaigns.stored.records import Begun, Cited, Columns, StageRecord
+from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
 from worker.running.runs import identity
+from worker.running.runs.not_carried import lost
 
 
-def carry(store: Store, here: Identity, campaign: Campaign, records: Sequence[StageRecord]) -> None:
-    """Store the sound evaluations of the run that this one continues; nothing if there are none."""
+def valid(store: Store, here: Identity, campaign: Campaign, records: Sequence[StageRecord]) -> dict[int, Columns]:
+    """The sound evaluations of the run that this one continues, by the position of the stage; none without such a run.
+
+    Raises `OtherCode` if other stages alone had found a violation or a failure: a worker that has their code replays
+    them.
+    """
     cited = store.cited()
-    if cited is not None and not unsound(identity_of(cited.begun.versions, simulator_of(campaign)), here):
-        for position in _replayed(cited, campaign, records):
-            store.append(position, 0, cited.evaluations[position])
+    if cited is None or unsound(identity_of(cited.begun.versions, simulator_of(campaign)), here):
+        return {}
+    found = {position: cited.evaluations[position] for position in _replayed(cited, campaign, records)}
+    others = ((cited.stages[at].plan, columns) for at, columns in cited.evaluations.items() if at not in found)
+    if why := lost(campaign.criterion.threshold, found.values(), others):
+        raise OtherCode(f"of the run that it continues, {why}")
+    return found
 
 
 def _replayed(cited: Cited, campaign: Campaign, records: Sequence[StageRecord]) -> list[int]:

@@ -189,7 +189,7 @@ RULES = (
     Rule(
         CheckCode.RETRIES,
         "Calls tried again",
-        "Of a simulator with retries: no call that had failed succeeded when tried again.",
+        "Of a simulator with retries, or a vectorized function: no call that had failed succeeded when tried again.",
     ),
     Rule(
         CheckCode.CALLS,

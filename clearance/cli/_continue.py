@@ -33,7 +33,7 @@ from clearance.cli import WrongInputError
 from clearance.cli._where import existing_url_of, stored_run
 from clearance.local.cited import Cited
 from clearance.local.interrupt import explained
-from clearance.local.results import read_folder, refuse_other_campaign, refuse_other_components, versions_of
+from clearance.local.results import read_folder, refuse_other_campaign, refuse_other_components, versions_of, violated
 from worker.engine.stages.parts.store import Store
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
@@ -59,11 +59,13 @@ class _Earlier:
     store: MemoryStore
     versions: Versions
     modules: dict[str, str]
+    violated: bool = False
+    """Whether its verdict is, where its store has no findings."""
 
     def onward(self, budget: Budget) -> tuple[Campaign, dict[int, Columns]]:
         campaign = continued(self.campaign, budget)
         refuse_other_code(campaign, self.versions, self.modules)
-        return campaign, carried(self.campaign, campaign, self.store)
+        return campaign, carried(self.campaign, campaign, self.store, violated=self.violated)
 
     @property
     def cited(self) -> Cited:
@@ -94,7 +96,7 @@ def execute_continued(
 
 def _of_folder(folder: Path, budget: Budget, execute: Execute, accept: Callable[[Campaign], None]) -> Continued:
     campaign, store = read_folder(folder)
-    earlier = _Earlier(str(folder), campaign, store, versions_of(folder), {})
+    earlier = _Earlier(str(folder), campaign, store, versions_of(folder), {}, violated(folder))
     onward, columns = earlier.onward(budget)
     refuse_other_campaign(folder, campaign)
     accept(onward)

@@ -78,8 +78,8 @@ def _cites(result: Result) -> list[str]:
 
 
 def _failed(result: Result) -> list[str]:
-    """The reasons of the evaluations that failed; those that were excluded have reasons, too."""
-    return [why for row, why in sorted(result.reasons.items()) if result.status[row] != "excluded"]
+    """The reasons of the evaluations that failed; those that were excluded or tried again have reasons, too."""
+    return [why for row, why in sorted(result.reasons.items()) if result.status[row] not in ("excluded", "ok")]
 
 
 def _many(failed: list[str]) -> str:

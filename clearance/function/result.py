@@ -103,7 +103,7 @@ class Evaluations:
     names (n,): the parameters in the order of the columns of points. points (m, n) [unit]. costs (m,) [unit]: what the
     function returned, NaN unless the status is "ok". status (m,): "ok", "failed", "timeout". stage (m,): "nominal",
     "sensitivity", "search", "certify", "validate". method (m,): the search method, empty for other stages.
-    reasons: why an evaluation failed, by row. threshold [unit]. The arrays are read-only.
+    reasons: why an evaluation failed or was tried again, by row. threshold [unit]. The arrays are read-only.
     """
 
     names: tuple[str, ...]

@@ -17,7 +17,7 @@ from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from clearance.function.result import Evaluations, Interrupted
 from clearance.local.cited import Cited
-from clearance.local.results import read_folder, refuse_other_document, versions_of
+from clearance.local.results import read_folder, refuse_other_document, versions_of, violated
 from worker.engine.problem.problem import Problem
 from worker.running.runs.continuation import (
     Budget,
@@ -39,6 +39,8 @@ class Earlier(NamedTuple):
     campaign: Campaign
     store: MemoryStore
     versions: Versions
+    violated: bool = False
+    """Whether its verdict is, where its store has no findings."""
 
     @property
     def cited(self) -> Cited:
@@ -61,7 +63,7 @@ def earlier(resume: object) -> Earlier:
         try:
             campaign, kept = read_folder(folder)
             refuse_other_document(folder, campaign)
-            return Earlier(str(folder), campaign, kept, versions_of(folder))
+            return Earlier(str(folder), campaign, kept, versions_of(folder), violated(folder))
         except CannotContinue as error:
             raise ValueError(f"resume: {folder}: {error}") from None
     raise TypeError(f"resume must be a result, an interrupted search or the folder of one, given {resume!r:.60}")
@@ -97,7 +99,7 @@ def store(campaign: Campaign, problem: Problem, before: Earlier, seed: SampleSee
             raise ValueError(f"resume: the earlier search had another {name}; give the same arguments")
     kept = before.store
     try:
-        columns = carried(before.campaign, campaign, kept, ahead=True)
+        columns = carried(before.campaign, campaign, kept, ahead=True, violated=before.violated)
     except WouldLose as error:
         raise ValueError(f"resume: {before.name}: {error.why}; search again without resume") from None
     except CannotContinue:

@@ -23,6 +23,7 @@ from campaigns.checked.snapshot import snapshot, values_changed
 from campaigns.documents import digest_of
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
+from campaigns.results.verdict import VerdictWord
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import stage_result
 from campaigns.stages.plan import plan
@@ -166,6 +167,12 @@ def versions_of(folder: Path) -> Versions:
         return Versions.of(json.loads((folder / RESULT).read_text(encoding="utf-8"))["versions"])
     except UNREADABLE:
         return Versions()
+
+
+def violated(folder: Path) -> bool:
+    """Whether the verdict of the run of a folder is violated."""
+    with _readable("its results"):
+        return bool(json.loads((folder / RESULT).read_text(encoding="utf-8")).get("verdict") == VerdictWord.VIOLATED)
 
 
 def components_of(folder: Path) -> Catalogue | None:

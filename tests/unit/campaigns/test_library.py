@@ -20,9 +20,10 @@ import pytest
 
 import clearance
 from campaigns.claims import numbers
-from campaigns.results.base import STATUS
+from campaigns.results.base import FLAKY, STATUS
 from tests.simulators import isolated
 from worker.engine.systems.simulators import calling
+from worker.engine.systems.simulators.declared.excluded import Excluded
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.functions import InProcess
 from worker.running.catalogue.files import entry_of
@@ -245,6 +246,34 @@ class TestFailures:
         assert reason in reasons.get(1, "")
         assert np.isfinite(batch.costs[1, 0]) == (status == "ok")
         assert given[:, 0].tolist() == [0.2, 0.9, 1.0]  # whatever it does to its arguments
+
+    @pytest.mark.parametrize(
+        ("raised", "of_rows", "status", "tried_again"),
+        [
+            (ValueError("diverged"), [None, None, None], "ok ok ok", [0, 1, 2]),
+            (Excluded("far"), [None, None, None], "ok ok ok", [0, 1, 2]),
+            (ValueError("diverged"), [None, ValueError("bad"), None], "ok failed ok", []),
+            (Excluded("far"), [None, Excluded("far"), None], "ok excluded ok", []),
+            (Excluded("far"), [None, ValueError("bad"), None], "ok failed ok", []),
+            (ValueError("diverged"), [None, Excluded("far"), None], "ok failed ok", [0, 2]),
+            (ValueError("diverged"), [Excluded("far")] * 3, "failed failed failed", []),
+        ],
+    )
+    def test_a_batch_that_raises_though_none_of_its_rows_does_is_marked_as_tried_again(
+        self, raised: Exception, of_rows: list[Exception | None], status: str, tried_again: list[int]
+    ) -> None:
+        def fly(x: Any) -> Any:
+            error = raised if len(x) > 1 else of_rows[int(x[0])]
+            if error is not None:
+                raise error
+            return 1.0 + x
+
+        batch, reasons = in_process(fly).evaluate(np.arange(3.0)[:, None])
+        assert [STATUS[code] for code in batch.status] == status.split()
+        marked = [k for k, why in reasons.items() if why.startswith(FLAKY)]
+        assert marked == tried_again
+        assert all(str(raised) in reasons[k] for k in marked)
+        assert np.isfinite(batch.costs[:, 0]).tolist() == [one == "ok" for one in status.split()]
 
     def test_a_batch_that_raises_fails_only_where_it_raises(self) -> None:
         def fly(x: Any) -> Any:

@@ -53,7 +53,7 @@ class Calls:
         if not self.measures or simulator is None:
             return {}
         found: dict[str, bool] = {}
-        if simulator.retries:
+        if simulator.retries or (flaky is not MISSING and flaky):
             found["retries"] = flaky if flaky is MISSING else flaky == 0
         found["noise of calls"] = self._several(noise) if self.number > 1 else self.alike
         return found

@@ -30,7 +30,7 @@ from campaigns.versions import Versions, differing, other_code
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
 from worker.running.runs import identity
-from worker.running.runs.not_carried import Stored, lost
+from worker.running.runs.not_carried import CONFIRMED, Stored, lost, violations
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
@@ -111,12 +111,15 @@ def raised(search: Search, budget: Budget) -> dict[str, object] | None:
     return document | {"evaluations": evaluations, "options": stated}
 
 
-def carried(old: Campaign, new: Campaign, store: MemoryStore, ahead: bool = False) -> dict[int, Columns]:
+def carried(
+    old: Campaign, new: Campaign, store: MemoryStore, ahead: bool = False, violated: bool = False
+) -> dict[int, Columns]:
     """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`,
     `WouldLose` where other    stages alone stored a violation or a failure.
 
     Not those of an estimate or of validation, which depend on all stages before them, unless the campaigns are the
-    same. ahead: whether the new run begins also with those that an earlier one of their stage is missing for.
+    same. ahead: whether the new run begins also with those that an earlier one of their stage is missing for;
+    violated: whether the verdict of the run is, where the store has no findings.
     """
     if not store.stages:
         raise CannotContinue("it ended before its first stage; run the campaign again")
@@ -134,7 +137,9 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore, ahead: bool = Fals
         kinds -= {"certify"}
     found = {at: columns for at in range(len(stages)) if (columns := store.evaluations(at)) is not None}
     kept = {at: columns for at, columns in found.items() if stages[at][0] in kinds and len(columns.status)}
-    _refuse_to_lose(old, store, kept.keys(), _made_again(old, new, store), ahead)
+    validated = any(declared()[stages[at][0]].of_findings for at in kept)
+    violated = not validated and (violated or any(f.violates for f in store.findings))
+    _refuse_to_lose(old, store, kept.keys() | _made_again(old, new, store), ahead, violated)
     return kept
 
 
@@ -145,19 +150,20 @@ def _made_again(old: Campaign, new: Campaign, store: MemoryStore) -> set[int]:
     return {at for at, record in enumerate(store.stages) if declared()[record.plan.kind].partly(old)}
 
 
-def _refuse_to_lose(
-    old: Campaign, store: MemoryStore, kept: Collection[int], again: Collection[int], ahead: bool
-) -> None:
+def _refuse_to_lose(old: Campaign, store: MemoryStore, kept: Collection[int], ahead: bool, violated: bool) -> None:
     replayed: list[Stored] = []
     others: list[Stored] = []
     for at, record in enumerate(store.stages):
         columns, waiting = store.evaluations(at), store.ahead(at)
         if columns is not None:
-            (replayed if at in kept or at in again else others).append((record.plan, columns))
+            (replayed if at in kept else others).append((record.plan, columns))
         if waiting is not None:
             (replayed if at in kept and ahead else others).append((record.plan, waiting.columns))
-    if why := lost(old.criterion.threshold, (columns for _, columns in replayed), others):
+    threshold, again = old.criterion.threshold, [columns for _, columns in replayed]
+    if why := lost(threshold, again, others):
         raise WouldLose(why)
+    if violated and not any(violations(columns, threshold) for columns in again):
+        raise WouldLose(CONFIRMED)
 
 
 def same_sample(old: Campaign, new: Campaign) -> bool:

@@ -16,6 +16,11 @@ from campaigns.stored.records import Columns, StagePlan
 
 Stored = tuple[StagePlan, Columns]
 """A stage, and evaluations of it."""
+CONFIRMED = (
+    "its verdict is violated by a call that validation made to confirm a result, which no stage stores; the new run "
+    "could be cleared without it"
+)
+"""Of a simulator that does not repeat: why a run with such a violation is not extended."""
 
 
 def lost(threshold: float, replayed: Iterable[Columns], others: Iterable[Stored]) -> str:
@@ -25,11 +30,11 @@ def lost(threshold: float, replayed: Iterable[Columns], others: Iterable[Stored]
     others: those of the same run that are not replayed.
     """
     kept, left = [*replayed], [*others]
-    if any(_violations(columns, threshold) for columns in kept):
+    if any(violations(columns, threshold) for columns in kept):
         return ""
-    violations = [(stage, number) for stage, columns in left if (number := _violations(columns, threshold))]
-    if violations:
-        return _sentence(violations, "at or below the threshold")
+    known = [(stage, number) for stage, columns in left if (number := violations(columns, threshold))]
+    if known:
+        return _sentence(known, "at or below the threshold")
     failures = [(stage, number) for stage, columns in left if (number := _failures(columns))]
     if failures and not any(map(_failures, kept)):
         return _sentence(failures, "that failed or succeeded only when tried again")
@@ -46,7 +51,8 @@ def _sentence(numbers: list[tuple[StagePlan, int]], what: str) -> str:
     )
 
 
-def _violations(columns: Columns, threshold: float) -> int:
+def violations(columns: Columns, threshold: float) -> int:
+    """How many of these evaluations violate."""
     return int(np.count_nonzero(columns.ranked() <= threshold))
 
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from decimal import Decimal
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import clearance
+from campaigns.results.base import FLAKY
+from clearance.cli import invoke
 
 RANGES = {"a": (0.0, 1.0), "b": (0.0, 1.0)}
 SHORT: dict[str, Any] = {"methods": {"direct": 30}, "certify": 20, "validation": 100}
@@ -60,6 +63,23 @@ def test_in_a_batch_its_row_fails(fly: Callable[..., Any]) -> None:
     assert (found.status == "ok").any()
     assert found.verdict != "cleared"
     assert not any("nan" in why for why in found.reasons.values())
+
+
+def raises_in_batches(a: Any, b: Any) -> Any:
+    if len(a) > 1:
+        raise RuntimeError("the solver diverged")
+    return 1.0 + a + b
+
+
+def test_a_batch_that_succeeds_only_row_by_row_is_counted_and_bars_cleared(tmp_path: Path) -> None:
+    found = searched(raises_in_batches, vectorized=True)
+    again = sum(why.startswith(FLAKY) for why in found.reasons.values())
+    assert again > 20
+    assert (found.status == "ok").all()
+    assert found.verdict == "inconclusive"
+    assert f"{again} of {len(found.costs)} evaluations" in found.verdict.sentence
+    assert "failed, the first" not in str(found)
+    assert invoke(["audit", str(found.save(tmp_path))]) == 0
 
 
 OTHERS: dict[str, Callable[[Any], dict[str, Any]]] = {

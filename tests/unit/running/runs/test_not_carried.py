@@ -187,8 +187,19 @@ def test_a_folder_with_a_violation_of_validation_alone_is_not_extended(
         assert invoke(["run", str(file), "--out", str(tmp_path / "first")]) == 1
         extending = ("run", "--continue", tmp_path / "first", "--budget", "120", "--out", tmp_path / "more")
         assert refused(capsys, *extending) == RefusalCode.WOULD_LOSE
+        _raise_violations(tmp_path / "first" / "evaluations.npz")
+        assert refused(capsys, *extending) == RefusalCode.WOULD_LOSE, "its verdict is known"
     finally:
         forget_simulators()
+
+
+def _raise_violations(file: Path) -> None:
+    """As if only calls that confirm results had violated, which are not stored."""
+    with np.load(file) as stored:
+        arrays: dict[str, Any] = {
+            name: np.where(of <= 1.0, 1.5, of) if "costs" in name else of for name, of in stored.items()
+        }
+    np.savez(file, **arrays)
 
 
 @dataclass(frozen=True)
@@ -239,6 +250,19 @@ def test_a_stored_run_with_a_violation_of_validation_alone_is_not_extended(
     with read(engine) as connection:
         assert connection.scalar(sa.select(sa.func.count()).select_from(Run)) == 1
     engine.dispose()
+
+
+def test_a_violation_that_was_found_when_a_result_was_confirmed_is_known(polished: Ended) -> None:
+    """As of a simulator that does not repeat, by a call that is not stored."""
+    higher = {at: [columns._replace(costs=columns.costs + 1.0)] for at, columns in polished.columns().items()}
+    store = MemoryStore(stages=polished.store.stages, chunks=higher, findings=polished.store.findings)
+    larger = continued(polished.campaign, Budget(300, more=True))
+    with pytest.raises(WouldLose):
+        carried(polished.campaign, larger, store)
+    with pytest.raises(WouldLose):
+        carried(polished.campaign, larger, replace(store, findings=[]), violated=True)
+    assert carried(polished.campaign, larger, replace(store, findings=[]))
+    assert carried(polished.campaign, polished.campaign, store)
 
 
 class Citing(MemoryStore):

@@ -16,10 +16,11 @@ from numpy.typing import ArrayLike
 
 from campaigns.catalogue import SimulatorEntry
 from campaigns.identity.identity import unread as unidentified
-from campaigns.results.base import EXCLUDED, FAILED, OK
+from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Floats, NoResult, Reasons, Seeds, Trace
 from worker.engine.systems.simulators import calling, traced
+from worker.engine.systems.simulators.called import AGAIN
 from worker.engine.systems.simulators.cluster.address import chosen
 from worker.engine.systems.simulators.cluster.work import Files
 from worker.engine.systems.simulators.declared.folder import files_of_place
@@ -120,7 +121,7 @@ class InProcess(_OfFunction):
 
     def _together(self, vectors: Floats) -> tuple[Batch, Reasons]:
         """Evaluate all rows by one call, or one by one if that raises, so that only the rows at fault fail or are
-        excluded."""
+        excluded. If none of them is, that call has failed and was tried again."""
         m = len(vectors)
         columns = {name: np.array(column) for name, column in zip(self.names_given, vectors.T, strict=True)}
         try:
@@ -130,16 +131,27 @@ class InProcess(_OfFunction):
         except BaseException as error:
             returned, why = calling.failure(error, self.call), calling.excluded(error)
             if m > 1:
-                parts = [self._together(row[None]) for row in vectors]
-                costs = np.concatenate([batch.costs for batch, _ in parts])
-                status = np.concatenate([batch.status for batch, _ in parts])
-                return Batch(costs, status), {k: reasons[0] for k, (_, reasons) in enumerate(parts) if reasons}
+                return self._one_by_one(vectors, why or returned, EXCLUDED if why else FAILED)
             if why:
                 return self._batch([np.nan], {}, {0: why})
         if isinstance(returned, str):
             return self._batch([np.nan] * m, dict.fromkeys(range(m), returned))
         costs, reasons = returned
         return self._batch(costs, reasons)
+
+    def _one_by_one(self, vectors: Floats, raised: str, as_status: int) -> tuple[Batch, Reasons]:
+        """Evaluate the rows of a call that raised, so that together they had this status with this reason."""
+        parts = [self._together(row[None]) for row in vectors]
+        costs = np.concatenate([batch.costs for batch, _ in parts])
+        status = np.concatenate([batch.status for batch, _ in parts])
+        reasons = {k: reasons[0] for k, (_, reasons) in enumerate(parts) if reasons}
+        if not ((status == FAILED) | (status == as_status)).any():
+            excluded = np.flatnonzero(status == EXCLUDED)
+            reasons = dict.fromkeys(range(len(status)), FLAKY + raised) | {
+                int(k): AGAIN.format(before=raised, reason=reasons[k]) for k in excluded
+            }
+            status[excluded] = FAILED
+        return Batch(costs, status), reasons
 
     def _columns(self, value: Any, m: int) -> tuple[Floats, Reasons] | str:
         """The deciding result (m,), and why a row has no value, for whichever of its results; or why none has."""

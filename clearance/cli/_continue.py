@@ -31,7 +31,7 @@ from campaigns.stored.records import Columns, StagePlan
 from campaigns.versions import Versions
 from clearance.cli import WrongInputError
 from clearance.cli._where import existing_url_of, stored_run
-from clearance.local.cited import Cited
+from clearance.local.citation import Cited
 from clearance.local.interrupt import explained
 from clearance.local.results import read_folder, refuse_other_campaign, refuse_other_components, versions_of, violated
 from worker.engine.stages.parts.store import Store

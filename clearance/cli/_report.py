@@ -24,8 +24,8 @@ from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
 from clearance.cli import CODES, INCONCLUSIVE, VIOLATED
 from clearance.cli._ended import changes, code, sureness
-from clearance.local.cited import Cited
-from clearance.local.cited import lines as citing
+from clearance.local.citation import Cited
+from clearance.local.citation import lines as citing
 from clearance.local.failures import lines as failures
 from clearance.local.likelihood import Likelihoods, likelihoods
 from clearance.local.progress import named

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from campaigns.claims.numbers import count, number, signed
-from clearance.local.cited import lines as citing
+from clearance.local.citation import lines as citing
 from worker.running.catalogue.installed import methods
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from campaigns import Campaign, Catalogue
-from clearance.local.cited import Cited
+from clearance.local.citation import Cited
 from worker.engine.problem.problem import Problem
 from worker.running.runs.store import MemoryStore
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from campaigns.results import Finding as Stored
     from campaigns.results import Verdict as Concluded
     from clearance.function.origin import Origin
+    from clearance.local.citation import Cited
 
 Floats = NDArray[np.float64]
 Texts = NDArray[np.str_]
@@ -164,7 +165,7 @@ class Result(Evaluations):
         return None if seed is None else seed.value
 
     @property
-    def continues(self) -> Mapping[str, object] | None:
+    def continues(self) -> Cited | None:
         """What it resumed: `run`, a folder or "an earlier search", and the `digest` of its campaign; None for a search
         of its own. `code` is None if its code version was not stored."""
         return self.origin.cites

@@ -16,7 +16,7 @@ from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from clearance.function.result import Evaluations, Interrupted
-from clearance.local.cited import Cited
+from clearance.local.citation import Cited
 from clearance.local.results import read_folder, refuse_other_document, versions_of, violated
 from worker.engine.problem.problem import Problem
 from worker.running.runs.continuation import (

@@ -14,7 +14,7 @@ from backend.db.store import PATIENCE, RunStore
 from campaigns.stages.found import declared
 from campaigns.stages.plan import most
 from clearance.function.origin import Origin
-from clearance.local.cited import named
+from clearance.local.citation import named
 from clearance.local.results import write_results
 from clearance.local.summary import summary
 from worker.running.runs import identity

@@ -30,7 +30,7 @@ from campaigns.versions import Versions, differing, other_code
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
 from worker.running.runs import identity
-from worker.running.runs.not_carried import CONFIRMED, Stored, lost, violations
+from worker.running.runs.losses import CONFIRMED, Stored, lost, violations
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 

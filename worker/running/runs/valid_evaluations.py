@@ -15,7 +15,7 @@ from campaigns.stored.records import Begun, Cited, Columns, StageRecord
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
 from worker.running.runs import identity
-from worker.running.runs.not_carried import lost
+from worker.running.runs.losses import lost
 
 
 def valid(store: Store, here: Identity, campaign: Campaign, records: Sequence[StageRecord]) -> dict[int, Columns]:

@@ -146,11 +146,9 @@ class InProcess(_OfFunction):
         status = np.concatenate([batch.status for batch, _ in parts])
         reasons = {k: reasons[0] for k, (_, reasons) in enumerate(parts) if reasons}
         if not ((status == FAILED) | (status == as_status)).any():
-            excluded = np.flatnonzero(status == EXCLUDED)
-            reasons = dict.fromkeys(range(len(status)), FLAKY + raised) | {
-                int(k): AGAIN.format(before=raised, reason=reasons[k]) for k in excluded
-            }
-            status[excluded] = FAILED
+            excluded = {k: AGAIN.format(before=raised, reason=why) for k, why in reasons.items()}
+            status[status == EXCLUDED] = FAILED
+            reasons = {k: excluded.get(k, FLAKY + raised) for k in range(len(status))}
         return Batch(costs, status), reasons
 
     def _columns(self, value: Any, m: int) -> tuple[Floats, Reasons] | str:

@@ -34,7 +34,7 @@ from worker.engine.systems.simulators.functions import InProcess
 from worker.running.catalogue.installed import catalogue, forget_simulators
 from worker.running.runs import identity
 from worker.running.runs.continuation import Budget, WouldLose, carried, continued
-from worker.running.runs.not_carried import lost
+from worker.running.runs.losses import lost
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -162,7 +162,7 @@ def test_a_search_that_is_resumed_states_what_it_extends(tmp_path: Path) -> None
     assert json.loads((written / "result.json").read_text(encoding="utf-8"))["continues"] == resumed.continues
     assert invoke(["audit", str(written)]) == 0
     page = resumed.report(tmp_path / "report.html").read_text(encoding="utf-8")
-    assert f"an earlier search (campaign {digest[:12]})" in page
+    assert f"(campaign {digest[:12]})" in page
     assert "no earlier run" not in page
     assert "no earlier run" in first.report(tmp_path / "first.html").read_text(encoding="utf-8")
     folder = first.save(_folder(tmp_path, "first"))
@@ -184,7 +184,7 @@ def test_a_folder_with_a_violation_of_validation_alone_is_not_extended(
     file.write_text(json.dumps(BOX), encoding="utf-8")
     forget_simulators()
     try:
-        assert invoke(["run", str(file), "--out", str(tmp_path / "first")]) == 1
+        assert invoke(["run", str(file), "--sample-seed", "1", "--out", str(tmp_path / "first")]) == 1
         extending = ("run", "--continue", tmp_path / "first", "--budget", "120", "--out", tmp_path / "more")
         assert refused(capsys, *extending) == RefusalCode.WOULD_LOSE
         _raise_violations(tmp_path / "first" / "evaluations.npz")

@@ -27,6 +27,12 @@ def read(connection: sa.Connection, run_id: int, position: int) -> Ahead | None:
     return Ahead(np.array([row.place for row in rows], dtype=np.int64), columns)
 
 
+def of_run(connection: sa.Connection, run_id: int) -> dict[int, Ahead]:
+    """Those of every stage, by its position."""
+    stages = connection.scalars(sa.select(EvaluationAhead.position).where(EvaluationAhead.run_id == run_id).distinct())
+    return {at: ahead for at in stages.all() if (ahead := read(connection, run_id, at)) is not None}
+
+
 def store(connection: sa.Connection, run_id: int, position: int, done: int, ahead: Ahead) -> None:
     """Drop those that the first `done` evaluations of the stage now contain, and add these."""
     of = (EvaluationAhead.run_id == run_id, EvaluationAhead.position == position)

@@ -133,8 +133,9 @@ class RunStore:
             row = connection.execute(sa.select(Run.carries, Run.continues).where(Run.id == self._run)).one()
             if not row.carries or row.continues is None or self._has_begun(connection):
                 return None
-            found = continuation.evaluations(connection, row.continues)
-            return Cited(self._begun(connection, row.continues), continuation.stages(connection, row.continues), found)
+            old: int = row.continues
+            found, ahead = continuation.evaluations(connection, old), evaluations_ahead.of_run(connection, old)
+            return Cited(self._begun(connection, old), continuation.stages(connection, old), found, ahead)
 
     @_transaction
     def plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:

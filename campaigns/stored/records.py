@@ -84,11 +84,13 @@ class Begun(NamedTuple):
 
 
 class Cited(NamedTuple):
-    """The run whose evaluations another one begins with: its stages, and their evaluations by position."""
+    """The run whose evaluations another one begins with: its stages, and their evaluations by position; ahead: those
+    that an earlier one of their stage is missing for."""
 
     begun: Begun
     stages: list[StageRecord]
     evaluations: dict[int, Columns]
+    ahead: dict[int, Ahead]
 
 
 def join(chunks: Sequence[Columns]) -> Columns | None:

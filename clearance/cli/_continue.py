@@ -213,11 +213,9 @@ def _beating(queue: Queue, claim: Claim) -> Iterator[Callable[[], bool]]:
 
 
 def _snapshot(connection: sa.Connection, run_id: int) -> MemoryStore:
-    stages = stored.stages(connection, run_id)
-    waiting = {at: found for at in range(len(stages)) if (found := evaluations_ahead.read(connection, run_id, at))}
     return MemoryStore(
-        stages=stages,
-        waiting={at: [ahead] for at, ahead in waiting.items()},
+        stages=stored.stages(connection, run_id),
+        waiting={at: [ahead] for at, ahead in evaluations_ahead.of_run(connection, run_id).items()},
         chunks={at: [columns] for at, columns in stored.evaluations(connection, run_id).items()},
         findings=stored.findings(connection, run_id),
         traces={t.name: t for t in stored.traces(connection, run_id)},

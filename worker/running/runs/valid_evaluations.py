@@ -28,7 +28,8 @@ def valid(store: Store, here: Identity, campaign: Campaign, records: Sequence[St
     if cited is None or unsound(identity_of(cited.begun.versions, simulator_of(campaign)), here):
         return {}
     found = {position: cited.evaluations[position] for position in _replayed(cited, campaign, records)}
-    others = ((cited.stages[at].plan, columns) for at, columns in cited.evaluations.items() if at not in found)
+    others = [(cited.stages[at].plan, columns) for at, columns in cited.evaluations.items() if at not in found]
+    others += [(cited.stages[at].plan, ahead.columns) for at, ahead in cited.ahead.items()]
     if why := lost(campaign.criterion.threshold, found.values(), others):
         raise OtherCode(f"of the run that it continues, {why}")
     return found

@@ -273,7 +273,7 @@ class Citing(MemoryStore):
         assert before.store.versions is not None
         known = identity.code(before.campaign).modules
         modules = {name: digest for name, digest in known.items() if name != without}
-        self.before = Cited(Begun(before.store.versions, modules), before.store.stages, before.columns())
+        self.before = Cited(Begun(before.store.versions, modules), before.store.stages, before.columns(), {})
 
     def cited(self) -> Cited:  # type: ignore[override]
         return self.before
@@ -293,6 +293,15 @@ def test_a_run_that_continues_another_one_waits_for_the_code_that_replays_its_vi
     assert (
         same.before.evaluations[polished.at("validate")].points == same.chunks[polished.at("validate")][0].points
     ).all()
+
+
+def test_so_does_one_whose_violation_waited_for_an_earlier_evaluation(polished: Ended) -> None:
+    store, at = Citing(polished, ""), polished.at("validate")
+    columns = polished.columns()
+    lowest = _rows(columns.pop(at), [int(np.argmin(polished.columns()[at].ranked()))])
+    store.before = store.before._replace(evaluations=columns, ahead={at: Ahead(np.array([7]), lowest)})
+    with pytest.raises(OtherCode):
+        execute(polished.campaign, store)
 
 
 def test_without_a_violation_it_begins_with_what_is_valid(polished: Ended) -> None:

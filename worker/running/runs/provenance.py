@@ -34,8 +34,8 @@ def begin(store: Store, system: System, campaign: Campaign, records: Sequence[St
     here = versions(campaign, system)
     sound = valid(store, identity_of(here, simulator_of(campaign)), campaign, records)
     store.record_versions(here, identity.code(campaign))
-    for position, columns in sound.items():
-        store.append(position, 0, columns)
+    for position, (columns, ahead) in sound.items():
+        store.append(position, 0, columns, ahead)
     found = added(campaign)
     if found is not None:
         store.record_sources(*found)

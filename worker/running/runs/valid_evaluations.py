@@ -6,20 +6,23 @@ what chooses its points is the same, too. From the first stage that is not, ever
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from campaigns.asked.spec import Campaign
 from campaigns.identity.identity import Identity, identity_of, simulator_of, unsound
 from campaigns.stages.found import declared
-from campaigns.stored.records import Begun, Cited, Columns, StageRecord
+from campaigns.stored.records import Ahead, Begun, Cited, Columns, StageRecord
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
 from worker.running.runs import identity
 from worker.running.runs.losses import lost
 
 
-def valid(store: Store, here: Identity, campaign: Campaign, records: Sequence[StageRecord]) -> dict[int, Columns]:
-    """The sound evaluations of the run that this one continues, by the position of the stage; none without such a run.
+def valid(
+    store: Store, here: Identity, campaign: Campaign, records: Sequence[StageRecord]
+) -> dict[int, tuple[Columns, Ahead | None]]:
+    """The sound evaluations of the run that this one continues, by the position of the stage, with those that an
+    earlier one of the stage is missing for; none without such a run.
 
     Raises `OtherCode` if other stages alone had found a violation or a failure: a worker that has their code replays
     them.
@@ -27,25 +30,30 @@ def valid(store: Store, here: Identity, campaign: Campaign, records: Sequence[St
     cited = store.cited()
     if cited is None or unsound(identity_of(cited.begun.versions, simulator_of(campaign)), here):
         return {}
-    found = {position: cited.evaluations[position] for position in _replayed(cited, campaign, records)}
-    others = [(cited.stages[at].plan, columns) for at, columns in cited.evaluations.items() if at not in found]
-    others += [(cited.stages[at].plan, ahead.columns) for at, ahead in cited.ahead.items()]
-    if why := lost(campaign.criterion.threshold, found.values(), others):
+    same = _same_stages(cited, records)
+    found = {at: cited.evaluations[at] for at in _replayed(cited, campaign, same)}
+    # A closed loop evaluates the rest of these stages again to the same bits.
+    made = {*found, *(range(same) if campaign.scenario is not None and store.sample_seed is not None else ())}
+    parts = [*cited.evaluations.items(), *((at, ahead.columns) for at, ahead in cited.ahead.items() if at not in found)]
+    others = [(cited.stages[at].plan, columns) for at, columns in parts if at not in made]
+    if why := lost(campaign.criterion.threshold, (columns for at, columns in parts if at in made), others):
         raise OtherCode(f"of the run that it continues, {why}")
-    return found
+    return {at: (columns, cited.ahead.get(at)) for at, columns in found.items()}
 
 
-def _replayed(cited: Cited, campaign: Campaign, records: Sequence[StageRecord]) -> list[int]:
-    """The positions of the stages that request the same points, until the first one that may not, or of which a part is
-    stored."""
-    found: list[int] = []
-    for position, (before, record) in enumerate(zip(cited.stages, records, strict=False)):
-        if before.plan != record.plan or not _same(cited.begun, record):
-            break
-        if position not in cited.evaluations or declared()[record.plan.kind].partly(campaign):
-            break
-        found.append(position)
-    return found
+def _same_stages(cited: Cited, records: Sequence[StageRecord]) -> int:
+    """How many of the first stages request the same points."""
+    pairs = enumerate(zip(cited.stages, records, strict=False))
+    others = (at for at, (old, new) in pairs if old.plan != new.plan or not _same(cited.begun, new))
+    return next(others, min(len(cited.stages), len(records)))
+
+
+def _replayed(cited: Cited, campaign: Campaign, same: int) -> Iterator[int]:
+    """The positions of these stages until the first one of which nothing or only a part is stored."""
+    for at, record in enumerate(cited.stages[:same]):
+        if at not in cited.evaluations or declared()[record.plan.kind].partly(campaign):
+            return
+        yield at
 
 
 def _same(begun: Begun, record: StageRecord) -> bool:

@@ -296,12 +296,16 @@ def test_a_run_that_continues_another_one_waits_for_the_code_that_replays_its_vi
 
 
 def test_so_does_one_whose_violation_waited_for_an_earlier_evaluation(polished: Ended) -> None:
-    store, at = Citing(polished, ""), polished.at("validate")
-    columns = polished.columns()
+    at, columns = polished.at("validate"), polished.columns()
     lowest = _rows(columns.pop(at), [int(np.argmin(polished.columns()[at].ranked()))])
-    store.before = store.before._replace(evaluations=columns, ahead={at: Ahead(np.array([7]), lowest)})
-    with pytest.raises(OtherCode):
-        execute(polished.campaign, store)
+    for other, waits in ((METHOD, True), ("", False)):
+        store = Citing(polished, other)
+        store.before = store.before._replace(evaluations=columns, ahead={at: Ahead(np.array([7]), lowest)})
+        if waits:
+            with pytest.raises(OtherCode):
+                execute(polished.campaign, store)
+        else:  # the same code evaluates a closed loop again to the same bits
+            assert execute(polished.campaign, store).verdict == "violated"
 
 
 def test_without_a_violation_it_begins_with_what_is_valid(polished: Ended) -> None:

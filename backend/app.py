@@ -33,7 +33,7 @@ from backend.exports import endpoints as exports
 from backend.flights import endpoints as flights
 from backend.flights.turns import Turns
 from backend.health import endpoints as health
-from backend.http import errors, pages
+from backend.http import errors, pages, queries
 from backend.http.capacity import Capacities
 from backend.likelihood import endpoints as likelihood
 from backend.metrics import endpoints as metrics
@@ -111,6 +111,7 @@ def create(settings: Settings) -> FastAPI:
         title="Clearance",
         version=VERSION,
         summary="Finds the worst case of an obstacle-avoidance system before the world does.",
+        description=queries.RULE,
         lifespan=lifespan,
         middleware=[
             Middleware(Proxied, root=settings.root, trusted=settings.trusted),
@@ -147,7 +148,8 @@ def create(settings: Settings) -> FastAPI:
     errors.install(app)
     openapi.install(app)
     api = APIRouter(responses=errors.PROBLEMS)
-    features = (health, workers, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
+    api.include_router(health.router)  # monitors and load balancers may append names of their own
+    features = (workers, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
     for feature in (
         *features,
         batch,
@@ -164,7 +166,7 @@ def create(settings: Settings) -> FastAPI:
         requirements,
         likelihood,
     ):
-        api.include_router(feature.router)
+        api.include_router(feature.router, dependencies=queries.KNOWN)
     app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
     app.include_router(health.router, include_in_schema=False)  # where health checks look by default
     app.include_router(metrics.router)

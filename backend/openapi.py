@@ -86,7 +86,14 @@ def install(app: FastAPI) -> None:
 
 
 def _document(app: FastAPI) -> JsonObject:
-    found = get_openapi(title=app.title, version=app.version, summary=app.summary, routes=app.routes, tags=TAGS)
+    found = get_openapi(
+        title=app.title,
+        version=app.version,
+        summary=app.summary,
+        description=app.description,
+        routes=app.routes,
+        tags=TAGS,
+    )
     components = found["components"]
     _, extra = models_json_schema(_MODELS, ref_template=_REF)
     schemas = components["schemas"]

@@ -97,14 +97,30 @@ def too_many(full: str) -> RefusedError:
 def _refusal(scope: Scope, visitor: Visitor | None, rule: Rule, foreign: bool = True) -> RefusedError | None:
     """foreign: whether the header Origin counts."""
     if visitor is None:
+        return _not_signed_in(Headers(scope=scope).get("authorization", ""))
+    required = scope["type"] == "websocket" and visitor.via != "token"
+    return (_foreign(scope, required) if foreign else None) or forbidden(visitor, rule)
+
+
+def _not_signed_in(authorization: str) -> RefusedError:
+    """401 by what was sent; which of the reasons holds for a token stays open."""
+    scheme = authorization.partition(" ")[0]
+    challenge = 'Bearer realm="clearance"'
+    if not scheme:
         detail = (
             "sign in first: open the login link that `clearance serve` printed (a new one: `clearance login-link`), "
             "sign in with your password at /login, or send an API token as `Authorization: Bearer TOKEN` "
             "(`clearance token create NAME`)"
         )
-        return RefusedError("not-signed-in", detail, headers={"WWW-Authenticate": 'Bearer realm="clearance"'})
-    required = scope["type"] == "websocket" and visitor.via != "token"
-    return (_foreign(scope, required) if foreign else None) or forbidden(visitor, rule)
+    elif scheme.lower() != "bearer":  # which may be a token alone, and is not repeated
+        detail = (
+            "the header Authorization has another scheme than Bearer: send an API token as "
+            "`Authorization: Bearer TOKEN`; `clearance token create NAME` makes one"
+        )
+    else:
+        detail = "the API token is not valid here: unknown, expired or revoked; `clearance token create NAME` makes one"
+        challenge += ', error="invalid_token"'
+    return RefusedError("not-signed-in", detail, headers={"WWW-Authenticate": challenge})
 
 
 def forbidden(visitor: Visitor, rule: Rule) -> RefusedError | None:

@@ -25,7 +25,12 @@ TIMEOUT = 30.0
 
 def settings(address: str, token: str, how: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of httpx's clients, with further ones; raises `InvalidAddressError`."""
-    if not token or not token.isascii() or not token.isprintable() or " " in token:
+    if not token:
+        raise InvalidAddressError(
+            "no API token: set CLEARANCE_TOKEN, or give one (`token` in Python, --token-file on the command line); "
+            "`clearance token create ci` makes one"
+        )
+    if not token.isascii() or not token.isprintable() or " " in token:
         raise InvalidAddressError(
             "invalid API token: it must be one ASCII word; `clearance token create ci` prints one"
         )

@@ -318,12 +318,25 @@ def test_a_trusted_proxy_states_the_scheme(fresh: Fresh, tmp_path: Path, header:
             assert made.status_code == (403 if header else 201)
 
 
-def test_a_revoked_token_is_refused(service: Service) -> None:
-    token = service.token("ci")
+def test_a_token_that_is_not_valid_is_refused_as_one_whatever_the_reason(service: Service) -> None:
+    revoked = service.token("ci")
     with service.engine.begin() as connection:
         revoke_token(connection, "ci")
-    with service.visitor(authorization=f"Bearer {token}") as program:
-        problem(program.get("/api/v1/session"), 401)
+        expired = create_token(connection, "old", "local", "read", -1.0)
+    answers = {}
+    for name, header in {
+        "none": None, "revoked": f"Bearer {revoked}", "expired": f"bearer {expired}", "unknown": "Bearer clr_x",
+        "empty": "Bearer", "another scheme": "Basic YTpi", "no scheme": revoked,
+    }.items():  # fmt: skip
+        with service.visitor(**({} if header is None else {"authorization": header})) as program:
+            answer = program.get("/api/v1/session")
+        answers[name] = (str(problem(answer, 401)["detail"]), "invalid_token" in answer.headers["www-authenticate"])
+    assert answers["revoked"] == answers["expired"] == answers["unknown"] == answers["empty"]
+    assert answers["another scheme"] == answers["no scheme"]
+    assert len(set(answers.values())) == 3
+    assert [name for name, (_, token) in answers.items() if token] == ["revoked", "expired", "unknown", "empty"]
+    assert all("`clearance token create NAME`" in detail for detail, _ in answers.values())
+    assert not any(revoked in detail or "login-link" in detail for detail, _ in list(answers.values())[1:])
 
 
 @pytest.mark.parametrize("header", ["Bearer", "Bearer wrong", "Basic YTpi", "nonsense"])

@@ -315,10 +315,20 @@ def test_an_address_that_is_none_is_refused_before_anything_is_sent(address: str
         Client(address, "t")
 
 
-@pytest.mark.parametrize("token", ["", "two words", "ü", "a\nb"])
+@pytest.mark.parametrize("token", ["two words", "ü", "a\nb"])
 def test_a_token_that_is_none_is_refused(token: str) -> None:
     with pytest.raises(InvalidAddressError, match="one ASCII word"):
         Client("http://x", token)
+
+
+@pytest.mark.parametrize("kind", [Client, AsyncClient])
+@pytest.mark.parametrize("token", ["", " ", None])
+def test_without_a_token_the_refusal_names_where_it_is_read(
+    kind: type[Client], token: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("CLEARANCE_TOKEN", raising=False)
+    with pytest.raises(InvalidAddressError, match="CLEARANCE_TOKEN"):
+        kind("http://x", token)
 
 
 @pytest.mark.parametrize("patience", [math.nan, -1.0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -37,6 +38,8 @@ def expected(error: ErrorDetails, model: type[BaseModel]) -> str:
     kind, context = str(error["type"]), error.get("ctx", {})
     if kind.startswith(("greater_than", "less_than")):
         return f"expected a number {_interval(model, error['loc'])}"
+    if kind == "multiple_of":
+        return f"expected a multiple of {_number(context['multiple_of'])} {_interval(model, error['loc'])}".rstrip()
     if kind in ("too_short", "too_long", "string_too_short", "string_too_long"):
         least = kind.endswith("short")
         many = context["min_length" if least else "max_length"]
@@ -60,7 +63,8 @@ def _interval(model: type[BaseModel], at: Sequence[str | int]) -> str:
     schema = _schema(model)
     nodes = [*_alternatives(schema, schema)]
     for key in at:
-        inside = [child for node in nodes for child in _children(node, key)]
+        chosen = [tag for node in nodes for tag in _tagged(node, key)]
+        inside = chosen or [child for node in nodes for child in _children(node, key)]
         # A key that no schema has is the name of an alternative, of which all are in the list already.
         nodes = [found for child in inside for found in _alternatives(child, schema)] or nodes
     found = {name: node[name] for node in nodes for name in LIMITS if name in node}
@@ -83,12 +87,21 @@ def _alternatives(node: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterato
             yield from _alternatives(one, schema)
 
 
+def _tagged(node: Mapping[str, Any], key: str | int) -> Iterator[Mapping[str, Any]]:
+    """The alternative of that tag, such as the kind of a distribution."""
+    mapping = node.get("discriminator", {}).get("mapping", {})
+    if key in mapping:
+        yield {"$ref": mapping[key]}
+
+
 def _children(node: Mapping[str, Any], key: str | int) -> Iterator[Mapping[str, Any]]:
     named = node.get("properties", {}).get(key)
     parts = node.get("prefixItems", [])
     inside = [named, node.get("items") if isinstance(key, int) else node.get("additionalProperties")]
     if isinstance(key, int):
         inside += parts[key : key + 1]
+    else:
+        inside += [one for pattern, one in node.get("patternProperties", {}).items() if re.search(pattern, key)]
     yield from (one for one in inside if isinstance(one, dict))
 
 

@@ -107,8 +107,10 @@ def _problem(error: Any) -> Problem:
         message = f"a mapping with the key name is expected: a campaign {INSTALLED[3:]}"
     elif at == ["simulator", "name"] and kind in ("string_pattern_mismatch", "string_type"):
         message = f"not the name of a simulator, which has small letters, digits and _; a campaign {INSTALLED[3:]}"
-    elif at and at[-1] == "[key]":
+    elif at and at[-1] == "[key]" and kind == "string_pattern_mismatch":
         message = "not the path of a parameter, such as vehicle.m or obstacles.0.position.x"
+    elif at and at[-1] == "[key]" and kind == "literal_error":
+        message = f"unknown key; {message}"
     return Problem(".".join(str(part) for part in at if part != "[key]"), value, message)
 
 

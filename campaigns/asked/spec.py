@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
+from pydantic.json_schema import JsonSchemaValue
 
 from campaigns import limits
 from campaigns.asked.distributions import Correlation, Uncertain
@@ -154,6 +155,12 @@ class Published(Strict):
     source: Source = ""
 
 
+def _supported(schema: JsonSchemaValue) -> None:
+    """State the least confidence that a new campaign may have; a stored one with less is still read."""
+    schema.pop("exclusiveMinimum", None)
+    schema["minimum"] = limits.CONFIDENCE_AT_LEAST
+
+
 class Campaign(Strict):
     """One verification campaign.
 
@@ -182,7 +189,7 @@ class Campaign(Strict):
     target_probability: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] | None = None
     """If given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
     from the first plain random search."""
-    confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = limits.CONFIDENCE
+    confidence: Annotated[float, Field(gt=0.5, lt=1, json_schema_extra=_supported), AS_NUMBER] = limits.CONFIDENCE
     encounter: Annotated[Encounter, Field(exclude_if=lambda value: not value.intended)] = Encounter()
     """Omitted from the canonical form if empty, so campaigns without it keep their digests."""
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1

@@ -132,7 +132,7 @@ SIZES: dict[str, tuple[dict[str, Any], str, str]] = {
     "name": ({"name": "n" * 121}, "name", "at most 120 characters"),
     "notes": ({"notes": "n" * 20_001}, "notes", "at most 20,000 characters"),
     "target": ({"target_probability": 1.0}, "target_probability", "above 0 and below 1"),
-    "confidence": ({"confidence": 0.5}, "confidence", "above 0.5 and below 1"),
+    "confidence": ({"confidence": 0.5}, "confidence", "at least 0.9 and below 1"),
     "seed": ({"seed": 2**53 + 1}, "seed", "at most 9,007,199,254,740,992"),
     "options": (
         {"stages__search": one_search(options={f"o{i}": i for i in range(101)})}, "stages.search.0.options", "100",

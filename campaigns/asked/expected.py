@@ -63,8 +63,10 @@ def _interval(model: type[BaseModel], at: Sequence[str | int]) -> str:
     schema = _schema(model)
     nodes = [*_alternatives(schema, schema)]
     for key in at:
-        chosen = [tag for node in nodes for tag in _tagged(node, key)]
-        inside = chosen or [child for node in nodes for child in _children(node, key)]
+        inside = [child for node in nodes for child in _children(node, key)]
+        # The tag of an alternative, such as the kind of a distribution, selects it.
+        if tags := [tag for node in nodes if (tag := node.get("discriminator", {}).get("mapping", {}).get(key))]:
+            inside = [{"$ref": tag} for tag in tags]
         # A key that no schema has is the name of an alternative, of which all are in the list already.
         nodes = [found for child in inside for found in _alternatives(child, schema)] or nodes
     found = {name: node[name] for node in nodes for name in LIMITS if name in node}
@@ -85,13 +87,6 @@ def _alternatives(node: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterato
     for word in ("anyOf", "oneOf", "allOf"):
         for one in node.get(word, ()):
             yield from _alternatives(one, schema)
-
-
-def _tagged(node: Mapping[str, Any], key: str | int) -> Iterator[Mapping[str, Any]]:
-    """The alternative of that tag, such as the kind of a distribution."""
-    mapping = node.get("discriminator", {}).get("mapping", {})
-    if key in mapping:
-        yield {"$ref": mapping[key]}
 
 
 def _children(node: Mapping[str, Any], key: str | int) -> Iterator[Mapping[str, Any]]:

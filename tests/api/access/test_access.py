@@ -335,7 +335,7 @@ def test_a_token_that_is_not_valid_is_refused_as_one_whatever_the_reason(service
     assert answers["another scheme"] == answers["no scheme"]
     assert len(set(answers.values())) == 3
     assert [name for name, (_, token) in answers.items() if token] == ["revoked", "expired", "unknown", "empty"]
-    assert all("`clearance token create NAME`" in detail for detail, _ in answers.values())
+    assert all("`clearance token" in detail for detail, _ in answers.values())
     assert not any(revoked in detail or "login-link" in detail for detail, _ in list(answers.values())[1:])
 
 

@@ -211,7 +211,8 @@ RULES = (
         "constant velocity.",
         ("validate",),
         RemedyKind.HORIZON,
-        "The closest approach may be at the start or at the end of the horizon.",
+        "The closest approach may be at the start or at the end of the horizon, and flights may come closer beyond it "
+        "than any evaluation, but none reaches the threshold there, and every further motion is known.",
     ),
     Rule(
         CheckCode.MOTION,

@@ -132,8 +132,8 @@ class Criterion(Strict):
 class Encounter(Strict):
     """Conditions of the encounter that the author intentionally does not meet, each with the reason.
 
-    closest_approach: inside the horizon, neither at its start nor at its end; motion: the vehicle moves; avoidance: the
-    avoider makes a difference; influence: an uncertain parameter does.
+    closest_approach: inside the horizon, neither at its start nor at its end (it permits no violation after the end);
+    motion: the vehicle moves; avoidance: the avoider makes a difference; influence: an uncertain parameter does.
     """
 
     intended: dict[Literal["closest_approach", "motion", "avoidance", "influence"], Reason] = {}

@@ -89,7 +89,7 @@ function Intended() {
       <p>
         Some campaigns are meant to have no encounter: a baseline without avoidance, a parameter that should not matter.
         The author states it in the campaign as <code>encounter.intended</code>, with the reason. The check then holds,
-        and the verdict repeats the reason.
+        and the verdict repeats the reason. No statement waives a violation, also not one beyond the horizon.
       </p>
       <pre tabIndex={0}>{EXAMPLE}</pre>
       <Terms of={CHECKS.filter(({ intended }) => intended).map(({ code, intended }) => ({ word: code.replace(' ', '_'), mono: true, text: intended }))} />

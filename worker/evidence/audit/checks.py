@@ -32,6 +32,8 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
     checks |= _encounter(run) if run.campaign.simulator is None else {}
     checks |= run.calls.checks(run.claimed.noise if run.claimed else "stated", run.flaky)
     intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # as stated by the author
+    if {"closest approach"} <= intended & checks.keys() and not _permitted(run):
+        intended -= {"closest approach"}
     return {name: holds or name in intended for name, holds in checks.items()} | _probability(run)
 
 
@@ -83,6 +85,16 @@ def _over(run: Run) -> bool:
     low = run.lowest - limits.ROUNDING * max(abs(run.lowest), abs(run.threshold))
     above = beyond["lowest"] is None or beyond["lowest"]["value"] >= low
     return not beyond["closer"] and above and beyond.get("unknown") is None
+
+
+def _permitted(run: Run) -> bool:
+    """Whether the author may state that the closest approach is as intended: at the start or at the end of the horizon,
+    with nothing at or below the threshold beyond it."""
+    encounter = run.claims["results"][-1]["encounter"]
+    closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
+    beyond = encounter.get("beyond") or {"lowest": None}
+    unknown = beyond.get("unknown") is not None or any(c["at"] not in ("start", "inside", "end") for c in closest)
+    return not unknown and (beyond["lowest"] is None or beyond["lowest"]["value"] > run.threshold)
 
 
 def _probability(run: Run) -> dict[str, bool]:

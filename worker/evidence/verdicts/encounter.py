@@ -21,6 +21,7 @@ from worker.evidence.verdicts.agreement import varies
 from worker.evidence.verdicts.evidence import Evidence, check
 
 INTENDED = ", which the author states is intended: "
+BEYOND_INTENT = "; the author's statement permits only a closest approach at the start or at the end of the horizon"
 
 Condition = tuple[bool, Spans]
 
@@ -41,7 +42,9 @@ def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
             continue
         ok, statement = outcome
         reason = intended.get(code.replace(" ", "_"))
-        if not ok and reason is not None:
+        if not ok and reason is not None and code == CheckCode.CLOSEST_APPROACH and not _permitted(problem, evidence):
+            statement = say(statement, BEYOND_INTENT)
+        elif not ok and reason is not None:
             ok, statement = True, say(_without_advice(statement), INTENDED, reason)
         found.append(check(code, ok, statement))
     return found
@@ -88,6 +91,17 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
     if beyond is None:
         return True, statement
     return True, say(statement, ", and none of ", count(beyond.flights), " flights comes closer beyond it")
+
+
+def _permitted(problem: Problem, evidence: Evidence) -> bool:
+    """Whether nothing is wrong but closest approaches at the start or at the end of the horizon: all are known, and
+    beyond the horizon no flight reaches the threshold."""
+    beyond, every = evidence.encounter.beyond, [evidence.encounter.closest, *(f.closest for f in evidence.findings)]
+    if any(closest is None or closest.at == "none" for closest in every):
+        return False
+    if beyond is None:
+        return True
+    return beyond.unknown is None and (beyond.lowest is None or beyond.lowest.value > problem.threshold)
 
 
 def _closer(problem: Problem, beyond: Beyond) -> Spans:

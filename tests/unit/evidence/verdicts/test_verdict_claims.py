@@ -105,8 +105,6 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
     [
         (nearest(time=15.0, at="end"), "closest approach", "of F1 is at the end of the horizon"),
         (nearest(time=0.0, at="start"), "closest approach", "of F1 is at the start"),
-        (nearest(), "closest approach", "is known for F1"),
-        ({"finding": finding(closest=None)}, "closest approach", "is known for F1"),
         (met(closest=ClosestApproach(time=15.0, at="end")), "closest approach", "of nominal is at the end of the"),
         (
             met(beyond=Beyond(times=2.0, flights=302, closer=300, lowest=later())), "closest approach",
@@ -124,6 +122,8 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
             "1 of 302 flights comes closer beyond the horizon than any evaluation: evaluation 7 of the sample is 1.5 m "
             "from obstacle 1 (Circle) at the last sample, moving away at 0.5 m/s, and d_min would fall to 0.69 m after",
         ),
+        (nearest(), "closest approach", "is known for F1"),
+        ({"finding": finding(closest=None)}, "closest approach", "is known for F1"),
         (
             met(beyond=Beyond(times=2.0, flights=302, closer=0, lowest=None, unknown=later(simulated=False))),
             "closest approach",
@@ -139,10 +139,42 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
 )  # fmt: skip
 def test_an_encounter_that_did_not_occur_bars_cleared(given: dict[str, Any], name: str, statement: str) -> None:
     assert statement in barred(name, **given).text
-    intended = campaign(encounter={"intended": {name.replace(" ", "_"): "a baseline"}})
-    conclusion = concluded(intended, **given)
-    assert conclusion.verdict == "cleared"
-    assert "a baseline." in conclusion.reason
+
+
+def late(value: float = 0.69, simulated: bool = True, closer: int = 302) -> dict[str, Any]:
+    """Flights come closer after the horizon."""
+    return met(beyond=Beyond(times=2.0, flights=302, closer=closer, lowest=later(value=value, simulated=simulated)))
+
+
+UNKNOWN = met(beyond=Beyond(times=2.0, flights=302, closer=0, lowest=None, unknown=later(simulated=False)))
+
+
+@pytest.mark.parametrize(
+    ("given", "name", "waived"),
+    [
+        (nearest(time=15.0, at="end"), "closest_approach", True),
+        (nearest(time=0.0, at="start"), "closest_approach", True),
+        (late(), "closest_approach", True),
+        (late(simulated=False, closer=1), "closest_approach", True),
+        (nearest(), "closest_approach", False),
+        ({"finding": finding(closest=None)}, "closest_approach", False),
+        (UNKNOWN, "closest_approach", False),
+        (late(0.4), "closest_approach", False),
+        (late(0.5, closer=1), "closest_approach", False),
+        (nearest(time=15.0, at="end") | late(0.5, simulated=False), "closest_approach", False),
+        (met(moved=0.0), "motion", True),
+        (met(moved=None), "motion", True),
+        (met(unseen=unseen(NOMINAL)), "avoidance", True),
+        (met(unseen=unseen(None, "a stall")), "avoidance", True),
+    ],
+)
+def test_an_author_can_state_a_condition_but_no_violation_beyond_the_horizon(
+    given: dict[str, Any], name: str, waived: bool
+) -> None:
+    conclusion = concluded(campaign(encounter={"intended": {name: "a baseline"}}), **given)
+    assert conclusion.verdict == ("cleared" if waived else "inconclusive")
+    assert check_of(name.replace("_", " "), conclusion).ok is waived
+    assert ("a baseline." in conclusion.reason) is waived
 
 
 def test_flights_that_come_no_closer_beyond_the_horizon_are_counted() -> None:

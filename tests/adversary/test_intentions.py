@@ -1,0 +1,62 @@
+"""What an author states as intended waives no violation: obstacles that arrive after the horizon or turn between steps,
+with each condition of the encounter stated as intended, and with all of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from campaigns import Campaign
+from campaigns.results.verdict import VerdictWord
+from tests.audited import audited, recorded
+from tests.given.case_campaigns import CASE1, searching
+from tests.given.corrupted_records import DIRECT, SQP, TURNING
+from tests.given.sampled_stages import DRAWN
+from worker.evidence.audit.judge import audit
+from worker.evidence.verdicts import encounter
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
+
+OBSTACLES = CASE1["scenario"]["obstacles"]
+LATE = {
+    "component": "moving_circle",
+    "parameters": {"position": {"x": 6.0, "y": 19.0}, "goal": {"x": 6.0, "y": -10.0}, "speed": 1.0, "radius": 0.3},
+}
+"""It passes the goal after the horizon."""
+ATTACKS: dict[str, dict[str, Any]] = {
+    "closest approach": {
+        "scenario__obstacles": [*OBSTACLES, LATE],
+        "scenario__horizon": 10.5,
+        "criterion__threshold": 0.8,
+    },
+    "sampling": {"scenario__obstacles": [*OBSTACLES, TURNING]},
+}
+"""By the check that bars "cleared"."""
+CONDITIONS = ("closest_approach", "motion", "avoidance", "influence")
+
+
+def asked(check: str, intended: list[str]) -> Campaign:
+    stated = {"intended": dict.fromkeys(intended, "the mission ends at the goal")}
+    return searching(DIRECT, SQP, encounter=stated, stages__certify={"samples": 60}, **ATTACKS[check])
+
+
+@pytest.mark.parametrize("intended", [*([each] for each in CONDITIONS), [*CONDITIONS]], ids="+".join)
+@pytest.mark.parametrize("check", ATTACKS)
+def test_no_intention_clears_what_comes_after_the_horizon_or_between_steps(check: str, intended: list[str]) -> None:
+    campaign, store = asked(check, intended), MemoryStore(sample_seed=DRAWN)
+    conclusion = execute(campaign, store, threads=1)
+    assert conclusion.verdict is VerdictWord.INCONCLUSIVE
+    assert [found.code for found in conclusion.checks if not found.ok] == [check]
+    audited(store, campaign)
+
+
+def test_the_audit_refuses_a_verdict_by_which_a_violation_beyond_the_horizon_is_intended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    campaign, store = asked("closest approach", ["closest_approach"]), MemoryStore(sample_seed=DRAWN)
+    monkeypatch.setattr(encounter, "_permitted", lambda *_: True)
+    assert execute(campaign, store, threads=1).verdict is VerdictWord.CLEARED
+    monkeypatch.undo()
+    wrong = [item.name for item in audit(recorded(store, campaign)) if item.agrees is False]
+    assert {"verdict", "checks.closest approach"} <= {*wrong}

@@ -21,15 +21,17 @@ from worker.evidence.audit.record import MISSING, Record
 class Calls:
     """The calls of a run's simulator, from the evaluations of its first stage and the recorded independent calls.
 
-    Closed loops, and runs of versions that did not measure whether results repeat, have none.
+    Closed loops, and runs of versions that did not measure whether results repeat, have none; whole: those of others
+    must have them.
     """
 
-    def __init__(self, record: Record, points: Any, costs: Any, status: Any) -> None:
+    def __init__(self, record: Record, points: Any, costs: Any, status: Any, whole: bool) -> None:
         self.campaign, self.claims, simulator = record.campaign, record.claims, record.campaign.simulator
-        self.measures = simulator is not None and len(status) > 1
+        self.measures = simulator is not None and (whole or len(status) > 1)
         self.number = simulator.calls if simulator is not None else 1
-        self.measured = _measured(points, costs, status) if self.measures else None
-        declared = not self.measures or bool(self.claims["results"][0]["measured"]["declared"])
+        self.measured = _measured(points, costs, status, whole) if self.measures else None
+        stated = self.claims["results"][0].get("measured") if self.measures else None
+        declared = stated is None or bool(stated["declared"])  # one that is absent is reported as such
         self.repeats = self.measured is None or (self.measured.identical and declared)
         self.noisy = self.measures and (self.number > 1 or not self.repeats)
 
@@ -102,8 +104,8 @@ def _same(costs: Any, status: Any) -> bool:
     return len(set(status.tolist())) == 1 and len(set(costs[status == OK].tolist())) <= 1
 
 
-def _measured(points: Any, costs: Any, status: Any) -> Measured:
-    """Evaluations of the same points in rounds: do they have the same bits?"""
+def _measured(points: Any, costs: Any, status: Any, whole: bool) -> Measured:
+    """Evaluations of the same points in rounds: do they have the same bits? whole: of so many, each so often."""
     groups: dict[bytes, list[int]] = {}
     used = True
     for row, point in enumerate(points):
@@ -117,8 +119,11 @@ def _measured(points: Any, costs: Any, status: Any) -> Measured:
             several.append(float(values.max() - values.min()))
             squares.append(float(np.var(values - values.min(), ddof=1)))
     failed = int(np.count_nonzero((status != OK) & (status != EXCLUDED)))
+    even = not whole or all(len(rows) == limits.TIMES for rows in groups.values())
+    number, total = (limits.POINTS, limits.POINTS * limits.TIMES) if whole else (len(groups), len(status))
     return made(
-        Measured, points=len(groups), evaluations=len(status), failed=failed, identical=identical,
+        Measured, points=number, evaluations=total if even and len(status) == total else math.nan, failed=failed,
+        identical=identical,
         by_process=used and not identical, spread=max(several, default=None),
         deviation=math.sqrt(sum(squares) / len(squares)) if squares else None, **REST,
     )  # fmt: skip

@@ -65,7 +65,7 @@ def _encounter(run: Run) -> dict[str, bool]:
         "avoidance": run.nominal - unseen > limits.ROUNDING * max(abs(run.nominal), abs(unseen)),
     }
     criterion = components.component("criterion", campaign.criterion.component)
-    if criterion.of == "obstacles":
+    if near(run):
         closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
         shown["closest approach"] = all(c["at"] == "inside" for c in closest) and _over(run)
     if criterion.measured_to == "centre" and not campaign.criterion.from_centre:
@@ -76,12 +76,20 @@ def _encounter(run: Run) -> dict[str, bool]:
     return shown
 
 
+def near(run: Run) -> bool:
+    """Whether the criterion is one of obstacles, which have a closest approach."""
+    scenario, components = run.campaign.scenario, run.claims["components"]
+    return (
+        scenario is not None and components.component("criterion", run.campaign.criterion.component).of == "obstacles"
+    )
+
+
 def _over(run: Run) -> bool:
     """Whether no flight comes closer beyond the horizon than any evaluation, and all that approaches there is known;
-    earlier versions did not look there."""
+    versions before the evidence digest did not look there."""
     beyond = run.claims["results"][-1]["encounter"].get("beyond")
     if beyond is None:
-        return True
+        return not run.whole
     low = run.lowest - limits.ROUNDING * max(abs(run.lowest), abs(run.threshold))
     above = beyond["lowest"] is None or beyond["lowest"]["value"] >= low
     return not beyond["closer"] and above and beyond.get("unknown") is None
@@ -92,7 +100,9 @@ def _permitted(run: Run) -> bool:
     with nothing at or below the threshold beyond it."""
     encounter = run.claims["results"][-1]["encounter"]
     closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
-    beyond = encounter.get("beyond") or {"lowest": None}
+    beyond = encounter.get("beyond")
+    if beyond is None:
+        return not run.whole
     unknown = beyond.get("unknown") is not None or any(c["at"] not in ("start", "inside", "end") for c in closest)
     return not unknown and (beyond["lowest"] is None or beyond["lowest"]["value"] > run.threshold)
 

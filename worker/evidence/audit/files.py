@@ -45,13 +45,14 @@ def compared(
     """By name: the digest of each file as stated and as it is; the number of evaluations, and of those in the table."""
     known = evidence.get("files")
     if not isinstance(known, dict):
-        return {}
+        return {"files": ("absent", "files")}
     found: dict[str, tuple[Any, Any]] = {
         f"files.{name}": (stated, _digest(folder / name)) for name, stated in known.items()
     }
     beside = {path.name for path in folder.glob("trace-*.csv")} - known.keys()
     found |= {f"files.{name}": ("no such file", _digest(folder / name)) for name in beside}
     expected = {TABLE, *(f"trace-{name}.csv" for name in ("nominal", *(f["label"] for f in evidence["findings"])))}
+    found["files.table"] = (TABLE if TABLE in known else "absent", TABLE)
     found["files.others"] = (sorted(known.keys() - expected), [])
     found["files.names"] = (sorted(evidence.keys() - PARTS), [])
     found |= {f"identity.{name}": pair for name, pair in _identity(evidence, campaign).items()}

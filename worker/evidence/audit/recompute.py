@@ -85,18 +85,23 @@ def _finite(value: float) -> float | None:
 
 
 class Run:
-    """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
+    """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`.
 
-    def __init__(self, record: Record) -> None:
+    today: whether it is judged by the rules of today, whatever the version of its record."""
+
+    def __init__(self, record: Record, today: bool = False) -> None:
         self.campaign, self.claims, twice, self.stage, self.points, costs, self.status, self.flaky, _ = record
         stored = self.claims.get("versions") or self.claims.get("provenance")
         self.reworded = reworded(Versions.of(stored))
-        self.wording = Versions.of(stored).wording or 0
         """Whose templates made the sentences, which are then not made again; empty if it is those of today."""
+        self.wording = limits.RULES if today else Versions.of(stored).wording or 0
+        """The version of the rules by which it is judged."""
         self.older = self.wording < limits.ROUNDED and self.claims.get("verdict") != "cleared"
         """Whether what is rounding is judged as versions of before did: only where they cleared nothing by it."""
         self.sealed = SEAL not in twice or not isinstance(twice[SEAL][0], Missing)
         """Whether a version wrote it that states the evidence digest: then nothing of it may be absent."""
+        self.whole = self.sealed or today
+        """Whether what rules need is required, although versions before the evidence digest stored none of it."""
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
         self.searches = [k for k, planned in enumerate(self.plan) if planned.kind == "search"]
         self.every, self.raw, self.costs = costs, costs[:, 0], costs[self.status == OK, 0]
@@ -121,7 +126,7 @@ class Run:
         first = np.flatnonzero(self.stage == 0)[:1]  # a simulator has further evaluations in the first stage
         self.nominal = float(self.raw[first][0]) if (self.status[first] == OK).any() else math.nan
         self.lowest = min(self.costs.tolist(), default=math.nan)
-        self.calls = Calls(record, *self.rows(0))
+        self.calls = Calls(record, *self.rows(0), whole=self.whole)
         self.highest = max(self.costs.tolist(), default=math.nan)
         self.varies = self.highest - self.lowest > self._rounding()
         self.others = self.means()
@@ -189,7 +194,8 @@ class Run:
         edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
         case = self.case(recorded["validation"], name, cost)
         found = Finding(name, cost, cost - self.threshold, edges, case)
-        if "granted" not in recorded:  # in a database, and in folders of earlier versions
+        earlier = not self.sealed or self.wording < limits.SHARED
+        if "granted" not in recorded and (earlier or "run" in self.claims):  # in a database it follows
             return found
         granted = self._granted(found)
         return found._replace(granted=granted, margin=granted - self.threshold)

@@ -86,10 +86,17 @@ def examined(run: Run) -> bool:
     """Whether what is stated of the basins of cases is what evaluations show: a lowest cost is that of one, at the
     parameters that are stated, and no higher than the case that a descent began from; a violation is one."""
     validated = run.claims["results"][-1]
-    stored = validated.get("basins") or []
-    if not _compares(run) or not run.sealed or run.campaign.baseline is None or not stored:
+    stored, baseline = validated.get("basins") or [], run.campaign.baseline
+    if baseline is not None and _has_basins(run) and len(stored) != len(baseline.cases):
+        return False
+    if not _compares(run) or not run.whole or baseline is None:
         return True
     return all(_seen(run, number) for number in range(len(stored)))
+
+
+def _has_basins(run: Run) -> bool:
+    """Whether the record must have what is known of the basins of the baseline's cases; earlier ones had none."""
+    return run.whole and run.wording >= limits.BASINS
 
 
 def _seen(run: Run, number: int) -> bool:
@@ -279,7 +286,7 @@ def _basin(run: Run, number: int) -> Basin:
     there = next((f for f in run.findings if f.label == now), None)
     listed, at = (math.inf, {}) if there is None else (there.cost, there.parameters)
     if not validated.get("basins"):
-        return Basin(now, listed, violates=False, examined=True, parameters=at)
+        return Basin(now, listed, violates=False, examined=not _has_basins(run), parameters=at)
     stored = validated["basins"][number]
     if now is not None and stored.get("line") is not None and not _one(run, number, now, stored["line"]["highest"]):
         return Basin(None, again["cost"], "violation" in stored, not stored["not_compared"], again["parameters"])

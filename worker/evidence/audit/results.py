@@ -19,14 +19,14 @@ from campaigns.results.draws import of_indices
 from campaigns.results.finding import Calls, Validation
 from campaigns.results.nominal import NominalCase
 from campaigns.results.sample import Blocks, Sample
-from campaigns.results.search import Gap, SearchResult
+from campaigns.results.search import Gap, Member, SearchResult
 from campaigns.results.verdict import BoundSource, Statistics, Worst
 from campaigns.stages.certify import CertifyResult
 from campaigns.stages.sensitivity import SensitivityResult
 from worker.evidence.audit import charts, counted, limits, modes
 from worker.evidence.audit.agreement import apart, family
 from worker.evidence.audit.attraction import attracted
-from worker.evidence.audit.checks import as_stated, left_out, required_checks
+from worker.evidence.audit.checks import as_stated, left_out, near, required_checks
 from worker.evidence.audit.estimate import estimated
 from worker.evidence.audit.finders import found_by, gathered, noise
 from worker.evidence.audit.likelihood import likely
@@ -80,7 +80,7 @@ def _validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult
     stated = run.claims["results"][-1]
     nominal, out, stored = run.case(stated["nominal"], "nominal", run.nominal), left_out(run), sum(run.below)
     spread, beyond = made(forms.Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest), OMIT
-    if stated["encounter"].get("beyond") is not None:
+    if stated["encounter"].get("beyond") is not None or (run.whole and near(run) and len(run.costs)):
         beyond = made(forms.Beyond, times=limits.CONTINUED, flights=_continued(run), **REST)
     checked = min(stored, at_most) - out.get("violations", 0), min(spot_checks, len(run.costs))
     by_stage = [made(forms.StageCount, position=k, count=n) for k, n in enumerate(run.below) if n]
@@ -198,11 +198,11 @@ def _nominal(run: Run) -> NominalCase:
     measured = run.calls.measured or OMIT
     if not run.sealed:
         return made(NominalCase, measured=measured, **REST)
-    first, stated = run.stage == 0, run.claims["results"][0]
+    first = run.stage == 0
     state: Any = dict(enumerate(STATUS)).get(run.status[first][0])
     return made(
         NominalCase, cost=run.nominal, margin=run.nominal - run.threshold, status=state,
-        parameters=run.values(run.points[first][0]) if stated.get("parameters") else OMIT,
+        parameters=run.values(run.points[first][0]),
         reason="" if state == STATUS[OK] else OMIT, measured=measured,
     )  # fmt: skip
 
@@ -223,12 +223,13 @@ def _searched(run: Run, k: int) -> SearchResult:
         return found
     (criteria, front, size), minima = charts.front(run, k), charts.minima(run, k)
     parts = apart(run, k) if stated.get("apart") else OMIT
+    absent = run.whole and method.name in limits.COMPOSED and not stated.get("members")
     gap = OMIT
     if stated.get("gap") and run.wording >= limits.BASELINES:
         gap = _gap(run, k, read(Gap, {name: stated["gap"][name] for name in GAP}))
     return changed(
         found, criteria=criteria, front=front, front_size=size, minima=minima, family=family(run, k), apart=parts,
-        gap=gap,
+        gap=gap, members=[made(Member, **REST)] if absent else OMIT,
     )  # fmt: skip
 
 

@@ -1,4 +1,5 @@
-"""Names in the files of a run that no record has: what another reader shows, and nothing compares."""
+"""Names in the files of a run that no record has, which another reader shows and nothing compares; and names that every
+record has and one lacks."""
 
 from __future__ import annotations
 
@@ -35,7 +36,8 @@ FAILURE = {"status", "reason", "stage", "index", "output", "evaluations"}
 
 
 def beyond(record: Record) -> list[str]:
-    """The paths of names in a folder that no record has; in a database nothing reads or shows them.
+    """The paths of names in a folder that no record has, and of those that are absent; in a database nothing reads or
+    shows what has no name.
 
     Parts of another form are not looked at: the audit reports them.
     """
@@ -70,11 +72,11 @@ def _unknown(name: str, stated: Any, form: Form) -> list[str]:
         written = _adapter(form).dump_python(_adapter(form).validate_python(stated), mode="json")
     except ValidationError:
         return []
-    return [*_beside(stated, written, name)]
+    return [*_beside(stated, written, name), *(f"no {absent}" for absent in _beside(written, stated, name))]
 
 
 def _beside(stated: Any, written: Any, path: str) -> Iterator[str]:
-    """What is stated under a name that is not written."""
+    """What is stated under a name that is not written; the other way round, what is absent."""
     if isinstance(stated, dict) and isinstance(written, dict):
         yield from (f"{path}.{name}" for name in sorted(stated.keys() - written.keys()))
         for name in stated.keys() & written.keys():

@@ -121,9 +121,9 @@ def _measured(points: Any, costs: Any, status: Any, whole: bool) -> Measured:
     failed = int(np.count_nonzero((status != OK) & (status != EXCLUDED)))
     even = not whole or all(len(rows) == limits.TIMES for rows in groups.values())
     number, total = (limits.POINTS, limits.POINTS * limits.TIMES) if whole else (len(groups), len(status))
+    evaluations: Any = total if even and len(status) == total else math.nan
     return made(
-        Measured, points=number, evaluations=total if even and len(status) == total else math.nan, failed=failed,
-        identical=identical,
+        Measured, points=number, evaluations=evaluations, failed=failed, identical=identical,
         by_process=used and not identical, spread=max(several, default=None),
         deviation=math.sqrt(sum(squares) / len(squares)) if squares else None, **REST,
     )  # fmt: skip

@@ -22,7 +22,10 @@ from worker.evidence.audit.results import of_results
 from worker.evidence.audit.sentences import shown, unlike
 from worker.evidence.audit.statement import compared_sentence
 from worker.evidence.audit.stored import of_evaluations
+from worker.evidence.audit.today import resting
 
+EARLIER = "earlier rules."
+"""Before the names of claims that hold by the rules of the record's version alone."""
 ABSENT = "absent"
 """In place of a value that every run of this version stores."""
 
@@ -95,10 +98,13 @@ def audit(
             if run.sealed:
                 claims["whole"], expected["whole"] = "results or components are absent, or of another form", "whole"
         worded = [*_worded(run, known)] if run.sealed else [Item("words", MISSING, MISSING)]
+        by = f"by the rules of version {run.wording}"
+        rest = resting(run, record, known.searches, at_most, spot_checks) if "whole" not in expected else ()
+        earlier = [Item(EARLIER + name, by, Missing("not by those of today")) for name in rest]
     except MALFORMED as error:
         raise no_run(error) from None
     twice = [Item(name, *pair) for name, pair in record.twice.items()]
-    return [*twice, *_compared("", claims, expected, ABSENT if run.sealed else MISSING), *worded]
+    return [*twice, *_compared("", claims, expected, ABSENT if run.sealed else MISSING), *worded, *earlier]
 
 
 def _apart(pairs: Mapping[str, tuple[object, object]]) -> Iterator[Mapping[str, object]]:
@@ -129,6 +135,11 @@ def closing(items: Sequence[Item]) -> tuple[bool, str]:
         left += ", the sentences of the record among them: judge by its values"
     if wrong:
         return False, f"the verdict does not follow from what the run stored: {', '.join(wrong)} disagree{left}"
+    earlier = [item for item in items if item.name.startswith(EARLIER)]
+    if earlier:
+        names = ", ".join(item.name.removeprefix(EARLIER) for item in earlier)
+        by = f"it holds {earlier[0].given}, and not by those of today: {names}"
+        return False, f"it is not known whether the verdict follows: {by}{left}"
     if "verdict" in unknown:
         return False, f"it is not known whether the verdict follows{left}"
     return True, f"the verdict follows from the stored evaluations{left}"

@@ -47,7 +47,7 @@ BESIDE = ("outside", "lowest", "mean", "deviation", "histogram", "distribution",
 
 def of_results(run: Run, at_most: int, spot_checks: int) -> list[tuple[str, object]]:
     """The claims that follow if the results of the stages and the catalogue are also used, by name."""
-    last = _validated(run, at_most, spot_checks)
+    last = validated(run, at_most, spot_checks)
     results: list[Result] = [_stage(run, k) for k in range(len(run.plan) - 1)]
     rows = [_row(run, k, row["findings"]) for k, row in zip(run.searches, run.claims["comparison"], strict=True)]
     checks = required_checks(run, last.ok)
@@ -75,7 +75,7 @@ def of_results(run: Run, at_most: int, spot_checks: int) -> list[tuple[str, obje
     return [(name, value) for name, value in claims if value is not OMIT]
 
 
-def _validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
+def validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
     """The result of validation, as far as it follows."""
     stated = run.claims["results"][-1]
     nominal, out, stored = run.case(stated["nominal"], "nominal", run.nominal), left_out(run), sum(run.below)

@@ -57,7 +57,8 @@ class Calls:
         found: dict[str, bool] = {}
         if simulator.retries or (flaky is not MISSING and flaky):
             found["retries"] = flaky if flaky is MISSING else flaky == 0
-        found["noise of calls"] = self._several(noise) if self.number > 1 else self.alike
+        often = self.measured is not None and math.isfinite(self.measured.evaluations)
+        found["noise of calls"] = often and (self._several(noise) if self.number > 1 else self.alike)
         return found
 
     @property

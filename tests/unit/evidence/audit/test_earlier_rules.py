@@ -13,11 +13,11 @@ from campaigns import Campaign
 from campaigns.claims.wording import WORDING
 from campaigns.results.verdict import VerdictWord
 from tests.given.case_campaigns import CASE1, searching
-from tests.given.corrupted_records import DIRECT, SQP, Folder, copied, made, since, written
+from tests.given.corrupted_records import DIRECT, SQP, Folder, copied, made, since, write_called, written
 from tests.given.sampled_stages import DRAWN
 from worker.engine.stages import validate
 from worker.engine.stages.parts import encounter as shown
-from worker.evidence.audit.judge import closing
+from worker.evidence.audit.judge import EARLIER, closing
 from worker.evidence.verdicts import agreement
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
@@ -93,6 +93,20 @@ def test_a_case_without_its_basin_is_fixed_in_no_version(tmp_path: Path, monkeyp
     folder = copied(made(campaign, store), tmp_path)
     for version, record in copies(folder):
         assert not follows(record, version), version
+
+
+def test_a_simulator_that_was_called_once_is_cleared_in_no_version(tmp_path: Path) -> None:
+    folder = Folder(write_called(tmp_path, "alone"))
+    assert folder.result["verdict"] == "cleared"
+    folder.shorten(0, len(folder.arrays["status_0"]) - 1)
+    del folder.evidence["results"][0]["measured"]
+    lost = [check for check in folder.result["checks"] if check["name"] == "noise of calls"]
+    folder.result["checks"].remove(*lost)
+    folder.write()
+    for version, record in copies(tmp_path):
+        assert not follows(record, version)
+        wrong = {item.name.removeprefix(EARLIER) for item in record.items() if not item.agrees}
+        assert "checks.noise of calls" in wrong, version
 
 
 @pytest.mark.parametrize("name", ["cleared", "violated"])

@@ -39,8 +39,6 @@ RULES = max(BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED)
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3
 """Of a simulator: how many points are evaluated to measure whether it repeats, and how often each."""
-COMPOSED = ("auto", "portfolio")
-"""Methods whose results have members."""
 
 
 def draws(requested: int, drawn: int) -> int:

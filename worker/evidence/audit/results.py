@@ -223,7 +223,7 @@ def _searched(run: Run, k: int) -> SearchResult:
         return found
     (criteria, front, size), minima = charts.front(run, k), charts.minima(run, k)
     parts = apart(run, k) if stated.get("apart") else OMIT
-    absent = run.whole and method.name in limits.COMPOSED and not stated.get("members")
+    absent = run.whole and method.apart and not stated.get("members")
     gap = OMIT
     if stated.get("gap") and run.wording >= limits.BASELINES:
         gap = _gap(run, k, read(Gap, {name: stated["gap"][name] for name in GAP}))

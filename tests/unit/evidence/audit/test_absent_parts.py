@@ -18,6 +18,8 @@ TRUSTED_BY_DESIGN = {"violation", "unknown", "realisation", "parameters", "call_
 
 
 WORDS = {"values", "statement", "text", "components"}
+CALLED = "calls:"
+"""Before the name of a run of a simulator."""
 MEMBERS = "members"
 """Which evaluations a member requested is taken as given; that a search by several has members is not."""
 
@@ -67,11 +69,12 @@ def change(folder: Folder, at: tuple[Any, ...], empty: bool = False) -> Folder:
 
 
 def record(folder: Path, name: str) -> Path:
-    kind, _, of = name.rpartition(" of calls ")
-    return write_called(folder, of) if kind else written(folder / "out", name)
+    if name.startswith(CALLED):
+        return write_called(folder, name.removeprefix(CALLED))
+    return written(folder / "out", name)
 
 
-@pytest.mark.parametrize("name", ["cleared", "since", "alone", "counted target", "run of calls calls"])
+@pytest.mark.parametrize("name", ["cleared", "since", "alone", "counted target", "calls:calls"])
 def test_a_part_that_is_absent_disagrees_whatever_the_sentences_state(name: str, tmp_path: Path) -> None:
     path, seen = record(tmp_path, name), set[str]()
     original = {file.name: file.read_bytes() for file in path.iterdir() if file.is_file()}
@@ -91,8 +94,8 @@ def test_a_part_that_is_absent_disagrees_whatever_the_sentences_state(name: str,
     [
         ("cleared", ("evidence", "results", 5, "encounter", "beyond")),
         ("since", ("evidence", "results", -1, "basins")),
-        ("run of calls calls", ("evidence", "results", 0, "measured")),
-        ("run of calls differs", ("evidence", "results", 0, "measured")),
+        ("calls:calls", ("evidence", "results", 0, "measured")),
+        ("calls:differs", ("evidence", "results", 0, "measured")),
         ("cleared", ("evidence", "results", 0, "parameters")),
         ("cleared", ("evidence", "files")),
         ("cleared", ("result", "findings", 0, "granted")),
@@ -106,7 +109,7 @@ def test_what_every_record_has_is_required(name: str, at: tuple[Any, ...], empty
 
 def test_one_evaluation_measures_no_noise(tmp_path: Path) -> None:
     """The first stage with one evaluation of which the record states that it repeats."""
-    folder = Folder(record(tmp_path, "run of calls alone"))
+    folder = Folder(record(tmp_path, "calls:alone"))
     measured = folder.evidence["results"][0]["measured"]
     folder.shorten(0, len(folder.arrays["status_0"]) - 1)
     measured |= {"points": 1, "evaluations": 1, "spread": None, "deviation": None}

@@ -90,6 +90,17 @@ def test_a_violation_beyond_a_clear_ridge_is_new(first: float, barrier: float, s
     assert invoke(["audit", "new"]) == 0
 
 
+@pytest.mark.parametrize("barrier", [0.05, 1.0])
+def test_a_known_violation_hides_no_milder_one_beyond_a_clear_ridge(barrier: float, folder: Path) -> None:
+    assert ran(folder, "old", barrier=barrier) == VIOLATED
+    assert ran(folder, "new", "--baseline", "old", barrier=barrier, second=-0.1) == VIOLATED
+    found = changes(folder, "new")
+    standings = {labels: case["standing"] for labels, case in found.items()}
+    assert standings == {(None, "F2"): Standing.NEW, ("F1", "F1"): Standing.SAME}
+    assert found[None, "F2"]["newly_violating"]
+    assert invoke(["audit", "new"]) == 0
+
+
 @pytest.mark.parametrize(("second", "standing"), [(-0.2, Standing.SAME), (-0.4, Standing.WORSE)])
 def test_two_of_one_violating_region_are_one(second: float, standing: Standing, folder: Path) -> None:
     """The line between the wells rises by a part of a metre, but not to the threshold."""
@@ -127,8 +138,8 @@ def elsewhere(basin: Any) -> None:
 
 @pytest.mark.parametrize("forge", [lower, without, elsewhere])
 def test_the_audit_evaluates_the_line_again(forge: Any, folder: Path) -> None:
-    ran(folder, "old")
-    ran(folder, "new", "--baseline", "old", second=-0.4)
+    ran(folder, "old", ridge=0.2, second=0.0)
+    ran(folder, "new", "--baseline", "old", ridge=0.2, first=-0.19, second=-0.2)
     forged = Folder(folder / "new")
     forge(forged.evidence["results"][-1]["basins"][0])
     assert "possible" in {item.name for item in forged.items() if item.agrees is False}

@@ -22,7 +22,8 @@ class Rules:
     """Two minima are merged if they are closer than `distance` (largest fraction of any range) or have no barrier above
     `barrier` (in the cost's unit) between them; at most `at_most` are retained, and those of the candidates
     `followed` (by index). Those that are `alone` have nothing lower near: they may be of valleys of their own.
-    Where a compass search still gains more than `rugged` (in the cost's unit), evolution strategies may follow."""
+    Where a compass search still gains more than `rugged` (in the cost's unit), evolution strategies may follow.
+    Two minima at or below the `ceiling` are not merged if a point between them is above it."""
 
     distance: float
     barrier: float
@@ -30,6 +31,7 @@ class Rules:
     followed: frozenset[int] = frozenset()
     alone: frozenset[int] = frozenset()
     rugged: float = 0.0
+    ceiling: float = np.inf
 
 
 @dataclass

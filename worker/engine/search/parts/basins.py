@@ -148,12 +148,19 @@ def _joined(
         lines = starts[rows, None, :] + (at / 4)[None, :, None] * (ends - starts)[rows, None, :]
         batch = yield lines.reshape(-1, starts.shape[1])
         values[rows[:, None], at[None, :]] = batch.ranked().reshape(len(rows), -1)
-        rows = rows[_rise(values[rows]) <= rules.barrier]
-    for row in reversed(np.flatnonzero(_rise(values) <= rules.barrier).tolist()):  # the highest first
+        rows = rows[_joins(values[rows], rules)]
+    for row in reversed(np.flatnonzero(_joins(values, rules)).tolist()):  # the highest first
         basin, lower = pairs[row]
         lower.members += basin.members
         for basins in (found, fresh):
             basins[:] = [b for b in basins if b is not basin]
+
+
+def _joins(values: Floats, rules: Rules) -> NDArray[np.bool_]:
+    """Whether each line has no barrier: it neither rises by more than one nor, between ends at or below the
+    ceiling, above that."""
+    below = (values[:, 0] <= rules.ceiling) & (np.fmax.reduce(values, axis=1) > rules.ceiling)
+    return np.asarray((_rise(values) <= rules.barrier) & ~below)
 
 
 def _rise(values: Floats) -> Floats:
@@ -176,7 +183,9 @@ def _merge(found: list[Basin], ends: list[Basin], rest: list[Basin], rules: Rule
             others = np.array([k.point for k in near])[:, None, :]
             batch = yield (others + line * (basin.point - others)).reshape(-1, len(basin.point))
             heights = batch.ranked().reshape(len(near), len(BETWEEN))
-            connected = (heights <= basin.cost + rules.barrier).all(axis=1)
+            most = basin.cost + rules.barrier
+            most = min(most, rules.ceiling) if basin.cost <= rules.ceiling else most
+            connected = (heights <= most).all(axis=1)
             joined = near[int(np.argmax(connected))] if connected.any() else None
         if joined is None:
             kept.append(basin)

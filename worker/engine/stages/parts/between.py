@@ -11,7 +11,7 @@ from collections.abc import Callable, Generator, Sequence
 
 import numpy as np
 
-from campaigns.limits import LINE, SAME_PLACE
+from campaigns.limits import LINE, ROUNDING, SAME_PLACE
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import Line
 from worker.engine.search.base import Batch
@@ -26,6 +26,16 @@ Lines = dict[str, list[Line]]
 def near(context: Context) -> float:
     """Fraction of every range: two cases closer than this are at one place."""
     return min(context.campaign.stages.findings.distance, SAME_PLACE)
+
+
+def ceiling(context: Context) -> float:
+    """A case above this separates violating minima: the threshold, with what the comparison allows; infinite without a
+    baseline."""
+    if context.campaign.baseline is None:
+        return np.inf
+    threshold, nominal = context.problem.threshold, context.nominal_cost
+    rounding = ROUNDING * max(abs(threshold), abs(nominal or 0.0))
+    return threshold + max(context.campaign.regression.tolerance, rounding)
 
 
 def decides(context: Context, case: Reevaluated, end: Basin) -> bool:

@@ -360,7 +360,8 @@ def _lower(context: Context, position: int, found: Found, settled: bool = False)
 def _rules(context: Context, worst: float) -> Rules:
     request = context.campaign.stages.findings
     fall = scale(context, worst)
-    return Rules(request.distance, request.barrier * fall, request.at_most, rugged=ROUNDING * fall)
+    limits = request.distance, request.barrier * fall, request.at_most
+    return Rules(*limits, rugged=ROUNDING * fall, ceiling=between.ceiling(context))
 
 
 def _keep_the_worst(context: Context, found: Found) -> None:

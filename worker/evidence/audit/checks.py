@@ -86,10 +86,10 @@ def near(run: Run) -> bool:
 
 def _over(run: Run) -> bool:
     """Whether no flight comes closer beyond the horizon than any evaluation, and all that approaches there is known;
-    versions before the evidence digest did not look there."""
+    versions before the evidence digest did not look there, nor does a run of which no evaluation has a value."""
     beyond = run.claims["results"][-1]["encounter"].get("beyond")
     if beyond is None:
-        return not run.whole
+        return not run.whole or math.isnan(run.lowest)
     low = run.lowest - limits.ROUNDING * max(abs(run.lowest), abs(run.threshold))
     above = beyond["lowest"] is None or beyond["lowest"]["value"] >= low
     return not beyond["closer"] and above and beyond.get("unknown") is None
@@ -102,7 +102,7 @@ def _permitted(run: Run) -> bool:
     closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
     beyond = encounter.get("beyond")
     if beyond is None:
-        return not run.whole
+        return not run.whole or math.isnan(run.lowest)
     unknown = beyond.get("unknown") is not None or any(c["at"] not in ("start", "inside", "end") for c in closest)
     return not unknown and (beyond["lowest"] is None or beyond["lowest"]["value"] > run.threshold)
 

@@ -75,8 +75,11 @@ def test_only_the_same_files_and_declaration_count(bare: Service, client: httpx.
     assert " 3 s;" in found["known"]
     publish(bare, "bb")
     assert proposed(client)["measured"]["seconds"] == 3.0
-    check(bare, "bb", ENTRY.model_copy(update={"title": "Another declaration"}), call_seconds=9.0)
+    wider = [each.model_copy(update={"high": each.high + 1.0}) for each in ENTRY.parameters]
+    check(bare, "bb", ENTRY.model_copy(update={"parameters": wider}), call_seconds=9.0)
     assert proposed(client)["measured"]["seconds"] == 3.0
+    check(bare, "bb", ENTRY.model_copy(update={"title": "The same in other words"}), call_seconds=4.0)
+    assert proposed(client)["measured"]["seconds"] == 4.0
 
 
 def test_the_newest_of_the_same_files_replaces_the_earlier_one(bare: Service, client: httpx.Client) -> None:

@@ -11,6 +11,7 @@ from campaigns.codes import CheckCode
 from campaigns.results import remedies
 from campaigns.results.base import MethodKind
 from campaigns.rules import FAMILIES, LIMITS, RULES
+from campaigns.stages import nominal
 from campaigns.stages.found import declared
 from worker.evidence.audit import limits as audit
 
@@ -83,10 +84,15 @@ def test_the_audit_has_the_same_limits() -> None:
         "TAILS",
         "LOWEST",
         "SHARED",
+        "BASINS",
+        "RULES",
         "SMALLEST",
-    )  # the six before the last are numbers of a version
+        "POINTS",
+        "TIMES",
+    )  # from BASELINES to RULES they are numbers of a version
     mine = {name: value for name, value in vars(audit).items() if name.isupper() and name not in others}
     assert mine == {name: LIMITS[name].value for name in mine}
+    assert (nominal.POINTS, nominal.TIMES) == (audit.POINTS, audit.TIMES)
     assert {kind: family.least.value for kind, family in FAMILIES.items() if family.least} == audit.LEAST
     assert tuple(rule.code for rule in RULES) == audit.ORDER
     assert tuple(rule.code for rule in RULES if rule.of_violations) == audit.OF_VIOLATIONS

@@ -115,7 +115,8 @@ def test_a_result_that_no_run_wrote_is_refused(
 
 
 @pytest.mark.parametrize("arguments", [["missing.json"], ["campaign.json", "--evaluator", "dask://nowhere:1"]])
-def test_wrong_input_removes_nothing(here: Path, arguments: list[str]) -> None:
+def test_wrong_input_removes_nothing(here: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str]) -> None:
+    monkeypatch.setenv("CLEARANCE_EVALUATOR", "")  # which the option sets for the process
     before = files()
     assert invoke(["run", *arguments, "--out", "out"]) == WRONG_INPUT
     assert files() == before

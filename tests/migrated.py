@@ -20,9 +20,10 @@ def empty() -> bytes:
 
 
 def migrated(data: Path) -> str:
-    """Make an empty database in that folder; its URL."""
+    """Make an empty database in that folder, unless it has one, which others may have opened; its URL."""
     data.mkdir(parents=True, exist_ok=True)
-    _file(data).write_bytes(empty())
+    if not _file(data).exists():
+        _file(data).write_bytes(empty())
     return default_url(data)
 
 

@@ -94,9 +94,7 @@ def _differs_in_baseline(file: Path, stated: str, campaign: Campaign) -> bool:
     try:
         earlier, text = load_file(file), file.read_text(encoding="utf-8")
         stored = stated in (earlier.digest, digest_of(json.loads(text)))
-    except CampaignError:
-        return False
-    except UNREADABLE:
+    except (CampaignError, *UNREADABLE):
         return False
     return stored and _without_baseline(earlier) == _without_baseline(campaign)
 

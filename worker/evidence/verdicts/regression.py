@@ -51,8 +51,7 @@ def regression(problem: Problem, evidence: Evidence, checks: Sequence[Check]) ->
     examined: Sequence[CaseBasin | None] = evidence.validation.basins or [None] * len(matched)
     basins = [_Basin(found.get(label or ""), basin) for label, basin in zip(matched, examined, strict=True)]
     again = evidence.results[evaluated].reevaluated
-    cases_there = zip(baseline.cases, again, basins, strict=True)
-    basins = [_own(problem, evidence, *row) for row in cases_there]
+    basins = [_own(problem, evidence, *row) for row in zip(baseline.cases, again, basins, strict=True)]
     rows = list(zip(baseline.cases, again, basins, strict=True))
     same = {basin.finding.label for basin in basins if basin.finding is not None}
     # Of several findings of the baseline in one basin, the lowest one represents it.

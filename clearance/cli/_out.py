@@ -87,14 +87,14 @@ def _digest(result: Path) -> str:
 def _differs_in_baseline(file: Path, stated: str, campaign: Campaign) -> bool:
     """Whether the campaign of this digest, stored in a file, is the same but for its baseline, or for the form in which
     an earlier version wrote it."""
-    from campaigns import CampaignError, load_file
+    from campaigns import load_file
     from campaigns.documents import digest_of
     from campaigns.unreadable import UNREADABLE
 
     try:
         earlier, text = load_file(file), file.read_text(encoding="utf-8")
         stored = stated in (earlier.digest, digest_of(json.loads(text)))
-    except (CampaignError, *UNREADABLE):
+    except UNREADABLE:  # a campaign that cannot be used is a ValueError
         return False
     return stored and _without_baseline(earlier) == _without_baseline(campaign)
 

@@ -18,6 +18,7 @@ from typing import Any
 from backend.reports.figures import Case, Quantity
 from backend.reports.plan_view import plan_view
 from backend.reports.plot import INK, NOMINAL, WORST
+from campaigns.claims.numbers import limit
 from campaigns.results.trace import Closest, TraceHead, TraceObstacle
 
 FONT = "font:12px Inter,system-ui,sans-serif"
@@ -78,7 +79,7 @@ def main(folder: Path, target: Path) -> None:
     lines = [
         legend(NOMINAL, 0, f"Nominal: d_min {result['nominal']['cost']:.4f} m"),
         legend(WORST, 1, f"Worst case found, {worst['label']}: d_min {worst['cost']:.4f} m"),
-        legend(INK, 2, f"Criterion: {threshold:g} m to the centre", "5 4"),
+        legend(INK, 2, f"Criterion: {limit(threshold)} m to the centre", "5 4"),
     ]
     opening, body = drawn.split(">", 1)
     opening = opening.replace("<svg ", f'<svg xmlns="http://www.w3.org/2000/svg" style="{FONT}" ', 1)

@@ -102,7 +102,7 @@ def convergence(series: Sequence[tuple[str, str, list[Point]]], of: Quantity) ->
     axes = Axes(WIDE / 2 + 20, 200, (1.0, max(most * 1.1, 10.0)), (low, high), left=52, x_log=True)
     axes.tint(near)
     axes.frame("Evaluations of each method (log scale)")
-    axes.criterion(near, f"Criterion, {numbers.plain(near)} {of.unit}", right=False)
+    axes.criterion(near, f"Criterion, {numbers.exact(near)} {of.unit}", right=False)
     for colour, _, points in drawn:
         axes.line(points, colour, 1.5, step=True)
     for colour, _, points in drawn:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaigns.claims.numbers import count, number, signed
+from campaigns.claims.numbers import count, limit, number, signed
 from clearance.local.citation import lines as citing
 from worker.running.catalogue.installed import methods
 
@@ -167,7 +167,7 @@ def _drawn(result: Result, lines: list[Line], low: float, high: float, most: int
     middle = TOP + tall / 2
     label = escape(f"lowest {_value(result)}")
     parts.append(f'<text transform="translate(13,{middle}) rotate(-90)" text-anchor="middle">{label}</text>')
-    legend.append(f'<span style="white-space:nowrap">╌ threshold {escape(number(result.threshold))}</span>')
+    legend.append(f'<span style="white-space:nowrap">╌ threshold {escape(limit(result.threshold))}</span>')
     return (
         f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" role="img" aria-label="{label} over evaluations" '
         f'style="max-width:100%;height:auto;font:11px system-ui,sans-serif;color:inherit" fill="currentColor">'

@@ -24,6 +24,7 @@ from backend.scenes.base.flight import from_stored
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ComponentEntry, ParameterEntry
 from campaigns.checked.check import parameters
+from campaigns.claims import numbers
 from campaigns.documents import JsonObject
 from campaigns.identity.identity import UNSTORED, Identity, changes
 from campaigns.looks import ObstacleLook
@@ -94,6 +95,11 @@ class Setting:
     def room(self) -> float:
         """The distance that must stay clear [m]; 0 if there is none."""
         return self.threshold if self.clears else 0.0
+
+    @property
+    def criterion(self) -> str:
+        """What an evaluation must fulfil, with all digits of the threshold."""
+        return f"{self.quantity or 'value'} > {numbers.limit(self.threshold)} {self.unit}".rstrip()
 
     @property
     def one(self) -> str:

@@ -233,7 +233,7 @@ class Obstacles:
                 one.style.title if one.style.title.startswith("F") else one.style.title.lower() for one in group.members
             ]
         if group is self._groups[0] and setting.clears:
-            words.append(f"{setting.quantity or 'limit'} > {setting.threshold:g} {setting.unit}")
+            words.append(setting.criterion)
         if not words:
             return
         # Below its safety radius; if flights differ in it and both are near, the second label is above.

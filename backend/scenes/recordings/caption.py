@@ -75,7 +75,7 @@ def _card(statement: str, setting: Setting, cast: Cast, caption: Caption, dark: 
     colour = palette.nominal if cast.label == "nominal" else palette.worst
     flights.append(("Nominal" if cast.label == "nominal" else cast.label, colour, cast.shown))
     rows = [_row(f"{title}, {quantity}", _cost(flight.cost, setting), colour) for title, colour, flight in flights]
-    rows.append(_row("Criterion", f"{quantity} > {setting.threshold:g} {setting.unit}"))
+    rows.append(_row("Criterion", setting.criterion))
     rows.append(_row("Verdict of the run", caption.state))
     units = {one.path: one.unit for one in setting.uncertain}
     values = {

@@ -171,8 +171,9 @@ def test_components_that_may_have_changed_since_are_named(service: Service, clie
 def test_parameters_with_one_symbol_are_distinguished(client: httpx.Client) -> None:
     document = campaign()
     document["scenario"]["obstacles"] *= 2
-    document["uncertain"] |= {f"obstacles.{i}.radius": {"low": 0.4, "high": 0.6} for i in range(2)}
+    document["uncertain"] |= {f"obstacles.{i}.radius": {"low": 0.40000004, "high": 0.6} for i in range(2)}
     text = report(client, submit(client, **document))
+    assert text.count('<td class="num">0.40000004</td><td class="num">0.6</td>') == 2  # bounds with all their digits
     for i in range(2):
         named = f'<i class="v" title="obstacles.{i}.radius">radius</i> of obstacle {i + 1}</td>'
         assert f'{named}<td>Radius <span class="m mono">obstacles.{i}.radius</span></td>' in text

@@ -24,7 +24,6 @@ from backend.db.engine import is_sqlite, now, read
 from backend.db.reset import RESULTS
 from backend.db.rows import own_question
 from backend.db.tables import (
-    CampaignRow,
     EvaluationChunk,
     Run,
     RunBaseline,
@@ -209,17 +208,17 @@ def _kept() -> sa.ColumnElement[bool]:
 
 def _against() -> sa.ColumnElement[bool]:
     """It found a value that violates, and a run asks the same question for a requirement."""
-    of = sa.select(RunRequirement.run_id).join(CampaignRow, CampaignRow.question == RunRequirement.question)
-    return sa.and_(violates(), of.where(CampaignRow.digest == Run.campaign_digest).exists())
+    other = orm.aliased(Run)
+    of = sa.select(RunRequirement.run_id).join(other, other.id == RunRequirement.run_id)
+    return sa.and_(violates(), of.where(other.question == Run.question).exists())
 
 
 def violates() -> sa.ColumnElement[bool]:
     """Whether a run found a value at or below its threshold, or that of a listed run that asks the same for a
     requirement, whether it came to a verdict or not: what it cleared may violate where the threshold was raised."""
-    other, own_campaign = orm.aliased(Run), orm.aliased(CampaignRow)
+    other = orm.aliased(Run)
     of = sa.select(sa.func.max(other.threshold)).join(RunRequirement, RunRequirement.run_id == other.id)
-    of = of.join(own_campaign, own_campaign.question == RunRequirement.question)
-    of = of.where(own_campaign.digest == Run.campaign_digest, other.removed.is_(None))
+    of = of.where(other.question == Run.question, other.removed.is_(None))
     limits = (Run.threshold, of.correlate(Run).scalar_subquery())
     stages = sa.select(Stage.best).where(Stage.run_id == Run.id, own_question())
     best = (stages.where(Stage.best <= limit).exists() for limit in limits)

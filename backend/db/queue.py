@@ -26,9 +26,9 @@ from backend.db.losses import LOSSES, MOST_LOSSES, SILENT, failed_after, lost
 from backend.db.outages import storable
 from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
 from backend.db.tables_installed import WebhookDelivery
-from campaigns.asked.requirements import question
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.checked.question import question
 from campaigns.runs import HELD, RunState, StageState
 from campaigns.sample_seed import SampleSeed
 
@@ -91,11 +91,12 @@ def submit(
     created = now(connection)
     document = campaign.document()
     row = {"digest": campaign.digest, "name": campaign.name, "document": document, "created": created}
-    row |= {"seedless": campaign.seedless, "question": question(document)}
+    row |= {"seedless": campaign.seedless}
     connection.execute(insert(connection, CampaignRow).values(**row).on_conflict_do_nothing())
     needed = None if campaign.simulator is None or catalogue is None else catalogue.simulator(campaign.simulator.name)
     values = {
         "campaign_digest": campaign.digest,
+        "question": question(campaign, catalogue),
         "name": name,
         "tags": list(tags),
         "owner": owner,
@@ -113,10 +114,8 @@ def submit(
     run_id = int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
     labels.store(connection, run_id, labelled or {})
     if stated := campaign.criterion.requirements:
-        of = {"run_id": run_id, "question": question(document)}
-        connection.execute(
-            sa.insert(RunRequirement), [{"requirement": one.id, "text": one.text, **of} for one in stated]
-        )
+        rows = [{"requirement": one.id, "text": one.text, "run_id": run_id} for one in stated]
+        connection.execute(sa.insert(RunRequirement), rows)
     return run_id
 
 

@@ -38,6 +38,7 @@ from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.check import simulation_problems
+from campaigns.checked.question import question
 from campaigns.checked.snapshot import values_changed
 from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.results import Finding, StageResult, Verdict
@@ -90,8 +91,9 @@ class RunStore:
 
     @_transaction
     def describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
-        """Store the component descriptions of this installation; raises `OtherCode` if the run used others, or if the
-        campaign can be run with those of a newer version, for which it was submitted, but not with these.
+        """Store the component descriptions of this installation, and what the campaign asks of them; raises `OtherCode`
+        if the run used others, or if the campaign can be run with those of a newer version, for which it was submitted,
+        but not with these.
 
         The catalogue at submission may have been published by another worker.
         """
@@ -102,7 +104,8 @@ class RunStore:
             newer = None if snapshot is None or not _newer(snapshot.version, catalogue) else snapshot
             if missing and newer is not None and not simulation_problems(campaign, newer):
                 raise OtherCode("; ".join(map(str, missing)))
-            fenced(connection, self.claim, snapshot=snapshots.store(connection, campaign, catalogue))
+            found = {"snapshot": snapshots.store(connection, campaign, catalogue)}
+            fenced(connection, self.claim, **found, question=question(campaign, catalogue))
             return
         others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue)
         if others:

@@ -55,8 +55,6 @@ class CampaignRow(Base):
     created: orm.Mapped[float]
     seedless: orm.Mapped[str | None] = orm.mapped_column(sa.String(64), index=True)
     """Digest of the document without its seed, see `campaigns.asked.spec.seedless`."""
-    question: orm.Mapped[str | None] = orm.mapped_column(sa.String(64), index=True)
-    """Digest of system, bounds and criterion, see `campaigns.asked.requirements.question`."""
     __table_args__ = (sa.Index("ix_campaigns_name", "name", "digest"),)
 
 
@@ -96,6 +94,9 @@ class Run(Base):
     """Whether the launch stated it; otherwise it was drawn."""
     snapshot: orm.Mapped[str | None] = orm.mapped_column(sa.ForeignKey("catalogue_snapshots.digest"))
     """Digest of the snapshot of its components; None for runs older than snapshots."""
+    question: orm.Mapped[str | None] = orm.mapped_column(sa.String(64), index=True)
+    """Digest of system, bounds and criterion, see `campaigns.checked.question`. Of the run, as its components decide
+    which values its campaign means."""
     flown: orm.Mapped[JsonObject | None]
     """The installation when its first stage started, see `campaigns.versions`; None before that and for older runs."""
     # queue

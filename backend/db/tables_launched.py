@@ -85,8 +85,6 @@ class RunRequirement(Base):
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id"), primary_key=True, index=True)
     text: orm.Mapped[str] = orm.mapped_column(sa.Text)
     """Its text in the campaign; empty if the campaign gives the id alone."""
-    question: orm.Mapped[str] = orm.mapped_column(sa.String(64))
-    """See `campaigns.asked.requirements.question`."""
 
 
 class RunSources(Base):

@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 import unicodedata
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import sqlalchemy as sa
+from sqlalchemy import orm
 
 from backend.db.engine import chunks
 from backend.db.purge import violates
@@ -48,7 +49,7 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
         highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), threshold)
     lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
     worst = lowest.scalar_subquery().label("worst")
-    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.campaign_digest, CampaignRow.name)
+    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.question, CampaignRow.name)
     rows: list[Any] = []
     for some in chunks(highest):
         of = sa.select(*columns, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
@@ -60,13 +61,12 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
         value = min(values, default=math.inf)
         if judged(row.state, row.verdict) == VerdictWord.VIOLATED or value <= highest[row.name]:
             found.append((row, value))
-    questions = _questions(reader, {row.campaign_digest for row, _ in found})
     known = identity.of_runs(reader, [row.id for row, _ in found])
     return [
         Edge(
             row.id,
             row.name,
-            questions[row.campaign_digest],
+            row.question or "",
             judged(row.state, row.verdict),
             known.get(row.id, UNSTORED),
             threshold=row.threshold,
@@ -74,14 +74,6 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
         )
         for row, value in found
     ]
-
-
-def _questions(reader: sa.Connection, digests: Collection[str]) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for some in chunks(digests):
-        of = sa.select(CampaignRow.digest, CampaignRow.question).where(CampaignRow.digest.in_(some))
-        found |= {row.digest: row.question or "" for row in reader.execute(of)}
-    return found
 
 
 @dataclass(frozen=True)
@@ -103,9 +95,10 @@ def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
     for row in reader.execute(of):
         now = found[row.requirement]
         found[row.requirement] = replace(now, removed=now.removed + row.gone, sweeps=now.sweeps + (not row.gone))
+    asking = orm.aliased(Run)
     asks = sa.select(RunRequirement.requirement, Run.id, Run.state, Run.verdict).distinct()
-    asks = asks.join(CampaignRow, CampaignRow.question == RunRequirement.question)
-    asks = asks.join(Run, Run.campaign_digest == CampaignRow.digest).where(gone, violates())
+    asks = asks.join(asking, asking.id == RunRequirement.run_id)
+    asks = asks.join(Run, Run.question == asking.question).where(gone, violates())
     for key, run_id, state, word in reader.execute(asks.where(RunRequirement.requirement.in_(ids)).order_by(Run.id)):
         now = found[key]
         if judged(state, word) == VerdictWord.VIOLATED:

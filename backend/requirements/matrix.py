@@ -144,7 +144,7 @@ def _read(cursor: str) -> str:
 
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     """The runs of each requirement that count, the newest first; identities only where a violation may rest on them."""
-    columns = (RunRequirement.requirement, RunRequirement.run_id, RunRequirement.question, Run.state, Run.verdict)
+    columns = (RunRequirement.requirement, RunRequirement.run_id, Run.question, Run.state, Run.verdict)
     of = sa.select(*columns, CampaignRow.name, Run.threshold).join(Run, Run.id == RunRequirement.run_id)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     of = of.where(RunRequirement.requirement.in_(ids), *present.counted()).order_by(RunRequirement.run_id.desc())
@@ -154,7 +154,7 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     newest: set[tuple[str, str]] = set()
     for key, run_id, question, state, word, name, threshold in reader.execute(of):
         verdict = against.judged(state, word)
-        found[key].append(Edge(run_id, name, question, verdict, UNSTORED, threshold=threshold))
+        found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold=threshold))
         first.setdefault((key, name), run_id)
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)

@@ -26,7 +26,7 @@ ONLY_OWN = " only by who launched it"
 
 @dataclass(frozen=True)
 class Edge:
-    """One run of a requirement. question: see `campaigns.asked.requirements`; not_sampled: as its verdict has it;
+    """One run of a requirement. question: see `campaigns.checked.question`; not_sampled: as its verdict has it;
     signed: whether a valid sign-off covers its results; repeats: the signed run that it repeats, if it was not signed
     itself; own: whether only users who launched the signed run have signed; not_carried: why
     no earlier sign-off counts for it; changes: what has changed since it ran, as

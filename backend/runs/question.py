@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db.tables import CampaignRow, Run
+from backend.db.tables import Run
 from campaigns.results.verdict import VerdictWord
 
 
@@ -13,12 +13,10 @@ def asked_again(reader: sa.Connection, run_id: int) -> dict[str, int]:
 
     None, not even itself, where its question is not stored, as by an earlier version.
     """
-    own = sa.select(CampaignRow.question).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
-    question = reader.scalar(own)
+    question = reader.scalar(sa.select(Run.question).where(Run.id == run_id))
     if question is None:  # of a version that did not store it: nothing is known to ask the same
         return {}
-    same = sa.select(CampaignRow.digest).where(CampaignRow.question == question)
     verdict = sa.func.coalesce(Run.verdict, "none")
-    of = sa.select(verdict, sa.func.count()).where(Run.campaign_digest.in_(same)).group_by(verdict)
+    of = sa.select(verdict, sa.func.count()).where(Run.question == question).group_by(verdict)
     found: dict[str, int] = {word: n for word, n in reader.execute(of)}  # noqa: C416
     return {word: found[word] for word in (*VerdictWord, "none") if word in found}

@@ -1,11 +1,11 @@
-"""The requirements that a criterion is evidence for, and the digest of the question that a campaign asks of them.
+"""The requirements that a criterion is evidence for, and the digest by which a campaign that states them has changed.
 
 An id names a requirement in the tool that it was written in.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -19,17 +19,6 @@ MOST = 200
 """Requirements of one criterion."""
 LONGEST_ID = 120
 """Characters."""
-
-_ASKED = ("scenario", "simulator", "uncertain", "criterion")
-"""What a violation depends on. Seed, methods, budgets and correlations decide whether it is found and how often, not
-whether it is there."""
-
-_UNASKED = {
-    "scenario": ("realisations",),
-    "simulator": ("repeats", "retries"),
-    "criterion": ("requirements", "threshold", "from_centre"),
-}
-"""Of these, what removes no case: what an evaluation draws, calls and combines, and what is stated of its value."""
 
 
 def _id(text: str) -> str:
@@ -65,22 +54,6 @@ Requirements = Annotated[
     Field(max_length=MOST),
     AfterValidator(_once),
 ]
-
-
-def question(document: Mapping[str, Any]) -> str:
-    """SHA-256 of what a stored campaign asks: system, bounds and criterion, without all that removes no violation.
-
-    Without the threshold as well: a value that violates a threshold violates every higher one.
-    """
-    content = {key: _without(document[key], _UNASKED.get(key, ())) for key in _ASKED if document.get(key)}
-    content["uncertain"] = {
-        path: _without(one, ("distribution",)) for path, one in content.get("uncertain", {}).items()
-    }
-    return digest_of(content)
-
-
-def _without(part: Mapping[str, Any], names: Collection[str]) -> Mapping[str, Any]:
-    return {name: value for name, value in part.items() if name not in names}
 
 
 def definition(document: Any) -> str:

@@ -31,7 +31,14 @@ POSTGRESQL = pytest.mark.parametrize("database", KINDS[1:], indirect=True)
 
 def as_of(writer: sa.Connection, revision: str) -> None:
     """Make the database one of an earlier revision, whose data the caller writes: with the columns that were there."""
-    writer.execute(sa.text("alter table runs add column cancel boolean"))
+    added = [("campaigns", "question varchar(64)"), ("run_requirements", "question varchar(64)")]
+    if revision < "0034":
+        added.append(("runs", "cancel boolean"))
+    for table, column in added:
+        writer.execute(sa.text(f"alter table {table} add column {column}"))
+    writer.execute(sa.text("create index ix_campaigns_question on campaigns (question)"))
+    writer.execute(sa.text("drop index ix_runs_question"))
+    writer.execute(sa.text("alter table runs drop column question"))
     writer.execute(sa.text(f"update alembic_version set version_num = '{revision}'"))
 
 

@@ -76,8 +76,8 @@ def runs(service: Service, client: httpx.Client) -> list[int]:
     assert client.delete(f"/api/v1/runs/R-{removed:04}", params={"reason": "A trial."}).status_code == 200
     with engine.begin() as writer:
         writer.execute(sa.insert(RunBaseline).values(run_id=running, asked="R-0003", baseline=baseline))
-        of = {"requirement": "SYS-1", "run_id": required, "text": "", "question": ""}
-        writer.execute(sa.insert(RunRequirement).values(**of))
+        writer.execute(sa.insert(RunRequirement).values(requirement="SYS-1", run_id=required, text=""))
+        writer.execute(sa.update(Run).where(Run.id == required).values(question="another"))
         waiting = submit(writer, campaign(), name="onward", tags=[], owner="", planned=1)
         writer.execute(sa.update(Run).where(Run.id == waiting).values(continues=carried, carries=True))
     found = [1, pinned, baseline, required, old, young, carried, removed, running, waiting]

@@ -8,7 +8,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.tables import CampaignRow, Run
+from backend.db.tables import Run
 from backend.trends import service as trends
 from campaigns import Campaign
 from campaigns.runs import run_number
@@ -107,7 +107,7 @@ def test_campaigns_apart_from_their_seed() -> None:
 def test_runs_without_a_stored_question_do_not_count_as_asking_the_same(service: Service, client: httpx.Client) -> None:
     runs = [submit(client), submit(client, name="Another", seed=5)]
     with service.engine.begin() as writer:
-        writer.execute(sa.update(CampaignRow).values(question=None))
+        writer.execute(sa.update(Run).values(question=None))
     assert listed(client, runs[0])["question"] == {}
     text = client.get(f"/api/v1/runs/{runs[0]}/report.html").text
     assert "not known, because" in text

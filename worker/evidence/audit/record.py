@@ -16,7 +16,7 @@ import sqlalchemy as sa
 
 from campaigns import Campaign, CampaignError, Catalogue, load_file
 from campaigns.asked.load import load_document
-from campaigns.asked.requirements import question
+from campaigns.checked.question import question
 from campaigns.claims.earlier import throughout
 from campaigns.documents import JsonObject, digest_of
 from campaigns.refusals import Refusal, RefusalCode
@@ -159,8 +159,6 @@ def _of_database(connection: sa.Connection, run_id: int) -> Record:
         twice["begun"] = (MISSING, Missing(unknown))
     twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in FIXED & provenance.keys()}
     twice |= _launched(connection, rows, run_id, campaign)
-    if campaign_row.get("question") is not None:
-        twice["question"] = (campaign_row["question"], question(campaign_row["document"]))
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
     for sampled in (result for result in results if result and result.get("drawn_at_launch") is not None):
         drawn = {"seed": sampled.get("seed"), "drawn_at_launch": sampled["drawn_at_launch"]}
@@ -170,6 +168,8 @@ def _of_database(connection: sa.Connection, run_id: int) -> Record:
     for kept in rows("catalogue_snapshots", "digest", digest=run["snapshot"]) if run.get("snapshot") else []:
         claims["components"] = Catalogue.model_validate(kept["document"])
         twice["components"] = (kept["digest"], digest_of(kept["document"]))
+        if run.get("question") is not None:  # earlier versions stored it with the campaign, and computed it otherwise
+            twice["question"] = (run["question"], question(campaign, claims["components"]))
     chunks = rows("evaluation_chunks", "position first", run_id=run_id)
     stage = np.repeat(*(np.array([chunk[k] for chunk in chunks], dtype=np.int64) for k in ("position", "count")))
     whole = {name: b"".join(chunk[name] for chunk in chunks) for name in COLUMNS}

@@ -164,7 +164,7 @@ FORGERIES: dict[str, Forgery] = {
         "versions",
     ),
     "a value of an unknown name": Forgery(summary(lambda s: s.update(proved=True)), "unknown name"),
-    "another question": Forgery(lambda writer: writer.execute(sa.update(CampaignRow).values(question="0" * 64))),
+    "another question": Forgery(of_run(question="0" * 64)),
 }
 
 

@@ -1,0 +1,189 @@
+"""What evaluates the same is the same question, however it is written; what evaluates something else is another one."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from pydantic import BaseModel
+
+from campaigns import Campaign, Catalogue
+from campaigns.asked.distributions import Uncertain
+from campaigns.asked.load import load_document, load_text
+from campaigns.asked.spec import Criterion, Scenario, Simulator
+from campaigns.asked.text import to_yaml
+from campaigns.checked.check import check
+from campaigns.checked.question import question
+from tests.given.small_catalogue import CATALOGUE, component, parameter
+from tests.given.small_catalogue import campaign as scenario_campaign
+
+RESULT = {"name": "gap", "title": "", "quantity": "gap", "unit": "m", "worse": "low"}
+DROP = {"name": "drop", "title": "", "text": "", "results": [RESULT, RESULT | {"name": "way"}]}
+DROP["parameters"] = [parameter("mass", "kg", default=2.0), parameter("drag"), parameter("height", "m", default=2.5)]
+HERE = Catalogue.model_validate({
+    **CATALOGUE.model_dump(),
+    "components": [
+        *CATALOGUE.model_dump()["components"],
+        component("environment", "gust", [parameter("seed"), parameter("size", "m / s", 0.0, default=1.0)]),
+        component("environment", "wind", [parameter("speed", "m / s")]),
+        component("fault", "lag", [parameter("time", "s", 0.0)], path="actuator"),
+        component("criterion", "range", [parameter("margin", "m")], unit="m", worse="low", of="obstacles"),
+    ],
+    "simulators": [DROP],
+})  # fmt: skip
+HERE.components[0].inputs.extend(["F", "T"])
+
+NEAR = {"component": "circle", "parameters": {"position": {"x": 4, "y": 4}, "radius": 0.5}}
+FAR = {"component": "circle", "parameters": {"position": {"x": 9, "y": 9}, "radius": 0.45}}
+GUST, WIND = {"component": "gust"}, {"component": "wind", "parameters": {"speed": 2.0}}
+SLOW, SLOWER = ({"component": "lag", "on": "F", "parameters": {"time": t}} for t in (0.1, 0.2))
+LOOP = scenario_campaign()
+LOOP["scenario"] |= {"obstacles": [NEAR, FAR], "environment": [GUST, WIND], "faults": [SLOW, SLOWER]}
+LOOP["uncertain"]["obstacles.0.radius"] = {"low": 0.4, "high": 0.6}
+CALLED = {
+    "name": "D",
+    "simulator": {"name": "drop", "parameters": {"height": 3.0}},
+    "uncertain": {"simulator.mass": {"plus_minus": "10%"}, "simulator.drag": {"low": -1.0, "high": 1.0}},
+    "criterion": {"result": "gap", "threshold": 1.0},
+    "stages": LOOP["stages"],
+}
+
+
+def put(path: str, value: Any) -> Callable[[Any], None]:
+    """Set a value of a document, by keys and indices that are separated by `/`; None removes it."""
+
+    def change(document: Any) -> None:
+        *above, last = path.split("/")
+        for key in above:
+            document = document[int(key)] if isinstance(document, list) else document.setdefault(key, {})
+        key: Any = int(last) if isinstance(document, list) else last
+        if value is None:
+            del document[key]
+        else:
+            document[key] = value
+
+    return change
+
+
+def asked(base: Any, *changes: Callable[[Any], None], described: Catalogue | None = HERE) -> str:
+    document = copy.deepcopy(base)
+    for change in changes:
+        change(document)
+    campaign = load_document(document)
+    assert check(campaign, HERE) == []
+    assert question(load_text(to_yaml(campaign)), described) == question(campaign, described)
+    return question(campaign, described)
+
+
+def swapped(document: Any) -> None:
+    """The obstacles in their other order, and with them the index of the uncertain one."""
+    document["scenario"]["obstacles"].reverse()
+    document["uncertain"]["obstacles.1.radius"] = document["uncertain"].pop("obstacles.0.radius")
+
+
+MASS = "uncertain/vehicle.m"
+SAME: list[tuple[Any, list[Callable[[Any], None]]]] = [
+    (LOOP, [put(MASS, {"low": 4.0, "high": 6.0})]),
+    (LOOP, [put(MASS, {"low": "4", "high": 6})]),
+    (LOOP, [put(MASS, {"plus_minus": 1, "unit": "kg"})]),
+    (LOOP, [put(MASS, {"plus_minus": "20.0 %", "distribution": {"kind": "triangular", "mode": 5.5}})]),
+    *((LOOP, [put("uncertain/vehicle.J/unit", unit)]) for unit in ("kg m2", "kg·m2", "kg·m²")),
+    (LOOP, [put("uncertain", dict(reversed(LOOP["uncertain"].items())))]),
+    (LOOP, [put("scenario/vehicle/parameters", None)]),
+    (LOOP, [put("scenario/vehicle/parameters/J", 0.045)]),  # its bounds are stated
+    (LOOP, [put("scenario/controller/parameters", {"k_p": 0.0, "N": "0"})]),
+    (LOOP, [put("scenario/start", {"x": 0, "theta": -0.0})]),
+    (LOOP, [put("scenario/goal", {"y": 7.0, "x": 6.0})]),
+    (LOOP, [put("scenario/horizon", 15.0), put("scenario/guidance", {"period": 0})]),
+    (LOOP, [put("scenario/obstacles/0/parameters", {"radius": 0.45, "position.x": 4.0, "position.y": 4.0})]),
+    (LOOP, [swapped]),
+    (LOOP, [put("scenario/environment", [WIND, GUST])]),
+    (LOOP, [put("scenario/environment/0/parameters", {"size": 1.0, "seed": 7})]),
+    (LOOP, [put("scenario/realisations", {"seeds": [3, 4], "combine": "mean"})]),
+    (LOOP, [put("criterion", {"component": "separation", "parameters": {}, "threshold": 0.7, "requirements": ["A"]})]),
+    (LOOP, [put("objectives", [{"component": "range"}]), put("uncertain/objectives.0.margin", {"low": -1, "high": 1})]),
+    (LOOP, [put("encounter", {"intended": {}}), put("correlations", []), put("seed", 9), put("name", "Other")]),
+    (CALLED, [put("uncertain/simulator.mass", {"low": 1.8, "high": 2.2, "unit": "kg"})]),
+    (CALLED, [put("simulator/parameters", {"height": 3, "mass": 2, "drag": 0.5})]),
+    (CALLED, [put("simulator/repeats", {"count": 3, "combine": "mean"}), put("simulator/retries", 2)]),
+    (CALLED, [put("criterion/threshold", 0.0)]),
+]  # fmt: skip
+OTHER: list[tuple[Any, list[Callable[[Any], None]]]] = [
+    (LOOP, [put(MASS, {"low": 4.0, "high": 6.000000001})]),
+    (LOOP, [put(MASS, {"plus_minus": "20%"}), put("scenario/vehicle/parameters/m", 5.5)]),
+    (LOOP, [put(MASS, None)]),
+    (LOOP, [put("uncertain/start.x", {"low": -1, "high": 1})]),
+    (LOOP, [put("scenario/controller/parameters", {"k_p": 0.1})]),
+    (LOOP, [put("scenario/start", {"x": 1})]),
+    (LOOP, [put("scenario/goal/x", 6.5)]),
+    (LOOP, [put("scenario/step", 0.0025)]),
+    (LOOP, [put("scenario/horizon", 20)]),
+    (LOOP, [put("scenario/guidance", {"period": 0.1})]),
+    (LOOP, [put("scenario/obstacles/1", None)]),
+    (LOOP, [put("scenario/obstacles", [FAR, NEAR])]),  # the other one is uncertain
+    (LOOP, [put("scenario/environment/0/parameters", {"size": 2.0})]),
+    (LOOP, [put("scenario/environment/1", None)]),
+    (LOOP, [put("scenario/faults", [SLOWER, SLOW])]),
+    (LOOP, [put("scenario/faults/0/on", "T")]),
+    (LOOP, [put("criterion/component", "range")]),
+    (LOOP, [put("criterion", {"component": "range", "parameters": {"margin": 1.0}, "threshold": 0.5})]),
+    (CALLED, [put("simulator/parameters", None)]),
+    (CALLED, [put("uncertain/simulator.drag/low", -0.5)]),
+    (CALLED, [put("uncertain/simulator.height", {"low": 2.0, "high": 3.0})]),
+    (CALLED, [put("criterion/result", "way")]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("base", "changes"), SAME)
+def test_what_evaluates_the_same_is_the_same_question(base: Any, changes: list[Callable[[Any], None]]) -> None:
+    assert asked(base, *changes) == asked(base)
+
+
+def test_what_evaluates_something_else_is_another_question() -> None:
+    found = [asked(base) for base in (LOOP, CALLED)] + [asked(base, *changes) for base, changes in OTHER]
+    assert len(set(found)) == len(found)
+
+
+def test_without_descriptions_a_question_is_as_far_the_same_as_what_is_stated_shows() -> None:
+    def stated(*changes: Callable[[Any], None]) -> str:
+        return asked(CALLED, *changes, described=None)
+
+    mass = "uncertain/simulator.mass"
+    assert stated() == stated(put(f"{mass}/unit", "kg")) == stated(put(mass, {"plus_minus": "10.0%"}))
+    assert stated() != stated(put(mass, {"plus_minus": "20%"}))
+    nominal = put("simulator/parameters/mass", 2.0)
+    assert stated(nominal) == stated(nominal, put(mass, {"low": 1.8, "high": 2.2})) != stated()
+
+
+def test_a_default_that_is_changed_or_added_is_another_model_and_not_another_question() -> None:
+    entry = HERE.simulators[0]
+    longer = [*entry.parameters, entry.parameters[0].model_copy(update={"name": "wear"})]
+    later = HERE.model_copy(update={"simulators": [entry.model_copy(update={"parameters": longer})]})
+    assert asked(CALLED, described=later) == asked(CALLED)
+
+
+DECIDES = {  # the fields of which a value may remove a violation, all of which the lists above change
+    Simulator: {"name", "parameters"},
+    Uncertain: {"low", "high", "plus_minus"},
+    Criterion: {"component", "parameters", "result"},
+    Scenario: set(Scenario.model_fields) - {"realisations"},
+    Campaign: {"scenario", "simulator", "uncertain", "criterion"},
+}
+SHOWN = {"objectives"}
+"""Changed in the lists above as well."""
+FREE = [(kind, name) for kind, decide in DECIDES.items() for name in kind.model_fields if name not in decide | SHOWN]
+
+
+@pytest.mark.parametrize(("kind", "name"), FREE, ids=lambda given: getattr(given, "__name__", given))
+def test_no_other_field_decides_the_question(kind: type[BaseModel], name: str) -> None:
+    """Of every model, also a field that is added later: whoever adds it states on which side it is."""
+    one = load_document(LOOP if kind is Scenario else CALLED)
+    other: dict[str, Any] = {name: "of another value"}
+    if kind is Uncertain:
+        other = {"uncertain": {path: bounds.model_copy(update=other) for path, bounds in one.uncertain.items()}}
+    elif kind is not Campaign:
+        field = kind.__name__.lower()
+        other = {field: getattr(one, field).model_copy(update=other)}
+    assert question(one.model_copy(update=other), HERE) == question(one, HERE)

@@ -150,22 +150,8 @@ def create(settings: Settings) -> FastAPI:
     api = APIRouter(responses=errors.PROBLEMS)
     api.include_router(health.router)  # monitors and load balancers may append names of their own
     features = (workers, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
-    for feature in (
-        *features,
-        batch,
-        flights,
-        cases,
-        proposals,
-        trends,
-        sweeps,
-        webhooks,
-        views,
-        users,
-        tokens,
-        trail,
-        requirements,
-        likelihood,
-    ):
+    others = (batch, flights, cases, proposals, trends, sweeps, webhooks, views, users, tokens, trail, requirements)
+    for feature in (*features, *others, likelihood):
         api.include_router(feature.router, dependencies=queries.KNOWN)
     app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
     app.include_router(health.router, include_in_schema=False)  # where health checks look by default

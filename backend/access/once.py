@@ -25,6 +25,8 @@ from backend.http.keys import Key, Keyed
 
 Answer = TypeVar("Answer")
 Work = Callable[[sa.Connection], Answer]
+ONCE = ("idempotency-key-reused", "already-made")
+"""The problems of a repeated request; in the `responses=` of each endpoint that takes a `Once`."""
 
 
 @dataclass(frozen=True)

@@ -21,14 +21,13 @@ class Bucket:
         self._burst, self._period, self._clock = float(burst), period, clock
         self._left, self._at = self._burst, clock()
 
-    def take(self) -> bool:
-        """Whether there is one now."""
+    def wait(self) -> float:
+        """Take one; 0, or if there is none now, none is taken and this is the time until there is one [s]."""
         at = self._clock()
         self._left, self._at = min(self._burst, self._left + (at - self._at) / self._period), at
-        if self._left < 1.0:
-            return False
-        self._left -= 1.0
-        return True
+        missing = max(0.0, 1.0 - self._left)
+        self._left -= 0.0 if missing else 1.0
+        return missing * self._period
 
 
 class Rates:
@@ -37,15 +36,12 @@ class Rates:
     def __init__(self, per_minute: int, clock: Callable[[], float] = time.monotonic) -> None:
         self.per_minute = per_minute
         self._clock = clock
-        self._left: dict[str, tuple[float, float]] = {}
+        self._buckets: dict[str, Bucket] = {}
 
     def wait(self, key: str) -> int:
         """Count a request of this session or token; 0, or if there were too many the time to wait instead [s]."""
-        at = self._clock()
-        left, since = self._left.pop(key, (float(self.per_minute), at))
-        left = min(float(self.per_minute), left + (at - since) * self.per_minute / 60.0)
-        missing = max(0.0, 1.0 - left)
-        self._left[key] = (left if missing else left - 1.0, at)  # the last one of the order
-        if len(self._left) > MOST:
-            del self._left[next(iter(self._left))]
-        return math.ceil(missing * 60.0 / self.per_minute)
+        bucket = self._buckets.pop(key, None) or Bucket(self.per_minute, 60.0 / self.per_minute, self._clock)
+        self._buckets[key] = bucket  # the last one of the order
+        if len(self._buckets) > MOST:
+            del self._buckets[next(iter(self._buckets))]
+        return math.ceil(bucket.wait())

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response, status
 
 from backend.access.auth import CurrentVisitor
-from backend.access.once import OnceOnly
+from backend.access.once import ONCE, OnceOnly
 from backend.drafts import service
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
 from backend.http.deps import Engine, Reader
@@ -27,7 +27,7 @@ def list_drafts(reader: Reader) -> list[DraftSummary]:
 @router.post(
     "/drafts",
     status_code=status.HTTP_201_CREATED,
-    responses=problems("too-many-drafts", "idempotency-key-reused", "already-made"),
+    responses=problems("too-many-drafts", *ONCE),
 )
 def create_draft(content: DraftContent, once: OnceOnly, visitor: CurrentVisitor) -> Draft:
     """Store a new draft of a campaign with its original text."""

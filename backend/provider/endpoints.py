@@ -65,7 +65,7 @@ async def finish(request: Request, engine: Engine) -> Response:
         role = provider.configured.role_of(identity.groups)
         secret = await run_in_threadpool(service.open_session, engine, identity, role, browser)
     except SignInError as error:
-        if error.reason and request.app.state.provider_noted.take():
+        if error.reason and not request.app.state.provider_noted.wait():
             _log.warning("a sign-in through the provider failed: %s", error.reason)
             await run_in_threadpool(service.note_failure, engine, error.reason, browser.address)
         return _forget(request, _failed(error, ""))

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Path, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
 
 from backend.access.auth import CurrentVisitor
-from backend.access.once import OnceOnly
+from backend.access.once import ONCE, OnceOnly
 from backend.db import codes
 from backend.db.engine import chunks, now, read
 from backend.db.tables import Run
@@ -91,7 +91,7 @@ def list_imports(reader: Reader) -> list[RequirementFileOut]:
     "/requirements/files",
     status_code=status.HTTP_201_CREATED,
     openapi_extra={"requestBody": FILE_BODY},
-    responses=problems("unreadable", "requirement-conflict", "busy", "idempotency-key-reused", "already-made"),
+    responses=problems("unreadable", "requirement-conflict", "busy", *ONCE),
 )
 async def import_requirements(
     request: Request,

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
 
 from backend.access.auth import CurrentVisitor
-from backend.access.once import OnceOnly, Work
+from backend.access.once import ONCE, OnceOnly, Work
 from backend.db.engine import read
 from backend.http import bodies
 from backend.http.deps import ROOM, Engine, Reader, account, capacities
@@ -43,7 +43,6 @@ router = APIRouter(tags=["runs"])
 
 LOCATION = located("The run that was queued, now or earlier with the same key, or the one that is reused.", "run")
 CONTINUED = located("The new run.", "run")
-ONCE = ("idempotency-key-reused", "already-made")
 CAMPAIGN_FILE = answers("The text as it was submitted, else YAML.", "application/yaml")
 
 

@@ -40,7 +40,7 @@ class Failures:
         """Count an attempt; recorded now, or together with a later one."""
         self._counts[action] += 1
         self._address = address
-        if self._rows.take():
+        if not self._rows.wait():
             self._door.later(*self._due())
 
     async def flush(self) -> None:

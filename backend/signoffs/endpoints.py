@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, status
 
 from backend.access.auth import CurrentVisitor
-from backend.access.once import OnceOnly
+from backend.access.once import ONCE, OnceOnly
 from backend.http.deps import Engine, Reader
 from backend.http.errors import problems
 from backend.http.schema import RunName
@@ -30,16 +30,8 @@ def list_signoffs(run: RunName, reader: Reader, visitor: CurrentVisitor) -> Sign
     "/runs/{run}/signoffs",
     status_code=status.HTTP_201_CREATED,
     responses=problems(
-        "not-found",
-        "no-verdict",
-        "results-changed",
-        "text-changed",
-        "already-signed",
-        "own-run",
-        "removed",
-        "purged",
-        "idempotency-key-reused",
-        "already-made",
+        *("not-found", "no-verdict", "results-changed", "text-changed", "already-signed", "own-run"),
+        *("removed", "purged", *ONCE),
     ),
 )
 def sign_off(run: RunName, review: SignoffRequest, once: OnceOnly, visitor: CurrentVisitor) -> Signoff:

@@ -8,7 +8,7 @@ import sqlalchemy as sa
 from fastapi import APIRouter, Path, status
 
 from backend.access.auth import CurrentVisitor
-from backend.access.once import OnceOnly
+from backend.access.once import ONCE, OnceOnly
 from backend.db import access, audit
 from backend.db.access import TokenInfo, Visitor
 from backend.db.engine import now
@@ -32,7 +32,7 @@ def list_tokens(visitor: CurrentVisitor, reader: Reader) -> list[Token]:
 @router.post(
     "/tokens",
     status_code=status.HTTP_201_CREATED,
-    responses=problems("access-conflict", "idempotency-key-reused", "already-made"),
+    responses=problems("access-conflict", *ONCE),
 )
 def create_token(request: TokenRequest, once: OnceOnly, visitor: CurrentVisitor) -> NewToken:
     """Create an API token of your own; the answer is the only one that holds its secret."""

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Request, Response, status
 
 from backend.access.auth import CurrentVisitor
-from backend.access.once import OnceOnly
+from backend.access.once import ONCE, OnceOnly
 from backend.http.deps import Engine, Reader
 from backend.http.errors import problems
 from backend.http.matches import TAGGED, IfMatch
@@ -16,7 +16,7 @@ from backend.users.schemas import AccessSettings, AccessSettingsChange, Invitati
 
 router = APIRouter(tags=["users"])
 
-MADE = problems("access-conflict", "idempotency-key-reused", "already-made")
+MADE = problems("access-conflict", *ONCE)
 RENEW = "make a new link with another key; the earlier one becomes invalid"
 
 UserName = Annotated[str, Path(max_length=64, description="The user by name.")]

@@ -8,7 +8,7 @@ import sqlalchemy as sa
 from fastapi import APIRouter, Depends, Query, Request, status
 
 from backend.access.auth import CurrentVisitor
-from backend.access.once import OnceOnly
+from backend.access.once import ONCE, OnceOnly
 from backend.db import audit
 from backend.db.access import Visitor
 from backend.db.engine import insert, now
@@ -56,7 +56,7 @@ def list_deliveries(
 @router.post(
     "/webhooks/test",
     status_code=status.HTTP_202_ACCEPTED,
-    responses=problems("no-webhook", "idempotency-key-reused", "already-made"),
+    responses=problems("no-webhook", *ONCE),
 )
 def test_webhooks(once: OnceOnly, configured: Configured, visitor: CurrentVisitor) -> list[WebhookDelivery]:
     """Send a message of type `test` to every target; while one still waits, it is that one.

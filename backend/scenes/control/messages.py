@@ -7,9 +7,10 @@ A frame holds one msgpack message (viser 1.1.1, `WebsocketClientWorker.ts`).
 from __future__ import annotations
 
 import asyncio
-import time
 
 from viser import _messages
+
+from backend.access.rates import Bucket
 
 LARGEST = 65_536
 """Maximum size of a message; a camera has 0.3 kB [bytes]."""
@@ -21,23 +22,14 @@ ALLOWED = (
     _messages.SceneNodeClickMessage,
 )
 
-RATE, BURST = 200.0, 400.0
+RATE, BURST = 200.0, 400
 """Maximum message rate and burst; a page sends at most about 120 per second (viser's own throttling)."""
 
 
-class Pace:
-    """Delays a sender that exceeds the rate, so that the event loop stays responsive."""
-
-    def __init__(self, rate: float = RATE, burst: float = BURST) -> None:
-        """rate: in 1/s."""
-        self._rate, self._burst = rate, burst
-        self._left, self._at = burst, time.monotonic()
-
-    async def wait(self) -> None:
-        now = time.monotonic()
-        self._left, self._at = min(self._burst, self._left + (now - self._at) * self._rate) - 1, now
-        if self._left < 0:
-            await asyncio.sleep(-self._left / self._rate)
+async def paced(bucket: Bucket) -> None:
+    """Delay a sender that exceeds the rate, so that the event loop stays responsive."""
+    while missing := bucket.wait():
+        await asyncio.sleep(missing)
 
 
 def refusal(message: bytes | str) -> str:

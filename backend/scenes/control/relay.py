@@ -22,8 +22,9 @@ from anyio import to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import _messages
 
+from backend.access.rates import Bucket
 from backend.scenes.control import wakeful
-from backend.scenes.control.messages import Pace, refusal
+from backend.scenes.control.messages import BURST, RATE, paced, refusal
 from backend.scenes.control.viewers import Viewers
 from backend.scenes.viewer.viewer import Viewer
 
@@ -99,12 +100,12 @@ async def _carry(socket: WebSocket, back: websockets.ClientConnection, stopping:
     """Relay both ways until either end closes, access ends or the service stops; returns close code and reason."""
 
     async def up() -> None:
-        pace = Pace()
+        bucket = Bucket(BURST, 1.0 / RATE)
         while (message := await socket.receive())["type"] != "websocket.disconnect":
             data = message.get("bytes") or message.get("text") or b""
             if reason := refusal(data):
                 raise RefusedMessageError(reason)
-            await pace.wait()
+            await paced(bucket)
             await back.send(data)
 
     async def down() -> None:

@@ -15,9 +15,10 @@ from viser import _messages
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection
 
+from backend.access.rates import Bucket
 from backend.db.access import revoke_token
 from backend.scenes.control import relay
-from backend.scenes.control.messages import BURST, LARGEST, RATE, Pace, refusal
+from backend.scenes.control.messages import BURST, LARGEST, RATE, paced, refusal
 from tests.given.finished_runs import finish
 from tests.given.joined_users import joined
 from tests.given.problem_documents import problem
@@ -98,9 +99,9 @@ def test_of_all_messages_of_viser_only_those_are_passed_on() -> None:
 def test_whoever_sends_too_fast_waits() -> None:
     async def sent(number: int) -> float:
         begun = time.monotonic()
-        pace = Pace(rate=1000.0, burst=10.0)
+        bucket = Bucket(10, 1.0 / 1000.0)
         for _ in range(number):
-            await pace.wait()
+            await paced(bucket)
         return time.monotonic() - begun
 
     assert asyncio.run(sent(110)) >= 0.09

@@ -39,4 +39,4 @@ def test_the_memory_is_bounded() -> None:
     bucket = Rates(60, Clock())
     for number in range(rates.MOST + 50):
         bucket.wait(str(number))
-    assert len(bucket._left) == rates.MOST
+    assert len(bucket._buckets) == rates.MOST

@@ -44,18 +44,22 @@ class WrongInputError(Refusal):
     """Invalid input; the message is for the user, the code for scripts. Ends the command with `WRONG_INPUT`."""
 
 
-class refusing:  # noqa: N801
+@contextmanager
+def refusing(*kinds: type[Exception]) -> Iterator[None]:
     """Errors of these kinds within the block are wrong input: `WrongInputError` with their message."""
+    try:
+        yield
+    except kinds as error:
+        raise WrongInputError(f"{error}") from None
 
-    def __init__(self, *kinds: type[Exception]) -> None:
-        self.kinds = kinds
 
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
-        if isinstance(error, self.kinds):
-            raise WrongInputError(f"{error}") from None
+@contextmanager
+def on_disk(sentence: str) -> Iterator[None]:
+    """An `OSError` within the block is wrong input: `WrongInputError` with this sentence and the system's reason."""
+    try:
+        yield
+    except OSError as error:
+        raise WrongInputError(f"{sentence}: {error.strerror}") from None
 
 
 class UnreachableError(Exception):
@@ -115,12 +119,11 @@ class _Output(io.TextIOWrapper):
 
     @contextmanager
     def _kept(self) -> Iterator[None]:
-        try:
-            yield
-        except BrokenPipeError:
-            self.drop()
-        except OSError as error:
-            raise WrongInputError(f"the output cannot be written: {error.strerror}") from None
+        with on_disk("the output cannot be written"):
+            try:
+                yield
+            except BrokenPipeError:
+                self.drop()
 
     def drop(self) -> None:
         """Send to nowhere what follows, and what is still buffered at the end."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 import typer
 
 from campaigns.sample_seed import LARGEST
-from clearance.cli import WrongInputError, refusing
+from clearance.cli import WrongInputError, on_disk, refusing
 
 if TYPE_CHECKING:
     from clearance.cli._ended import EndedRun
@@ -66,7 +66,7 @@ def _begun(option: str, mark: str) -> Callable[[Path | None], Path | None]:
         from clearance.cli._ended import EndedRun
 
         module = {"junit": _junit, "sarif": _sarif}[option]
-        try:
+        with on_disk(f"{file} cannot be written"):
             file.parent.mkdir(parents=True, exist_ok=True)
             if file.exists() and not file.is_file():  # such as /dev/stdout
                 return file
@@ -75,8 +75,6 @@ def _begun(option: str, mark: str) -> Callable[[Path | None], Path | None]:
                     f"--{option} {file}: the file was not written by a job; give another name, or delete it"
                 )
             module.write(file, EndedRun("", "clearance", RunState.RUNNING, None, UNENDED))
-        except OSError as error:
-            raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
         return file
 
     return begun
@@ -157,11 +155,9 @@ def _writable(file: Path | None) -> None:
     if file is None:
         return
     there = file.exists()
-    try:
+    with on_disk(f"{file} cannot be written"):
         file.parent.mkdir(parents=True, exist_ok=True)
         with file.open("ab"):
             pass
         if not there:
             file.unlink()
-    except OSError as error:
-        raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None

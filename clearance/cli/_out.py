@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from campaigns.refusals import RefusalCode
-from clearance.cli import WrongInputError
+from clearance.cli import WrongInputError, on_disk
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -18,13 +18,11 @@ def writable(out: Path | None) -> None:
     """Make the folder; raises `WrongInputError` if it is not writable."""
     if out is None:
         return
-    try:
+    with on_disk(f"the folder {out} cannot be written"):
         out.mkdir(parents=True, exist_ok=True)
         probe = out / ".writable"
         probe.touch()
         probe.unlink()
-    except OSError as error:
-        raise WrongInputError(f"the folder {out} cannot be written: {error.strerror}") from None
 
 
 def refuse_other_results(out: Path | None, campaign: Campaign) -> None:
@@ -59,10 +57,8 @@ def remove_earlier_results(out: Path | None, source: Path | None) -> None:
 
     if out is None:
         return
-    try:
+    with on_disk(f"the earlier results in {out} cannot be removed"):
         remove_results(out, source)
-    except OSError as error:
-        raise WrongInputError(f"the earlier results in {out} cannot be removed: {error.strerror}") from None
 
 
 def same_folder(out: Path | None, run: str) -> bool:

@@ -13,13 +13,14 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import yaml
+
 from campaigns.claims.numbers import limit, signed
 from campaigns.codes import CheckCode
 from campaigns.results.regression import FindingChange, Standing
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.version import VERSION
 from clearance.cli._ended import Case, EndedRun, Source, sureness
-from clearance.cli._lines import Place, first, lines
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 VIOLATION, CHECK, CHANGE, NO_VERDICT = "violation", "check/", "change/", "no-verdict"
@@ -197,3 +198,35 @@ def _artifact(address: str) -> dict[str, object]:
     if path.is_relative_to(Path.cwd()):
         return {"uri": quote(path.relative_to(Path.cwd()).as_posix()), "uriBaseId": "%SRCROOT%"}
     return {"uri": path.as_uri()}
+
+
+Place = tuple[int, int]
+"""Line and column of a key, from 1."""
+
+
+def lines(text: str) -> dict[str, Place]:
+    """The line of each part of a campaign, by its path: `criterion`, `uncertain.vehicle.m`, `stages.search`.
+
+    Empty for a text that cannot be read, which a campaign that was submitted never is.
+    """
+    found: dict[str, Place] = {}
+    try:
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+    except (yaml.YAMLError, RecursionError):
+        return found
+    waiting: list[tuple[str, yaml.Node]] = [] if root is None else [("", root)]
+    while waiting:
+        path, node = waiting.pop()
+        if not isinstance(node, yaml.MappingNode) or path.count(".") > 8:
+            continue
+        for key, value in node.value:
+            if isinstance(key, yaml.ScalarNode):
+                inner = f"{path}.{key.value}" if path else str(key.value)
+                found.setdefault(inner, (key.start_mark.line + 1, key.start_mark.column + 1))
+                waiting.append((inner, value))
+    return found
+
+
+def first(known: Mapping[str, Place], *paths: str) -> Place:
+    """The place of the first part that the text has; its beginning if it has none of them."""
+    return next((known[path] for path in paths if path in known), (1, 1))

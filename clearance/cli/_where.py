@@ -24,7 +24,7 @@ from backend.db.registry import folder, services
 from campaigns.refusals import Refusal, RefusalCode
 from campaigns.runs import run_name, run_number
 from campaigns.unreadable import UNREADABLE
-from clearance.cli import WrongInputError, refusing
+from clearance.cli import WrongInputError, on_disk, refusing
 from clearance.cli._service import PATIENCE, numbered
 from clearance.cli._service import opened as opened_service
 
@@ -95,11 +95,8 @@ def url_of(data: Path, database: str, create: bool = True) -> str:
     """The database's URL by the two options; create: whether a missing SQLite file is made now; raises
     `WrongInputError` for an invalid one."""
     url = database or default_url(data)
-    try:
-        with refusing(ValueError):
-            connect(url, create=create).dispose()
-    except OSError as error:
-        raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
+    with on_disk(f"the folder {data} cannot be used"), refusing(ValueError):
+        connect(url, create=create).dispose()
     return url
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from campaigns.refusals import RefusalCode
-from clearance.cli import WrongInputError, _skeleton
+from clearance.cli import WrongInputError, _skeleton, on_disk
 from clearance.cli._skeleton import Kind
 
 if TYPE_CHECKING:
@@ -62,11 +62,8 @@ def _write(texts: Mapping[Path, str]) -> None:
                 f"{file} exists and is not overwritten: choose another name, or remove it", RefusalCode.EXISTS
             )
     for file, text in texts.items():
-        try:
-            with file.open("x", encoding="utf-8") as output:
-                output.write(text)
-        except OSError as error:
-            raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
+        with on_disk(f"{file} cannot be written"), file.open("x", encoding="utf-8") as output:
+            output.write(text)
 
 
 @app.command()

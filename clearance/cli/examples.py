@@ -22,7 +22,7 @@ def examples(
 ) -> None:
     """Copy the examples of the guides into docs/examples of this folder, where their commands expect them."""
     from campaigns.refusals import RefusalCode
-    from clearance.cli import WrongInputError
+    from clearance.cli import WrongInputError, on_disk
 
     if folder.exists():
         raise WrongInputError(
@@ -34,12 +34,10 @@ def examples(
         raise WrongInputError(
             "this installation has no examples: copy docs/examples of the repository, or install its wheel with pip"
         )
-    try:
+    with on_disk(f"{folder} cannot be written"):
         for file, data in found.items():
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(data.read_bytes())
-    except OSError as error:
-        raise WrongInputError(f"{folder} cannot be written: {error.strerror}") from None
     typer.echo(f"{len(found)} files are in {folder}. So that campaigns find the simulators, name the folder:")
     typer.echo(f"  export CLEARANCE_SIMULATORS={shlex.quote(str(folder.absolute()))}")
 

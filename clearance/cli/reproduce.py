@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clearance.cli import VIOLATED, WrongInputError, refusing
+from clearance.cli import VIOLATED, WrongInputError, on_disk, refusing
 
 if TYPE_CHECKING:
     from worker.running.reproduce.compare import Reproduction
@@ -80,7 +80,7 @@ def _written(folder: Path, made: Reproduction, flights: Flights) -> tuple[Reprod
     figure."""
     from worker.running.reproduce import figures, render
 
-    try:
+    with on_disk(f"the folder {folder} cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
         began, compiled = time.perf_counter(), flights.compile_seconds
         files, missing = figures.write(folder, flights, {row.case for row in made.rows})
@@ -89,8 +89,6 @@ def _written(folder: Path, made: Reproduction, flights: Flights) -> tuple[Reprod
         text = json.dumps(render.document(made), indent=2, allow_nan=False) + "\n"
         (folder / "tables.json").write_text(text, encoding="utf-8")
         (folder / "tables.md").write_text(render.markdown(made) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise WrongInputError(f"the folder {folder} cannot be written: {error.strerror}") from None
     for sentence in missing:
         typer.echo(sentence, err=True)
     return made, [*files, folder / "tables.json", folder / "tables.md"], missing

@@ -19,7 +19,7 @@ from backend.db import access, workers
 from backend.db.availability import awaited, sentence
 from backend.db.engine import connected
 from backend.db.private import keep_private
-from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError, refusing
+from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError, on_disk, refusing
 from clearance.cli._where import DATA, Data, Database, alone, counted, reading, url_of
 from clearance.cli.login_link import ADDRESS_FILE
 from clearance.cli.worker import DRAINED
@@ -61,10 +61,8 @@ def serve(
         memory.refuse()
     if not data.exists():
         _reserved(host, port).close()  # before anything is made
-    try:
+    with on_disk(f"the folder {data} cannot be used"):
         keep_private(data, database)
-    except OSError as error:
-        raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
     url = url_of(data, database)
     with alone(data), _reserved(host, port) as reserved:
         port = reserved.getsockname()[1]

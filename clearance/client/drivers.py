@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import AsyncGenerator, AsyncIterator, Coroutine, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 from urllib.parse import urlsplit
 
 import anyio
@@ -47,25 +48,18 @@ def settings(address: str, token: str, how: Mapping[str, Any]) -> dict[str, Any]
     return {"timeout": TIMEOUT, **how, "base_url": url, "headers": headers}
 
 
-class Part:
+@contextmanager
+def written(file: Path) -> Iterator[BinaryIO]:
     """A file that exists under its name only once it is complete; its folder is made if there is none."""
-
-    def __init__(self, file: Path) -> None:
-        self.file, self.part = file, file.with_name(f"{file.name}.part")
-
-    def __enter__(self) -> Part:
-        self.part.parent.mkdir(parents=True, exist_ok=True)
-        self._out = self.part.open("wb")
-        return self
-
-    def write(self, chunk: bytes) -> None:
-        self._out.write(chunk)
-
-    def __exit__(self, failed: object, *_: object) -> None:
-        self._out.close()
-        if failed is None:
-            self.part.replace(self.file)
-        self.part.unlink(missing_ok=True)
+    part = file.with_name(f"{file.name}.part")
+    part.parent.mkdir(parents=True, exist_ok=True)
+    with part.open("wb") as out:
+        try:
+            yield out
+            out.close()
+            part.replace(file)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 class Blocking:

@@ -16,7 +16,7 @@ from typing import Any
 import httpx
 
 from clearance.client.calls import Call
-from clearance.client.drivers import Awaiting, Blocking, Part
+from clearance.client.drivers import Awaiting, Blocking, written
 from clearance.client.errors import InvalidRequestError
 from clearance.client.replies import Reply
 
@@ -79,7 +79,7 @@ class Session:
                 chunks = self.driver.chunks(answer)
                 if file is None or not answer.is_success:
                     return _reply(answer, b"".join([chunk async for chunk in chunks]))
-                with Part(file) as part:
+                with written(file) as part:
                     async for chunk in chunks:
                         part.write(chunk)
                 return _reply(answer, b"")

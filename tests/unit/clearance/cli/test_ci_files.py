@@ -18,9 +18,8 @@ from campaigns.rules import RULES
 from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from clearance.cli._ended import OUTCOMES, Case, EndedRun, Source
 from clearance.cli._junit import junit
-from clearance.cli._lines import lines
 from clearance.cli._markdown import markdown
-from clearance.cli._sarif import sarif, write
+from clearance.cli._sarif import lines, sarif, write
 from tests import results
 
 TEXT = """\

@@ -10,7 +10,7 @@ import { Card } from '../ui/Card'
 import { hiddenHead, Table } from '../ui/Table'
 import { useNearOrPrint } from '../ui/useNear'
 import { CodeCell, DateCell, outcomeColumns } from './cells'
-import { differenceOf } from './difference'
+import { differenceOf } from './code'
 import { layout } from '../ui/styles'
 
 const relatedQuery = (run: string, state: string) =>

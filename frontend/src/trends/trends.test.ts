@@ -3,8 +3,7 @@ import { expect, it } from 'vitest'
 import type { TrendRun } from '../client'
 import { rfc3339 } from '../format/time'
 import { apart, axisOf } from './axis'
-import { changesOf } from './changes'
-import { differenceOf } from './difference'
+import { changesOf, differenceOf } from './code'
 import { readTrend } from './search'
 
 it('names what differs', () => {

@@ -1,9 +1,11 @@
-// The form of a campaign by sections; rarely used ones are collapsed.
+// The form of a campaign by sections, with the tabs above it; rarely used ones are collapsed.
 import { memo } from 'react'
 import { AboutForm } from './AboutForm'
 import { CriterionForm } from './CriterionForm'
 import { MethodsTable } from './MethodsTable'
-import { hasScenario } from '../../api/campaign'
+import { type Campaign, hasScenario } from '../../api/campaign'
+import type { Section } from '../../ui/SectionTabs'
+import { idOf } from '../fields/problems'
 import type { FormProps } from '../fields/props'
 import { ProposalCard } from '../proposal/ProposalCard'
 import { ScenarioForm } from './ScenarioForm'
@@ -26,3 +28,14 @@ export const CampaignForm = memo(function CampaignForm(form: FormProps) {
     </>
   )
 })
+
+/** The sections in their order on the page. */
+export const tabsOf = (campaign: Campaign): Section[] => [
+  { id: 'section-uncertain', name: 'Parameters', count: Object.keys(campaign.uncertain).length },
+  { id: 'section-criterion', name: 'Criterion' },
+  ...(hasScenario(campaign) ? [] : [{ id: 'section-proposal', name: 'Proposal' }]),
+  { id: 'section-methods', name: 'Methods', count: campaign.stages.search.length },
+  { id: 'section-stages', name: 'Certify, verdict' },
+  hasScenario(campaign) ? { id: idOf('scenario'), name: 'Scenario' } : { id: idOf('simulator'), name: 'Simulator' },
+  { id: 'section-about', name: 'About' },
+]

@@ -1,5 +1,5 @@
 // The header of a run's page: identity, state, actions.
-import { IconPlayerStop, IconRefresh } from '@tabler/icons-react'
+import { IconBell, IconBellFilled, IconPlayerStop, IconRefresh } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
@@ -14,13 +14,13 @@ import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
 import { launchedBy } from '../../format/people'
 import { dayAndClock, moment } from '../../format/time'
+import { toggleRun, useToggle, useWanted } from '../../page/notify'
 import { Button, ButtonLink } from '../../ui/Button'
 import { Form } from '../../ui/Form'
 import { Tags } from '../../ui/Card'
 import { RunLink } from '../../ui/RunLink'
 import { RunBadge } from '../../ui/VerdictBadge'
 import { Modal } from '../../ui/Modal'
-import { Bell } from './Bell'
 import { EditRun } from './EditRun'
 import { Remove } from './Removed'
 import { badges, layout } from '../../ui/styles'
@@ -161,6 +161,21 @@ function Cancel({ run }: { run: RunDetail }) {
           </p>
         </Form>
       </Modal>
+    </>
+  )
+}
+
+/** Toggles the browser notification at the end of this run. */
+function Bell({ run }: { run: string }) {
+  const on = useWanted().runs.includes(run)
+  const [why, press] = useToggle(() => toggleRun(run))
+  return (
+    <>
+      {why && <span className="small bad-t">{why}</span>}
+      <Button aria-pressed={on} onClick={press} title="Browser notification when this run ends">
+        {on ? <IconBellFilled className="i s" aria-hidden /> : <IconBell className="i s" aria-hidden />}
+        {on ? 'Will notify' : 'Notify me'}
+      </Button>
     </>
   )
 }

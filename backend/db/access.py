@@ -10,6 +10,7 @@ import hashlib
 import hmac
 import re
 import secrets
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -92,17 +93,6 @@ class TokenInfo:
     expires: float | None
     last_used: float | None
     revoked: float | None
-
-
-@dataclass(frozen=True)
-class SessionRow:
-    id: str
-    user: str
-    via: str
-    created: float
-    expires: float
-    agent: str
-    address: str
 
 
 def hashed(secret: str) -> str:
@@ -211,12 +201,12 @@ def open_session(
     return secret
 
 
-def sessions(reader: sa.Connection, user: str | None = None) -> list[SessionRow]:
-    """The open sessions of a user, or all, newest first."""
-    of = sa.select(Session.__table__).where(Session.expires > engine.now(reader)).order_by(Session.created.desc())
-    found = reader.execute(of if user is None else of.where(Session.user == user)).mappings()
-    names = ("user", "via", "created", "expires", "agent", "address")
-    return [SessionRow(row["hash"][:SESSION_ID], **{name: row[name] for name in names}) for row in found]
+def sessions(reader: sa.Connection, user: str | None = None) -> Sequence[sa.Row[Any]]:
+    """The open sessions of a user, or all, newest first; each with its id instead of its hash."""
+    short = sa.func.substr(Session.hash, 1, SESSION_ID).label("id")
+    columns = (Session.user, Session.via, Session.created, Session.expires, Session.agent, Session.address)
+    of = sa.select(short, *columns).where(Session.expires > engine.now(reader)).order_by(Session.created.desc())
+    return reader.execute(of if user is None else of.where(Session.user == user)).all()
 
 
 def close_session(connection: sa.Connection, secret: str) -> str | None:

@@ -68,7 +68,7 @@ def list_sessions(request: Request, visitor: CurrentVisitor, reader: Reader) -> 
     own = visitor.key[: access.SESSION_ID]
     used = request.app.state.door.last_uses()
     return [
-        BrowserSession(**row.__dict__, last_used=used.get(row.id), current=visitor.scope is None and row.id == own)
+        BrowserSession(**row._mapping, last_used=used.get(row.id), current=visitor.scope is None and row.id == own)
         for row in rows
     ]
 

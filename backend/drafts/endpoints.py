@@ -24,11 +24,7 @@ def list_drafts(reader: Reader) -> list[DraftSummary]:
     return service.listed(reader)
 
 
-@router.post(
-    "/drafts",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems("too-many-drafts", *ONCE),
-)
+@router.post("/drafts", status_code=status.HTTP_201_CREATED, responses=problems("too-many-drafts", *ONCE))
 def create_draft(content: DraftContent, once: OnceOnly, visitor: CurrentVisitor) -> Draft:
     """Store a new draft of a campaign with its original text."""
     return once.do(Draft, lambda writer: service.create(writer, content, visitor), lambda draft: draft.id)

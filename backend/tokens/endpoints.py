@@ -29,11 +29,7 @@ def list_tokens(visitor: CurrentVisitor, reader: Reader) -> list[Token]:
     return [_token(row, at) for row in reversed(access.tokens(reader, None if visitor.sees_all else visitor.account))]
 
 
-@router.post(
-    "/tokens",
-    status_code=status.HTTP_201_CREATED,
-    responses=problems("access-conflict", *ONCE),
-)
+@router.post("/tokens", status_code=status.HTTP_201_CREATED, responses=problems("access-conflict", *ONCE))
 def create_token(request: TokenRequest, once: OnceOnly, visitor: CurrentVisitor) -> NewToken:
     """Create an API token of your own; the answer is the only one that holds its secret."""
     made, otherwise = f"the token {request.name!r}", "revoke it and make another, with another name and key"

@@ -53,11 +53,7 @@ def list_deliveries(
     return [_delivery(row, configured) for row in rows]
 
 
-@router.post(
-    "/webhooks/test",
-    status_code=status.HTTP_202_ACCEPTED,
-    responses=problems("no-webhook", *ONCE),
-)
+@router.post("/webhooks/test", status_code=status.HTTP_202_ACCEPTED, responses=problems("no-webhook", *ONCE))
 def test_webhooks(once: OnceOnly, configured: Configured, visitor: CurrentVisitor) -> list[WebhookDelivery]:
     """Send a message of type `test` to every target; while one still waits, it is that one.
 

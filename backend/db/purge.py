@@ -123,12 +123,13 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
         at = now(writer)
         # Locked first: PostgreSQL would not look again at what was signed while this waited for the lock.
         writer.execute(sa.select(Run.id).where(Run.id == run_id).with_for_update())
-        of = sa.select(Run.id, Run.evaluations, Run.removed, Run.worst_cost).where(Run.id == run_id, *_may_go(at, age))
+        of = sa.select(Run.evaluations, Run.removed, Run.worst_cost, Run.made_again)
+        of = of.where(Run.id == run_id, *_may_go(at, age))
         row = writer.execute(of).one_or_none()
         if row is None:
             return False
         digest = results_digest(writer, run_id)
-        lowest = _lowest(writer, run_id, row.worst_cost)
+        lowest = _lowest(writer, run_id, row.worst_cost, row.made_again)
         for table in (*RESULTS, RunText, RunLabel, RunRefusal, RunBaseline):
             writer.execute(sa.delete(table).where(table.run_id == run_id))
         update = sa.update(Run).where(Run.id == run_id)
@@ -145,10 +146,10 @@ def purge(engine: sa.Engine, run_id: int, age: float | None, user: str, reason: 
         return True
 
 
-def _lowest(reader: sa.Connection, run_id: int, worst: float | None) -> float | None:
+def _lowest(reader: sa.Connection, run_id: int, *known: float | None) -> float | None:
     """The lowest value of a run: that it found a violation outlives its stages, which have what no search found."""
     of = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == run_id, own_question())
-    return min((cost for cost in (worst, reader.scalar(of)) if cost is not None), default=None)
+    return min((cost for cost in (*known, reader.scalar(of)) if cost is not None), default=None)
 
 
 class Unused(NamedTuple):
@@ -222,7 +223,8 @@ def violates() -> sa.ColumnElement[bool]:
     limits = (Run.threshold, of.correlate(Run).scalar_subquery())
     stages = sa.select(Stage.best).where(Stage.run_id == Run.id, own_question())
     best = (stages.where(Stage.best <= limit).exists() for limit in limits)
-    return sa.or_(Run.verdict == VerdictWord.VIOLATED, *(Run.worst_cost <= limit for limit in limits), *best)
+    seen = (column <= limit for column in (Run.worst_cost, Run.made_again) for limit in limits)
+    return sa.or_(Run.verdict == VerdictWord.VIOLATED, *seen, *best)
 
 
 def _pragma(reader: sa.Connection, name: str) -> int:

@@ -39,7 +39,8 @@ def empty(writer: sa.Connection, run_id: int) -> None:
         "evaluations": 0,
         "failed_evaluations": 0,
     }
-    values |= {"nominal_cost": None, "worst_cost": None, "worst_method": None, "best_so_far": [], "not_before": 0.0}
+    values |= dict.fromkeys(("nominal_cost", "worst_cost", "worst_method", "made_again"))
+    values |= {"best_so_far": [], "not_before": 0.0}
     if seed := sample_seeds.again(writer, run_id):
         values |= {"sample_seed": seed.value}
     size = sizes.of_document(writer.execute(of).scalar_one())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypedDict
 
 import numpy as np
@@ -146,6 +146,14 @@ def lowered(connection: sa.Connection, run_id: int, kind: str, method: str | Non
         return
     lower = sa.or_(Run.worst_cost.is_(None), Run.worst_cost > cost)
     connection.execute(sa.update(Run).where(Run.id == run_id, lower).values(worst_cost=cost, worst_method=method))
+
+
+def made_again(connection: sa.Connection, run_id: int, result: StageResult, findings: Sequence[Finding]) -> None:
+    """A stage has ended: keep the lowest value that it saw in evaluations made again, its own or those of findings."""
+    cases = (f.validation for f in findings if f.validation is not None)
+    if values := [*result.made_again, *(value for case in cases for value in case.values)]:
+        lower = sa.or_(Run.made_again.is_(None), Run.made_again > min(values))
+        connection.execute(sa.update(Run).where(Run.id == run_id, lower).values(made_again=min(values)))
 
 
 def _kinds() -> list[str]:

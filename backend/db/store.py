@@ -30,7 +30,17 @@ from backend.db.convergence import extended
 from backend.db.digest import current_digest
 from backend.db.engine import Result, clock, now, read, write
 from backend.db.queue import Claim, LostLease, fenced
-from backend.db.rows import chunk_rows, failed, finding_row, lowered, lowest, plain, stored_columns, trace_row
+from backend.db.rows import (
+    chunk_rows,
+    failed,
+    finding_row,
+    lowered,
+    lowest,
+    made_again,
+    plain,
+    stored_columns,
+    trace_row,
+)
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
@@ -271,6 +281,7 @@ class RunStore:
         fenced(connection, self.claim, **values)
         ended = {"state": StageState.DONE, "finished": now(connection), "seconds": seconds, "result": plain(result)}
         connection.execute(self._stage(position).values(**ended))
+        made_again(connection, self._run, result, findings)
         sample_blocks.drop(connection, self._run, position)
         self._replace(connection, FindingRow, FindingRow.label, [finding_row(f) for f in findings])
         flights = [trace_row(t) for t in traces]

@@ -127,6 +127,8 @@ class Run(Base):
     nominal_cost: orm.Mapped[float | None]
     worst_cost: orm.Mapped[float | None]
     worst_method: orm.Mapped[str | None] = orm.mapped_column(sa.String(60))
+    made_again: orm.Mapped[float | None]
+    """The lowest value that validation saw where it made evaluations again to confirm them: no stage stores it."""
     evaluations: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
     planned: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
     failed_evaluations: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)

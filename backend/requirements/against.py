@@ -49,15 +49,15 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
         highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), threshold)
     lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
     worst = lowest.scalar_subquery().label("worst")
-    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.question, CampaignRow.name)
+    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.question)
     rows: list[Any] = []
     for some in chunks(highest):
-        of = sa.select(*columns, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+        of = sa.select(*columns, CampaignRow.name, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         of = of.where(CampaignRow.name.in_(some), Run.removed.is_(None), Run.purged.is_(None))
         rows += reader.execute(of)
     found = []
     for row in rows:
-        values = [value for value in (row.worst_cost, row.worst) if value is not None]
+        values = [value for value in (row.worst_cost, row.made_again, row.worst) if value is not None]
         value = min(values, default=math.inf)
         if judged(row.state, row.verdict) == VerdictWord.VIOLATED or value <= highest[row.name]:
             found.append((row, value))

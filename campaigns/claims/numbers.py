@@ -94,6 +94,14 @@ def digits_beside(value: float, threshold: float, least: int = 6) -> int:
     return next((n for n in range(least, 17) if side(float(f"{value:.{n}g}")) == side(value)), 17)
 
 
+def digits_between(low: float, high: float, least: int = 6) -> int:
+    """The significant digits, at least so many, with which bounds differ from what they are by less than 1e-9 of their
+    distance, or by rounding: what is written claims no wider interval."""
+    apart = max(1e-9 * (high - low), 4 * math.ulp(max(abs(low), abs(high))))
+    wide = (n for n in range(least, 17) if all(abs(float(f"{v:.{n}g}") - v) <= apart for v in (low, high)))
+    return next(wide, 17)
+
+
 def limit(threshold: float) -> str:
     """A threshold with all digits that it needs."""
     return written(threshold, digits=digits_of(threshold))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+from campaigns.claims import numbers
 from campaigns.claims.numbers import Format
 from campaigns.claims.spans import Quantity, Reference, Span, Spans, Symbol, Target, Text
 
@@ -27,6 +28,22 @@ def say(*parts: Part) -> Spans:
 def number(value: float, unit: str = "", name: str = "", digits: int = 6) -> Span:
     """A number with `digits` significant digits."""
     return _quantity(value, unit, Format.PLAIN, digits, name)
+
+
+def on_side(value: float, threshold: float, unit: str = "", name: str = "", least: int = 6) -> Span:
+    """A value with so many digits that it is read on its own side of a threshold."""
+    return number(value, unit, name, numbers.digits_beside(value, threshold, least))
+
+
+def limit(threshold: float, unit: str = "", name: str = "") -> Span:
+    """A threshold with all digits that it needs."""
+    return number(threshold, unit, name, numbers.digits_of(threshold))
+
+
+def interval(low: float, high: float, unit: str = "") -> Spans:
+    """Bounds with so many digits that what is written is what was searched."""
+    digits = numbers.digits_between(low, high)
+    return say(number(low, digits=digits), " to ", number(high, unit, digits=digits))
 
 
 def signed(value: float, unit: str = "", name: str = "") -> Span:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Literal
 
 from campaigns.documented import UNLESS_NONE
@@ -93,17 +94,28 @@ class Validation(Result):
     @property
     def incomplete(self) -> bool:
         """Whether one of the values that are compared is missing."""
-        others = (self.half_step, self.integrator, self.again)
-        return self.cost is None or any(other is not None and other.cost is None for other in others)
+        return self.cost is None or any(other.cost is None for other in self._others)
+
+    @property
+    def values(self) -> Iterator[float]:
+        """All values that the criterion was seen to have in this case, by whatever means."""
+        calls = [] if self.repeats is None else self.repeats.values
+        yield from (v for v in (self.cost, *(other.cost for other in self._others), *calls) if v is not None)
+
+    @property
+    def _others(self) -> list[HalfStep | ReferenceCost]:
+        return [other for other in (self.half_step, self.integrator, self.again) if other is not None]
 
 
 def granted(cost: float, case: Validation | None) -> float:
     """What every value of a confirmed violation grants: the mildest of them if they differ beyond tolerance; of any
-    other case its own value."""
+    other case its own value. Independent calls, of which some violate, grant the mildest of these."""
     if case is None or case.agrees or not case.violates:
         return cost
-    others = [other.cost for other in (case.half_step, case.integrator, case.again) if other is not None]
-    return max([cost, *(other for other in others if other is not None)])
+    if case.repeats is not None:
+        called = sorted(v for v in case.repeats.values if v is not None)
+        return min(cost, called[case.repeats.violating - 1])
+    return max(cost, *case.values)
 
 
 def violates(margin: float, case: Validation | None) -> bool:

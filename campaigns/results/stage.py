@@ -116,6 +116,12 @@ class StageResult(Result):
         return None
 
     @property
+    def made_again(self) -> Sequence[float]:
+        """Values of evaluations that it made again to confirm others, which no stage stores; those of findings are in
+        the findings."""
+        return ()
+
+    @property
     def ended(self) -> Stop | None:
         """How its search ended; None if it has no rule of its own."""
         return None

@@ -110,6 +110,8 @@ class SpotChecks(Described):
     median: float | None
     violating: int
     """Violate only with the reference integrator."""
+    lowest_reference: Annotated[float | None, UNLESS_NONE] = None
+    """The lowest value by the reference integrator; omitted if none was compared, and in results of earlier versions."""
     at: Furthest | None
     reasons: list[str] = []
     """Why some could not be compared."""
@@ -259,3 +261,9 @@ class ValidateResult(StageResult, Described):
     modes: Annotated[NamedModes | None, UNLESS_NONE] = None
     """Which findings the modes of an estimate of P(violation) are; omitted without one, and in results of earlier
     versions."""
+
+    @property
+    def made_again(self) -> list[float]:
+        cases = [self.nominal, *(best.validation for best in self.incumbents)]
+        spot = None if self.spot_checks is None else self.spot_checks.lowest_reference
+        return [*(v for case in cases if case is not None for v in case.values), *([] if spot is None else [spot])]

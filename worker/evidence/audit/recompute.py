@@ -94,7 +94,8 @@ class Run:
         stored = self.claims.get("versions") or self.claims.get("provenance")
         self.reworded = reworded(Versions.of(stored))
         """Whose templates made the sentences, which are then not made again; empty if it is those of today."""
-        self.wording = limits.RULES if today else Versions.of(stored).wording or 0
+        self.written = Versions.of(stored).wording or 0
+        self.wording = limits.RULES if today else self.written
         """The version of the rules by which it is judged."""
         self.older = self.wording < limits.ROUNDED and self.claims.get("verdict") != "cleared"
         """Whether what is rounding is judged as versions of before did: only where they cleared nothing by it."""
@@ -173,8 +174,11 @@ class Run:
         """The mildest value of a violation whose values differ beyond tolerance, else its own."""
         case, label = finding.validation, finding.label
         claim: Any = next((f["validation"] for f in self.claims["findings"] if f["label"] == label), None)
-        if self.calls.noisy or case.agrees or not case.violates:
+        if case.agrees or not case.violates or (self.calls.noisy and self.wording < limits.CALLED):
             return float(finding.cost)
+        if self.calls.noisy:
+            called = [v for v in claim["repeats"]["values"] if v is not None and v <= self.threshold]
+            return float(min(finding.cost, max(called)))
         return float(max(finding.cost, *(claim[k]["cost"] for k in self.others)))
 
     def means(self) -> tuple[str, ...]:

@@ -138,7 +138,17 @@ def _possible(run: Run) -> bool:
         (0, violations["checked"], violations["stored"]),
         *((0, left, math.inf) for left in left_out(run).values()),
     ]
-    return examined(run) and all(low <= count <= most for low, count, most in of)
+    return examined(run) and _compared(run, spot) and all(low <= count <= most for low, count, most in of)
+
+
+def _compared(run: Run, spot: dict[str, Any]) -> bool:
+    """Whether the lowest value by the reference integrator may be that of what was compared."""
+    lowest, at = spot.get("lowest_reference"), spot["at"]
+    if run.written < limits.CALLED or not run.sealed:
+        return True
+    if lowest is None or at is None:
+        return lowest is at and not spot["compared"]
+    return bool(lowest <= at["reference"] and (lowest <= run.threshold or not spot["violating"]))
 
 
 def _continued(run: Run) -> int:

@@ -57,7 +57,7 @@ TRUSTED = (
         "Values by half the step, the reference integrator and repeated calls; spot checks; neighbours",
         "they are evaluations, too; tolerances, agreement and counts that follow from them are recomputed",
         (r"half_step\.cost", r"integrator\.(cost|reason)", r"again", r"repeats\.(values|reasons)", r"incumbents",
-         r"spot_checks\.(compared|largest|median|violating|at|reasons)", r"violations\.confirmed", r"neighbours",
+         r"spot_checks\.(compared|largest|median|violating|lowest_reference|at|reasons)", r"violations\.confirmed", r"neighbours",
          r"realisation", r"drawn_realisations", r"measured\.(?!statement)", r"untraced"),
     ),
     Trusted(

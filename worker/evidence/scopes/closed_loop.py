@@ -8,7 +8,7 @@ from __future__ import annotations
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import Role
 from campaigns.checked.check import seeded
-from campaigns.claims.say import count, listed, number, say
+from campaigns.claims.say import count, limit, listed, say
 from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Condition, Scope, Words
 from campaigns.codes import CheckCode
@@ -51,7 +51,7 @@ def _scope(campaign: Campaign, catalogue: Catalogue) -> Scope:
     ]
     titles = ", ".join(_title(catalogue, *part) for part in parts)
     what = f"{titles}, {obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}"
-    settings = say("horizon ", number(scenario.horizon, "s"), ", step ", number(scenario.step, "s"))
+    settings = say("horizon ", limit(scenario.horizon, "s"), ", step ", limit(scenario.step, "s"))
     measured = distances.clause(campaign, catalogue)
     return Scope(
         what=say(what, _conditions(campaign, catalogue)),

@@ -20,7 +20,7 @@ import numpy as np
 
 from campaigns import rules
 from campaigns.claims.say import Part as Said
-from campaigns.claims.say import count, finding, joined, listed, method, number, say
+from campaigns.claims.say import count, finding, joined, listed, method, number, on_side, say
 from campaigns.claims.spans import Span, Spans
 from campaigns.codes import CheckCode
 from campaigns.limits import SAME_PLACE
@@ -49,7 +49,8 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
     within = math.inf if flat else allowed(problem, nominal, worst)
     late = [statement for s in globally if (statement := _stopped_short(s, worst, within, problem))]
     if late:
-        return _check(False, "the worst case is ", number(worst, unit, "worst"), ", but ", joined(" and ", late))
+        value = on_side(worst, problem.threshold, unit, "worst")
+        return _check(False, "the worst case is ", value, ", but ", joined(" and ", late))
     elsewhere = [_titled(s) for s in globally if _row(s, evidence).basin is None]
     if elsewhere:
         return _check(False, "the best of ", listed(elsewhere), " is not in the basin of any listed finding")

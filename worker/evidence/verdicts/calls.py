@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from campaigns import rules
 from campaigns.asked.spec import Simulator
-from campaigns.claims.say import capital, case, count, finding, joined, listed, number, say, sure
+from campaigns.claims.say import capital, case, count, finding, joined, listed, number, on_side, say, sure
 from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding
@@ -69,7 +69,8 @@ def repeated(problem: Problem, violation: Finding) -> Spans:
     lowest = min(v for v in repeats.values if v is not None)
     return say(
         *(" In calls independent of the search, ", finding(violation.label), " ", repeats.statement),
-        *(" (", sure(repeats.confidence, ""), " confidence), the lowest at ", number(lowest, problem.unit), "."),
+        *(" (", sure(repeats.confidence, ""), " confidence), the lowest at "),
+        *(on_side(lowest, problem.threshold, problem.unit), "."),
     )
 
 
@@ -141,7 +142,7 @@ def _several(
     without = [name for name, v in cases if v.repeats is None]
     if without:
         return False, say(is_, "; no independent calls of ", listed(without))
-    called = [(name, v, v.repeats) for name, v in cases if v.repeats is not None]
+    called, threshold = [(name, v, v.repeats) for name, v in cases if v.repeats is not None], problem.threshold
     counts = [of_violations or v.cost is None or v.cost > problem.threshold for _, v, _ in called]
     bad = [
         say(name, " ", r.statement)
@@ -150,9 +151,9 @@ def _several(
     ]
     bad += [say(name, " has no value to compare") for name, v, _ in called if v.cost is None]
     lucky = [
-        say(name, " violates with ", number(v.cost, problem.unit), " in the search, and in none of its calls")
+        say(name, " violates with ", on_side(v.cost, threshold, problem.unit), " in the search, and in no call of it")
         for name, v, r in called
-        if v.cost is not None and v.cost <= problem.threshold and not r.violating
+        if v.cost is not None and v.cost <= threshold and not r.violating
     ]
     if bad or lucky:
         return False, say(is_, "; in independent calls, ", joined("; ", [*bad, *lucky]))

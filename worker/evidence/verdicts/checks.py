@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from campaigns import rules
-from campaigns.claims.say import Part, count, finding, joined, method, number, say, signed, unnamed
+from campaigns.claims.say import Part, count, finding, joined, method, number, on_side, say, signed, unnamed
 from campaigns.codes import CheckCode
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
@@ -37,7 +37,8 @@ def _nominal(problem: Problem, evidence: Evidence) -> Check:
     nominal, unit = evidence.nominal, problem.unit
     if nominal.status != "ok" or nominal.cost is None or nominal.margin is None:
         return check(CheckCode.NOMINAL, False, f"the nominal case has no value: {nominal.reason}")
-    cost, margin = number(nominal.cost, unit, "cost"), signed(nominal.margin, unit, "margin")
+    cost = on_side(nominal.cost, problem.threshold, unit, "cost")
+    margin = signed(nominal.margin, unit, "margin")
     return check(CheckCode.NOMINAL, nominal.margin > 0, "the nominal case has ", cost, ", a margin of ", margin)
 
 
@@ -83,7 +84,7 @@ def _minimum(problem: Problem, evidence: Evidence) -> Check:
     if worst is None or evidence.lowest is None:
         return check(code, False, "no evaluation succeeded")
     if evidence.lowest < worst.cost:
-        lowest = number(evidence.lowest, unit, "lowest")
+        lowest = on_side(evidence.lowest, problem.threshold, unit, "lowest")
         return check(code, False, "a stored evaluation has ", lowest, ", lower than every finding")
     gathered = evidence.gathered
     if not gathered.complete:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from campaigns import rules
-from campaigns.claims.say import capital, case, count, listed, number, say, symbol
-from campaigns.claims.spans import Spans, Text
+from campaigns.claims.say import capital, case, count, listed, number, on_side, say, symbol
+from campaigns.claims.spans import Span, Spans, Text
 from campaigns.codes import CheckCode
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.validate import Beyond, Later
@@ -113,15 +113,19 @@ def _closer(problem: Problem, beyond: Beyond) -> Spans:
         return many
     return say(
         *(many, " than any evaluation: ", _there(problem, later), ", and ", symbol(problem.quantity)),
-        *(" falls to " if later.simulated else " would fall to ", number(later.value, problem.unit, "later", 4)),
+        *(" falls to " if later.simulated else " would fall to ", _value(problem, later)),
         *(" after another ", number(later.time, "s", "after", 4)),
     )
+
+
+def _value(problem: Problem, later: Later) -> Span:
+    return on_side(later.value, problem.threshold, problem.unit, "later", 4)
 
 
 def _unknown(problem: Problem, beyond: Beyond, later: Later) -> Spans:
     """That an obstacle which turns or has states approaches at the end of what is known of its motion."""
     known = number(beyond.times * problem.campaign.given_scenario.horizon, "s", "known")
-    quantity, value = symbol(problem.quantity), number(later.value, problem.unit, "later", 4)
+    quantity, value = symbol(problem.quantity), _value(problem, later)
     return say(
         *("it is not known how ", _obstacle(problem, later), " moves after ", known, ": ", _there(problem, later)),
         *("; along straight lines ", quantity, " would be ", value, " after another "),
@@ -163,14 +167,14 @@ def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
             f"the effect of the avoidance is unknown: without it the nominal case fails ({unseen.reason}); "
             "choose a nominal case that the vehicle completes without avoidance"
         )
-    by, blind = nominal - unseen.cost, number(unseen.cost, unit, "unseen")
+    by, blind = nominal - unseen.cost, on_side(unseen.cost, problem.threshold, unit, "unseen")
     if by <= rules.ROUNDING.value * max(abs(nominal), abs(unseen.cost)):
         return False, say(
             *("the avoidance makes no difference: the nominal ", quantity, " is "),
             *(
                 blind,
                 " without it and ",
-                number(nominal, unit, "nominal"),
+                on_side(nominal, problem.threshold, unit, "nominal"),
                 " with it; place the obstacle where the vehicle would ",
             ),
             "come closer without avoidance",

@@ -19,8 +19,7 @@ from dataclasses import dataclass
 
 from campaigns import rules
 from campaigns.asked.regression import Baseline, BaselineCase, Policy
-from campaigns.claims.numbers import digits_of
-from campaigns.claims.say import count, finding, joined, number, say, signed, symbol
+from campaigns.claims.say import count, finding, joined, limit, on_side, say, signed, symbol
 from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding
@@ -190,7 +189,7 @@ def _standing(
 
 def _new(problem: Problem, found: Finding, run: str, apart: str | None) -> FindingChange:
     """apart: the finding of the baseline that is in its basin, but is not the same."""
-    cost = number(found.cost, problem.unit)
+    cost = on_side(found.cost, problem.threshold, problem.unit)
     why = f"no finding of {run} is in its basin"
     if apart is not None:
         why = f"a case between it and {apart} of {run} does not violate"
@@ -255,7 +254,7 @@ def _described(
     problem: Problem, run: str, before: BaselineCase, again: float, cost: float, standing: Standing, basin: _Basin,
 ) -> Spans:  # fmt: skip
     quantity, unit = symbol(problem.quantity), problem.unit
-    was, now = number(before.cost, unit), number(again, unit, "again")
+    was, now = on_side(before.cost, problem.threshold, unit), on_side(again, problem.threshold, unit, "again")
     is_ = f"{before.label} of {run} is {IS.get(standing, standing)}: "
     statement = say(is_, quantity, " = ", now, " on this model, ", was, " there")
     where = _where(problem, again, cost, standing, basin)
@@ -267,16 +266,16 @@ def _where(problem: Problem, again: float, cost: float, standing: Standing, basi
     unit, threshold, there, known = problem.unit, problem.threshold, basin.finding, basin.known
     if known is not None and known.violation is not None and basin.cost > threshold:
         at = f"evaluation {known.violation.index} of stage {known.violation.position}"
-        value = number(known.violation.cost, unit, "lowest")
+        value = on_side(known.violation.cost, threshold, unit, "lowest")
         return say(f"there is no barrier between it and {at}, which violates with ", value)
     if standing is Standing.UNRESOLVED:
         return say(_unexamined(known))
     if basin.apart is not None and known is not None and known.line is not None:
         highest = known.line.highest
         between = say("a case between it and ", finding(basin.apart))
-        return say(between, " has no cost") if highest is None else say(between, " has ", number(highest, unit))
+        return say(between, " has ", "no cost" if highest is None else on_side(highest, threshold, unit))
     if cost < again or basin.cost <= threshold < again:
-        lowest = number(basin.cost, unit, "lowest")
+        lowest = on_side(basin.cost, threshold, unit, "lowest")
         if there is None:
             return say("its basin, which is not listed as a finding, has ", lowest)
         return say(finding(there.label), " in its basin has ", lowest)
@@ -302,7 +301,7 @@ def _statement(problem: Problem, baseline: Baseline, cases: list[FindingChange],
     ]
     whole = say(f"Changes of the findings since {baseline.run}: ", joined(", ", counts), ".")
     if limits[0] != limits[1]:
-        there, here = (number(limit, problem.unit, digits=digits_of(limit)) for limit in limits)
+        there, here = (limit(each, problem.unit) for each in limits)
         whole = say(whole, " The threshold there is ", there, ", here it is ", here, ".")
     if not failing:
         return say(whole, " No change fails the policy of the campaign.")

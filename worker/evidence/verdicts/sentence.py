@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from campaigns.claims.numbers import digits_beside, digits_of
 from campaigns.claims.say import (
     Part,
     capital,
     count,
     finding,
+    interval,
     joined,
+    limit,
     listed,
     method,
     number,
+    on_side,
     probability,
     say,
     signed,
@@ -35,7 +37,7 @@ def sentence(
     """The verdict as a sentence; all counts are of stored evaluations."""
     found = evidence.finding
     quantity = symbol(problem.quantity)
-    limit = number(problem.threshold, problem.unit, "threshold", digits_of(problem.threshold))
+    threshold = limit(problem.threshold, problem.unit, "threshold")
     if found is None:
         return say(f"No {terms(problem.system).words.one} could be evaluated: ", checks[0].statement, ".")
     stated = evidence.violation or found
@@ -49,7 +51,7 @@ def sentence(
         apart = say(calls.repeated(problem, evidence.violation), _apart(evidence.violation.validation, problem.unit))
         counts = say(" ", capital(evidence.violations.statement), ".")
         rest = say(lost, apart, counts, chance)
-        return say(quantity, " falls to or below ", limit, ". ", worst, " ", shown, " in ", how, ".", rest)
+        return say(quantity, " falls to or below ", threshold, ". ", worst, " ", shown, " in ", how, ".", rest)
     if verdict == "cleared":
         succeeded = count(evidence.succeeded, "evaluations")
         excluded = _excluded(problem, evidence)
@@ -57,7 +59,7 @@ def sentence(
         caveat = f" {caveat}" if caveat else ""
         intended = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
         return say(
-            *(quantity, " stayed above ", limit, " in all ", succeeded, f" evaluations{each}, searched by "),
+            *(quantity, " stayed above ", threshold, " in all ", succeeded, f" evaluations{each}, searched by "),
             *(_searched(evidence), ".", excluded, " ", worst, _chance(statistics)),
             *intended,
             f"{caveat} A search can miss a worse case.",
@@ -70,7 +72,7 @@ def scope(problem: Problem) -> Spans:
     """The scope of the sentence: the system with its conditions, bounds and settings."""
     described, paths = terms(problem.system).scope, problem.symbols
     units = {p.path: p.unit for p in problem.system.parameters}
-    bounds = [say(paths[r.path], ": ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
+    bounds = [say(paths[r.path], ": ", interval(r.low, r.high, units[r.path])) for r in problem.ranges]
     settings = say("; ", described.settings) if described.settings else ()
     ends = f". This result holds for this model within these bounds; {described.version}."
     return say(described.what, "; ", joined("; ", bounds), settings, ends)
@@ -83,8 +85,9 @@ def _reason(check: Check) -> Spans:
 
 def _worst(problem: Problem, found: Finding, which: str) -> Spans:
     margin = signed(found.granted - problem.threshold, problem.unit, "margin")
-    cost = number(found.granted, problem.unit, "worst", digits_beside(found.granted, problem.threshold))
-    by = "" if found.granted == found.cost else " in every evaluation of it"
+    cost = on_side(found.granted, problem.threshold, problem.unit, "worst")
+    called = found.validation is not None and found.validation.repeats is not None
+    by = "" if found.granted == found.cost else " in an independent call" if called else " in every evaluation of it"
     has = say(f"The worst case {which} has ", symbol(problem.quantity), " = ", cost, by)
     return say(has, ", a margin of ", margin, _noise(found.realisation), ".")
 
@@ -96,8 +99,8 @@ def _shown(problem: Problem, found: Finding, violation: Finding) -> Spans:
         return say(none, finding(violation.label), " independent of the search do; it was found")
     if violation is found:
         return say("It was confirmed by validation and found")
-    digits = digits_beside(found.cost, problem.threshold)
-    lower = say(finding(found.label), ", evaluated as ", number(found.cost, problem.unit, "lowest", digits))
+    cost = on_side(found.cost, problem.threshold, problem.unit, "lowest")
+    lower = say(finding(found.label), ", evaluated as ", cost)
     why = "violates by less in its other evaluations" if found.violates else "was not confirmed"
     return say("It is ", finding(violation.label), "; ", lower, _noise(found.realisation), f", {why}; both were found")
 

@@ -8,7 +8,7 @@ only in such stages: the new run could miss it.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -30,7 +30,7 @@ from campaigns.versions import Versions, differing, other_code
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
 from worker.running.runs import identity
-from worker.running.runs.losses import CONFIRMED, Stored, lost, violations
+from worker.running.runs.losses import MADE_AGAIN, Stored, lost, violations
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
@@ -115,7 +115,7 @@ def carried(
     old: Campaign, new: Campaign, store: MemoryStore, ahead: bool = False, violated: bool = False
 ) -> dict[int, Columns]:
     """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`,
-    `WouldLose` where other    stages alone stored a violation or a failure.
+    `WouldLose` where other stages alone stored a violation or a failure.
 
     Not those of an estimate or of validation, which depend on all stages before them, unless the campaigns are the
     same. ahead: whether the new run begins also with those that an earlier one of their stage is missing for;
@@ -138,9 +138,17 @@ def carried(
     found = {at: columns for at in range(len(stages)) if (columns := store.evaluations(at)) is not None}
     kept = {at: columns for at, columns in found.items() if stages[at][0] in kinds and len(columns.status)}
     validated = any(declared()[stages[at][0]].of_findings for at in kept)
-    violated = not validated and (violated or any(f.violates for f in store.findings))
+    violated = not validated and (violated or any(value <= old.criterion.threshold for value in made_again(store)))
     _refuse_to_lose(old, store, kept.keys() | _made_again(old, new, store), ahead, violated)
     return kept
+
+
+def made_again(store: MemoryStore) -> Iterator[float]:
+    """The values that were seen in evaluations made again to confirm others."""
+    for record in store.stages:
+        yield from () if record.result is None else record.result.made_again
+    for finding in store.findings:
+        yield from () if finding.validation is None else finding.validation.values
 
 
 def _made_again(old: Campaign, new: Campaign, store: MemoryStore) -> set[int]:
@@ -163,7 +171,7 @@ def _refuse_to_lose(old: Campaign, store: MemoryStore, kept: Collection[int], ah
     if why := lost(threshold, again, others):
         raise WouldLose(why)
     if violated and not any(violations(columns, threshold) for columns in again):
-        raise WouldLose(CONFIRMED)
+        raise WouldLose(MADE_AGAIN)
 
 
 def same_sample(old: Campaign, new: Campaign) -> bool:

@@ -16,11 +16,11 @@ from campaigns.stored.records import Columns, StagePlan
 
 Stored = tuple[StagePlan, Columns]
 """A stage, and evaluations of it."""
-CONFIRMED = (
-    "its verdict is violated by a call that validation made to confirm a result, which no stage stores; the new run "
-    "could be cleared without it"
+MADE_AGAIN = (
+    "validation saw a value at or below the threshold where it made an evaluation again to confirm it, which no stage "
+    "stores; the new run could be cleared without it"
 )
-"""Of a simulator that does not repeat: why a run with such a violation is not extended."""
+"""By a call of a simulator that does not repeat, at half the step or by the reference integrator."""
 
 
 def lost(threshold: float, replayed: Iterable[Columns], others: Iterable[Stored]) -> str:

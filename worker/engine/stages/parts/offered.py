@@ -112,6 +112,7 @@ def spot_checks(context: Context, positions: range, left: Left) -> SpotChecks:
         largest=largest,
         median=median,
         violating=len(sides),
+        lowest_reference=min((cost for _, cost in pairs), default=None),
         at=_furthest(context, *pairs[int(apart.argmax())]) if len(apart) else None,
         reasons=reasons[:5],
         statement=(),  # by worker.evidence.verdicts.validation

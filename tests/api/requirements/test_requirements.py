@@ -19,15 +19,20 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db import purge
-from backend.db.tables import Audit, CatalogueDocument, Finding, Run, Stage, SweepRun
+from backend.db.rows import made_again
+from backend.db.tables import Audit, CatalogueDocument, Run, Stage, SweepRun
+from backend.db.tables import Finding as FindingRow
 from backend.requirements import uploads
 from backend.signoffs.texts import OTHER_TEXT
+from campaigns.results import Finding, ValidateResult
+from campaigns.results.finding import Calls
+from campaigns.results.validate import SpotChecks
 from campaigns.runs import run_number
 from tests.given.code_versions import CODE, OTHER, edited
 from tests.given.databases import AT_NIGHT
 from tests.given.joined_users import joined
 from tests.given.problem_documents import problem
-from tests.given.reported_runs import finish_fully
+from tests.given.reported_runs import finding, finish_fully, validated
 from tests.given.row_changes import changed
 from tests.given.service import Service, until
 from tests.given.small_catalogue import campaign
@@ -122,7 +127,7 @@ def test_a_requirement_is_met_by_signed_evidence_until_something_changes(
         assert change in suspect["sentence"]
         assert f" {CODE.digest[:12]}, here it is {OTHER.digest[:12]}" in change
     assert row(client, "REQ-1")["status"] == "met"
-    with changed(service.engine, sa.update(Finding).values(cost=1.2999999999999998)):
+    with changed(service.engine, sa.update(FindingRow).values(cost=1.2999999999999998)):
         assert row(client, "REQ-1")["status"] == "unsigned", "the sign-off is of other results"
     with changed(service.engine, sa.update(Run).values(flown=None)):
         unknown = row(client, "REQ-1")
@@ -227,6 +232,36 @@ def test_what_only_the_first_evaluations_found_counts_and_outlives_a_purge(
     assert named in row(client, "REQ-1")["sentence"]
     assert purge.purge(service.engine, 2, 0.0, "operator")
     assert named in row(client, "REQ-1")["sentence"]
+
+
+def test_a_value_that_only_validation_saw_counts_and_outlives_a_purge(service: Service, client: httpx.Client) -> None:
+    """In a call, at half the step, by the reference integrator or in a spot check, of a run of any verdict."""
+    calls = Calls(values=[0.9, 0.4], violating=1, failed=0, confidence=0.95, low=0.0, high=1.0, statement=())
+    spot = SpotChecks(
+        checked=1, compared=1, largest=0.5, median=0.5, violating=1, lowest_reference=0.4, at=None, statement=()
+    )
+    case = finding().validation
+    assert case is not None
+    seen: list[tuple[ValidateResult, list[Finding]]] = [
+        (validated().model_copy(update={"nominal": case.model_copy(update={"repeats": calls})}), []),
+        (validated().model_copy(update={"spot_checks": spot}), []),
+        (validated(), [finding().model_copy(update={"validation": case.model_copy(update={"repeats": calls})})]),
+    ]
+    sign(client, ran(service, client, "REQ-1"))
+    submit(client, seed=2)
+    for result, findings in seen:
+        assert row(client, "REQ-1")["status"] == "met"
+        with service.engine.begin() as writer:
+            made_again(writer, 2, result, findings)
+            writer.execute(sa.update(Run).where(Run.id == 2).values(state="cancelled", finished=1.0))
+        assert row(client, "REQ-1")["status"] == "inconclusive"
+        with service.engine.begin() as writer:
+            writer.execute(sa.update(Run).where(Run.id == 2).values(made_again=None))
+    with service.engine.begin() as writer:
+        made_again(writer, 2, *seen[0])
+    assert client.delete("/api/v1/runs/R-0002", params={"reason": "A trial."}).status_code == 200
+    assert purge.purge(service.engine, 2, 0.0, "operator")
+    assert "R-0002 found a value" in row(client, "REQ-1")["sentence"]
 
 
 def test_variants_of_a_sweep_are_named_where_they_alone_state_a_requirement(client: httpx.Client) -> None:

@@ -69,6 +69,8 @@ def _worst(evidence: Evidence, threshold: float) -> Worst | None:
 
 def _verdict(problem: Problem, found: Sequence[Check], evidence: Evidence) -> VerdictWord:
     if evidence.violation is not None:
+        if (value := evidence.violation.granted) > problem.threshold:
+            raise AssertionError(f"the value to state for a violation is {value}, above {problem.threshold}")
         return VerdictWord.VIOLATED
     cleared = all(c.ok for c in found)
     # The invariant, independent of the checks.

@@ -22,6 +22,7 @@ from backend.access.rules import METRICS, OPEN, RULES
 from backend.access.shares import Shares
 from backend.batch import endpoints as batch
 from backend.cases import endpoints as cases
+from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
 from backend.db import space
 from backend.db.engine import connect
@@ -133,7 +134,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
     app.state.room = room
     app.state.webhooks = Dispatcher(engine, settings.hooks, settings.public_url)
-    app.state.previews, app.state.cases = Previews(), cases.process()
+    app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.frames, app.state.failures = frames, Failures(door)
     app.state.lockout, app.state.metrics = Lockout(), Metrics(room, measured)

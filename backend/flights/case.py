@@ -1,6 +1,6 @@
 """A case of a stored run with other parameters: read and validated, and the response.
 
-What-if requests of scenarios (`endpoints`) and of simulators (`backend/cases`) share it.
+What-if requests of scenarios (`service`) and of simulators (`backend/cases`) share it.
 """
 
 from __future__ import annotations

@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query
 
-from backend.catalog.service import required
-from backend.db import costs
 from backend.http.deps import Reader
-from backend.http.errors import not_found, problems
-from backend.proposals.schemas import MeasuredCost, Proposal, ProposedSearch
-from campaigns.asked.proposal import Cost, lasting
-from campaigns.checked.expected import confirmation
+from backend.http.errors import problems
+from backend.proposals import service
+from backend.proposals.schemas import Proposal
 
 router = APIRouter(tags=["catalog"])
 
 LONGEST = 366 * 86_400.0
 """Of a time for searches [s]."""
-UNKNOWN = (
-    "The time of an evaluation is not measured yet: the first stage of a run measures it, and so does "
-    "`clearance check-simulator {name} --data DIR` for the service of that folder"
-)
 
 
 @router.get("/simulators/{name}/proposal", responses=problems("not-found", "no-catalogue"))
@@ -34,31 +26,4 @@ def propose_searches(
     calls: Annotated[int, Query(ge=1, le=1000, description="Calls of the simulator for each evaluation.")] = 1,
 ) -> Proposal:
     """Propose search methods and budgets for a simulator, from what its evaluations took when last measured."""
-    catalogue = required(reader)
-    entry = catalogue.simulator(name)
-    if entry is None:
-        raise not_found("simulator called", name)
-    cost, others = costs.newest(reader, entry, catalogue.digests.get(name))
-    if cost is None:
-        known = UNKNOWN.format(name=name) + (f". {_others(others)}" if others else "")
-        return Proposal(measured=None, known=f"{known}.", sentence="", searches=[], seconds=None)
-    found = cost.proposed(catalogue.methods, parameters, patience, calls)
-    return Proposal(
-        measured=_measured(cost),
-        known=f"{cost.sentence(calls)}.",
-        sentence=f"{found.sentence}." + (f" {confirmation(cost, calls)}" if found.searches else ""),
-        searches=[ProposedSearch(**asdict(search)) for search in found.searches],
-        seconds=found.seconds if found.searches else None,
-    )
-
-
-def _measured(cost: Cost) -> MeasuredCost:
-    shown = {name: value for name, value in asdict(cost).items() if name in MeasuredCost.model_fields}
-    return MeasuredCost(**shown, source=cost.source)
-
-
-def _others(cost: Cost) -> str:
-    took = f"{cost.source}, in which one call took {lasting(cost.seconds)}"
-    if cost.run is not None:
-        return f"Its files have changed since {took}"
-    return f"Its files are not those of {took}; a worker publishes the digest of its files when it starts"
+    return service.proposal(reader, name, parameters, patience, calls)

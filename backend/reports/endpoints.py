@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated
 
 import sqlalchemy as sa
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
-from backend.db.digest import results_digest
 from backend.db.engine import now, read
 from backend.http.deps import Engine, Reader, account, capacities
 from backend.http.errors import answers, problems
 from backend.http.naming import disposition
-from backend.http.root import at
 from backend.http.schema import RunName
-from backend.reports import numbers, pdf, service
+from backend.reports import listing, pdf, service
 from backend.reports.cache import Page
-from backend.reports.schemas import Report, ReportFile, ReportPage
-from backend.runs import listing
-from backend.runs.filters import Filters
-from backend.runs.order import NEWEST
-from backend.runs.schemas import RunSummary
+from backend.reports.schemas import ReportPage
 from backend.runs.service import number
-from backend.signoffs.standing import UNSIGNED, Signed, signatures
-from campaigns.runs import ENDED, run_number
 
 router = APIRouter(tags=["reports"])
 
@@ -78,35 +69,7 @@ def list_reports(
     limit: Annotated[int, Query(ge=1, le=50, description="Maximum number of reports on a page.")] = 20,
 ) -> ReportPage:
     """The reports of all runs that have ended, newest first, with verdict, sign-offs and digest, in pages."""
-    words, note = numbers.searched(reader, q)
-    found = listing.page(reader, Filters(q=words, state=list(ENDED)), NEWEST, cursor, limit, pins=False)
-    unavailable = None if pdf.browser() is not None else pdf.MISSING
-    signed = signatures(reader, [run_number(run.id) or 0 for run in found.items])
-    items = [_report(reader, run, unavailable, signed) for run in found.items]
-    total = sum(found.counts.get(state, 0) for state in ENDED)
-    return ReportPage(items=items, next_cursor=found.next_cursor, total=total, note=note)
-
-
-def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None, signed: Mapping[int, Signed]) -> Report:
-    run_id = run_number(run.id) or 0
-    digest = results_digest(reader, run_id)
-    address = at(f"/api/v1/runs/{run.id}/report")
-    return Report(
-        id=numbers.printed(run.id, digest),
-        run=run.id,
-        name=run.name,
-        campaign_name=run.campaign_name,
-        state=run.state,
-        verdict=run.verdict,
-        not_sampled=run.not_sampled,
-        finished=run.finished,
-        digest=digest,
-        signoffs=[one.signoff() for one in signed.get(run_id, UNSIGNED).signatures if one.row.withdrawn is None],
-        files=[
-            ReportFile(format="html", href=f"{address}.html", unavailable=None),
-            ReportFile(format="pdf", href=f"{address}.pdf", unavailable=unavailable),
-        ],
-    )
+    return listing.page(reader, q, cursor, limit)
 
 
 def _made(request: Request, engine: sa.Engine, run_id: int) -> Page:

@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
-import sqlalchemy as sa
 from fastapi import APIRouter, Depends, Query, Request, status
 
 from backend.access.auth import CurrentVisitor
 from backend.access.once import ONCE, OnceOnly
-from backend.db import audit
-from backend.db.access import Visitor
-from backend.db.engine import insert, now
-from backend.db.tables import WebhookDelivery as Row
-from backend.db.tables import WebhookTarget as TargetRow
-from backend.db.tables_installed import DeliveryState
 from backend.http.deps import Reader
-from backend.http.errors import RefusedError, problems
-from backend.webhooks import outbox
+from backend.http.errors import problems
+from backend.webhooks import service
 from backend.webhooks.configuration import Configured as Settings
-from backend.webhooks.configuration import Target
 from backend.webhooks.dispatcher import Dispatcher
-from backend.webhooks.schemas import WebhookDelivery, Webhooks, WebhookTarget
-from campaigns.runs import run_name
+from backend.webhooks.schemas import WebhookDelivery, Webhooks
 
 router = APIRouter(tags=["webhooks"])
 
@@ -39,7 +30,7 @@ Configured = Annotated[Settings, Depends(configured)]
 @router.get("/webhooks")
 def get_webhooks(reader: Reader, configured: Configured) -> Webhooks:
     """The addresses of the settings that receive a message when a run ends, with the state of their messages."""
-    return Webhooks(targets=[_target(reader, target, configured) for target in configured.targets])
+    return service.state(reader, configured)
 
 
 @router.get("/webhooks/deliveries")
@@ -49,11 +40,14 @@ def list_deliveries(
     limit: Annotated[int, Query(ge=1, le=500, description="Maximum number of messages.")] = 100,
 ) -> list[WebhookDelivery]:
     """The newest messages to all targets, newest first."""
-    rows = reader.execute(sa.select(Row.__table__).order_by(Row.created.desc(), Row.id).limit(limit)).mappings()
-    return [_delivery(row, configured) for row in rows]
+    return service.deliveries(reader, configured, limit)
 
 
-@router.post("/webhooks/test", status_code=status.HTTP_202_ACCEPTED, responses=problems("no-webhook", *ONCE))
+@router.post(
+    "/webhooks/test",
+    status_code=status.HTTP_202_ACCEPTED,
+    responses=problems("no-webhook", *ONCE),
+)
 def test_webhooks(once: OnceOnly, configured: Configured, visitor: CurrentVisitor) -> list[WebhookDelivery]:
     """Send a message of type `test` to every target; while one still waits, it is that one.
 
@@ -61,48 +55,6 @@ def test_webhooks(once: OnceOnly, configured: Configured, visitor: CurrentVisito
     """
     return once.do(
         list[WebhookDelivery],
-        lambda writer: _tested(writer, configured, visitor),
+        lambda writer: service.test(writer, configured, visitor),
         lambda sent: ", ".join(one.id for one in sent),
-    )
-
-
-def _tested(writer: sa.Connection, configured: Settings, visitor: Visitor) -> list[WebhookDelivery]:
-    """Queue a test message to every target; 409 if there is no target."""
-    if not configured.targets:
-        detail = (
-            "no webhook is configured: set CLEARANCE_WEBHOOKS and CLEARANCE_WEBHOOK_SECRET, then restart the service"
-        )
-        raise RefusedError("no-webhook", detail)
-    made = []
-    for target in configured.targets:
-        row = insert(writer, TargetRow).values(id=target.id, since=now(writer))
-        writer.execute(row.on_conflict_do_nothing())
-        made.append(outbox.test(writer, target.id))
-    audit.note(writer, visitor, "webhooks.tested", "webhooks", {"messages": made})
-    rows = writer.execute(sa.select(Row.__table__).where(Row.id.in_(made)).order_by(Row.id)).mappings()
-    return [_delivery(row, configured) for row in rows]
-
-
-def _target(reader: sa.Connection, target: Target, configured: Settings) -> WebhookTarget:
-    mine = Row.target == target.id
-    numbers = dict(reader.execute(sa.select(Row.state, sa.func.count()).where(mine).group_by(Row.state)).all())
-    tried = sa.select(Row.__table__).where(mine, Row.attempted.is_not(None))
-    last = reader.execute(tried.order_by(Row.attempted.desc()).limit(1)).mappings().first()
-    return WebhookTarget(
-        id=target.id,
-        origin=target.origin,
-        since=reader.scalar(sa.select(TargetRow.since).where(TargetRow.id == target.id)),
-        **{name: numbers.get(name, 0) for name in DeliveryState},
-        last=None if last is None else _delivery(last, configured),
-    )
-
-
-def _delivery(row: Any, configured: Settings) -> WebhookDelivery:
-    known = row["target"] in [target.id for target in configured.targets]
-    same = ("id", "target", "type", "state", "attempts", "created", "attempted", "status", "error", "delivered")
-    return WebhookDelivery(
-        **{name: row[name] for name in same},
-        run=None if row["run_id"] is None else run_name(row["run_id"]),
-        configured=known,
-        next_attempt=row["not_before"] if known and row["state"] == DeliveryState.PENDING else None,
     )

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from backend.likelihood.endpoints import MOST
+from backend.likelihood.service import MOST
 from backend.results.coverage.read import MOST as COVERED
 from backend.results.coverage.read import Used, covered
 from campaigns import Campaign

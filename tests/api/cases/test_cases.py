@@ -12,7 +12,7 @@ import httpx
 import numpy as np
 import pytest
 
-from backend.cases.endpoints import process
+from backend.cases.service import process
 from backend.scenes.live.live import Live
 from campaigns.stored.records import Columns, StagePlan
 from tests.faults.processes import until

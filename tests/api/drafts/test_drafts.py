@@ -9,7 +9,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import Audit
-from backend.drafts import endpoints as drafts
+from backend.drafts import service as drafts
 from tests.given.databases import AT_NIGHT, BOTH
 from tests.given.joined_users import joined
 from tests.given.problem_documents import problem

@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from scipy import stats
 
 from backend.db.tables import Stage
-from backend.likelihood import endpoints
+from backend.likelihood import service
 from campaigns.asked.distributions import Normal, Uniform
 from campaigns.claims import reweighted as claims
 from campaigns.claims.spans import words
@@ -131,7 +131,7 @@ def test_a_sample_that_ended_early_is_not_re_weighted(service: Service, client: 
 def test_of_a_large_sample_the_first_draws_count(
     client: httpx.Client, sampled: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(endpoints, "MOST", 1500)
+    monkeypatch.setattr(service, "MOST", 1500)
     found = client.post(f"/api/v1/runs/{sampled}/reweighted", json={}).json()
     mass = 4.0 + 2.0 * POINTS[:1500, 0]
     excluded = int(np.count_nonzero(mass > 5.7))

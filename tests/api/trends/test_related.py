@@ -9,7 +9,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import Run
-from backend.trends import endpoints as trends
+from backend.trends import service as trends
 from campaigns import Campaign
 from campaigns.runs import run_number
 from tests.given.databases import BOTH

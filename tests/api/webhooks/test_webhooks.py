@@ -28,9 +28,9 @@ from backend.settings import Settings
 from backend.webhooks import dispatcher, outbox
 from backend.webhooks.addresses import is_public
 from backend.webhooks.configuration import Configured, Target, configured
-from backend.webhooks.endpoints import list_deliveries
 from backend.webhooks.outbox import Outbox
 from backend.webhooks.sending import Message, Sent, send
+from backend.webhooks.service import deliveries
 from campaigns import Campaign
 from campaigns.runs import run_name
 from tests.api.conftest import running
@@ -307,8 +307,8 @@ def test_messages_to_an_address_that_is_not_configured_wait(stored: Any) -> None
     with stored.engine.begin() as writer:
         outbox.test(writer, target.id)
     with stored.engine.connect() as reader:
-        (known,) = list_deliveries(reader, Configured((target,), KEY), 10)
-        (unknown,) = list_deliveries(reader, Configured(), 10)
+        (known,) = deliveries(reader, Configured((target,), KEY), 10)
+        (unknown,) = deliveries(reader, Configured(), 10)
     assert (known.state, known.configured, known.next_attempt is None) == ("pending", True, False)
     assert (unknown.state, unknown.configured, unknown.next_attempt) == ("pending", False, None)
 

@@ -111,7 +111,7 @@ class SpotChecks(Described):
     violating: int
     """Violate only with the reference integrator."""
     lowest_reference: Annotated[float | None, UNLESS_NONE] = None
-    """The lowest value by the reference integrator; omitted if none was compared, and in results of earlier versions."""
+    """The lowest value by it; omitted if none was compared, and in results of earlier versions."""
     at: Furthest | None
     reasons: list[str] = []
     """Why some could not be compared."""

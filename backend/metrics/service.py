@@ -13,6 +13,8 @@ from backend.db.tables import Run, Worker
 from backend.db.workers import SEEN, STILL, standing_still
 from backend.metrics.requests import Requests
 from backend.metrics.text import Metric, Sample, gauge
+from backend.runs.filters import Filters
+from backend.runs.listing import counted
 from campaigns.runs import ACTIVE, RunState
 
 
@@ -43,30 +45,26 @@ class Metrics:
 
 def _of_the_database(engine: sa.Engine) -> list[Metric]:
     with read(engine) as reader:
-        at, count = now(reader), sa.func.count
-        runs = reader.execute(sa.select(Run.state, count(), sa.func.sum(Run.evaluations)).group_by(Run.state)).all()
+        at, states = now(reader), counted(reader, Filters())
+        evaluations = reader.scalar(sa.select(sa.func.sum(Run.evaluations)).where(Run.purged.is_(None)))
         losses = reader.scalar(sa.select(sa.func.sum(Run.losses)).where(Run.state.in_(ACTIVE)))
         still = len(standing_still(reader))
         beats = reader.scalars(sa.select(Worker.beat)).all()
-    states, alive = {state: number for state, number, _ in runs}, sum(beat > at - SEEN for beat in beats)
+    alive = sum(beat > at - SEEN for beat in beats)
     workers = {"alive": alive, "lost": len(beats) - alive}
     return [
         Metric(
             "clearance_runs",
             "gauge",
-            "Runs by state.",
-            [Sample("clearance_runs", states.get(state, 0), {"state": state}) for state in RunState],
+            "Listed runs by state.",
+            [Sample("clearance_runs", states[state], {"state": state}) for state in RunState],
         ),
         gauge(
             "clearance_runs_standing_still",
             f"Runs that a worker has, without a new stored evaluation for {STILL:g} s.",
             still,
         ),
-        gauge(
-            "clearance_evaluations",
-            "Stored evaluations of all runs, purged ones excepted.",
-            sum(evaluations or 0 for _, _, evaluations in runs),
-        ),
+        gauge("clearance_evaluations", "Evaluations made, of runs that are not purged.", int(evaluations or 0)),
         Metric(
             "clearance_workers",
             "gauge",

@@ -10,11 +10,10 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.catalog.service import published
 from backend.db import groups
 from backend.db.engine import read
 from backend.db.tables import CampaignRow, Run, Stage
-from backend.runs import counts, identity, sample_kind, waiting
+from backend.runs import counts, identity, quantities, sample_kind, waiting
 from backend.runs.filters import Filters, unindexed
 from backend.runs.order import VALUES, Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
@@ -29,8 +28,7 @@ _PLAIN = tuple(name for name in RunSummary.model_fields if name in _COLUMNS and 
 _SUMMARIES = (
     sa.select(
         *(_COLUMNS[name].label(name) for name in _PLAIN),
-        *(CampaignRow.document["criterion"][key].as_string().label(key) for key in ("component", "result")),
-        *(Run.summary[key].as_string().label(key) for key in ("quantity", "unit")),
+        *quantities.COLUMNS,
         *counts.COLUMNS,
         *identity.COLUMNS,
         *sample_kind.COLUMNS,
@@ -40,8 +38,6 @@ _SUMMARIES = (
     .order_by(Run.id.desc())
 )
 """What a summary is made of; built once, because that takes longer than reading a row."""
-
-Units = dict[tuple[str | None, str], tuple[str, str]]
 
 
 def page(
@@ -57,8 +53,7 @@ def page(
     ids = [row.id for row in rows[:limit]]
     by_id = {item.id: item for item in summaries(reader, Run.id.in_(ids))}
     following = order.cursor(rows[limit - 1]) if len(rows) > limit else None
-    counts = _counts(reader, filters)
-    return RunPage(items=[by_id[run_name(i)] for i in ids], next_cursor=following, counts=counts)
+    return RunPage(items=[by_id[run_name(i)] for i in ids], next_cursor=following, counts=counted(reader, filters))
 
 
 def named(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
@@ -72,7 +67,7 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     """Summaries of the runs that fulfil the conditions, newest first; purged runs are omitted."""
     rows = reader.execute(_SUMMARIES.where(*conditions)).all()
     working = _working(reader, [row.id for row in rows if row.state in HELD])
-    units = _units(reader) if any(row.unit is None for row in rows) else {}
+    described = quantities.installed(reader, rows)
     excluded = counts.excluded(reader, [row.id for row in rows])
     labelled = groups.of_runs(reader, [row.id for row in rows])
     waits = waiting.reasons(reader, [row.id for row in rows if row.state == RunState.QUEUED])
@@ -80,35 +75,24 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     return [
         _summary(
             row,
-            units,
             counts.of(row, excluded.get(row.id, 0))
             | {"stage": working.get(row.id), "doing": doing.get(row.id)}
             | waits.get(row.id, waiting.Waits(None))._asdict()
-            | labelled[row.id]._asdict(),
+            | labelled[row.id]._asdict()
+            | quantities.of(row, described)._asdict(),
         )
         for row in rows
     ]
 
 
-def _summary(row: Any, units: Units, others: dict[str, Any]) -> RunSummary:
+def _summary(row: Any, others: dict[str, Any]) -> RunSummary:
     """others: the fields that are not of the run's own row."""
     values = dict(zip(_PLAIN, row, strict=False)) | others
-    quantity, unit = units.get((row.simulator, row.result if row.simulator else row.component), ("", ""))
     own, code = identity.with_digest(row)
     values |= {"code": code, "unidentified": list(own.unidentified) if own else []}
     values |= sample_kind.of(row)._asdict()
     values |= {"id": run_name(row.id), "continues": None if row.continues is None else run_name(row.continues)}
-    values |= {"quantity": row.quantity or quantity, "unit": unit if row.unit is None else row.unit}
     return RunSummary.model_validate(values)
-
-
-def _units(reader: sa.Connection) -> Units:
-    """Quantity and unit by simulator (None for a scenario) and criterion, for runs without a verdict."""
-    catalogue = published(reader)
-    if catalogue is None:
-        return {}
-    found: Units = {(None, c.name): (c.quantity, c.unit) for c in catalogue.components if c.role == "criterion"}
-    return found | {(s.name, r.name): (r.quantity, r.unit) for s in catalogue.simulators for r in s.results}
 
 
 def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
@@ -123,7 +107,8 @@ def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
     }
 
 
-def _counts(reader: sa.Connection, filters: Filters) -> dict[str, int]:
+def counted(reader: sa.Connection, filters: Filters) -> dict[str, int]:
+    """The numbers of runs by state and by verdict for the same search, those removed apart."""
     narrowed, there = filters.narrowed, filters.there()
     counts = dict.fromkeys(("total", "removed", *RunState, *VerdictWord), 0)
     whole = not (narrowed or filters.removed)  # these counts have an index of their own

@@ -12,7 +12,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import CampaignRow, Run
 from backend.http.schema import Instant, Schema
-from backend.runs import identity, sample_kind
+from backend.runs import identity, quantities, sample_kind
 from backend.runs.sample_kind import BoundSource
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
@@ -81,16 +81,18 @@ def outcomes(
 ) -> list[Outcome]:
     """The outcomes of the runs that fulfil the conditions, newest first; purged runs are omitted."""
     columns = [Run.id, Run.removed, Run.worst_cost, Run.upper_bound, *(getattr(Run, name) for name in _PLAIN)]
-    columns += [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
     columns += [expression.label(name) for name, expression in _STATISTICS.items()]
-    columns += [*sample_kind.COLUMNS, *identity.COLUMNS, Run.flown["clearance"].as_string().label("clearance")]
+    columns += [*quantities.COLUMNS, *sample_kind.COLUMNS, *identity.COLUMNS]
+    columns += [Run.flown["clearance"].as_string().label("clearance")]
     columns += [CampaignRow.name.label("campaign_name"), CampaignRow.document["seed"].as_string().label("seed")]
     query = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     query = query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc()).limit(limit)
-    return [_outcome(row) for row in reader.execute(query)]
+    rows = reader.execute(query).all()
+    described = quantities.installed(reader, rows)
+    return [_outcome(row, quantities.of(row, described)) for row in rows]
 
 
-def _outcome(row: Any) -> Outcome:
+def _outcome(row: Any, measured: quantities.Measured) -> Outcome:
     done = row.state == RunState.DONE
     values = {name: getattr(row, name) for name in _PLAIN}
     values |= {name: getattr(row, name) if done else None for name in _NUMBERS}
@@ -101,8 +103,8 @@ def _outcome(row: Any) -> Outcome:
         id=run_name(row.id),
         margin=values["worst_cost"] - row.threshold if known else None,
         bound_source=sample.bound_source if done else None,
-        quantity=row.quantity or "",
-        unit=row.unit or "",
+        quantity=measured.quantity,
+        unit=measured.unit,
         code=None if own is None else own.digest,
         unidentified=[] if own is None else list(own.unidentified),
         clearance=row.clearance,

@@ -14,6 +14,8 @@ from campaigns.labels import Labels
 
 MOST = 50
 """Values of one sweep."""
+PURGED = "purged"
+"""In place of a state: of a run of which the results were purged."""
 
 
 class SweepSubmit(Given):
@@ -57,7 +59,7 @@ class SweepSummary(Schema):
     created: Instant
     runs: int
     states: dict[str, int]
-    """The numbers of its runs by state and by verdict; purged ones are omitted."""
+    """The numbers of its runs by state and by verdict; those of which the results were purged as `purged`."""
 
 
 class SweepPoint(Schema):

@@ -23,7 +23,7 @@ from backend.http.keys import Keyed
 from backend.runs import edits
 from backend.runs.outcomes import outcomes
 from backend.runs.quota import Quota, refuse_beyond
-from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSummary
+from backend.sweeps.schemas import PURGED, SweepDetail, SweepPoint, SweepSubmit, SweepSummary
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document
 from campaigns.catalogue import ParameterEntry
@@ -136,9 +136,9 @@ def listed(reader: sa.Connection, limit: int) -> list[SweepSummary]:
         members[member.sweep_id].append(member)
     found = []
     for row in rows:
-        there = [member for member in members[row["id"]] if member.purged is None]
-        states = _counted([(member.state, member.verdict) for member in there])
-        found.append(_summary(row, len(members[row["id"]]), states))
+        own = members[row["id"]]
+        pairs = [(one.state, one.verdict) if one.purged is None else (PURGED, None) for one in own]
+        found.append(_summary(row, pairs))
     return found
 
 
@@ -154,8 +154,8 @@ def detail(reader: sa.Connection, sweep_id: int) -> SweepDetail:
         SweepPoint(value=member.value, run=run_name(member.run_id), outcome=known.get(run_name(member.run_id)))
         for member in members
     ]
-    states = _counted([(found.state, found.verdict) for found in known.values()])
-    summary = _summary(row, len(members), states)
+    ends = [point.outcome for point in points]
+    summary = _summary(row, [(PURGED, None) if end is None else (end.state, end.verdict) for end in ends])
     return SweepDetail(**dict(summary), nominal=row["nominal"], points=points)
 
 
@@ -172,13 +172,11 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
         return detail(reader, sweep_id)
 
 
-def _summary(row: sa.RowMapping, runs: int, states: dict[str, int]) -> SweepSummary:
+def _summary(row: sa.RowMapping, found: list[tuple[str, str | None]]) -> SweepSummary:
+    """found: state and verdict of each of its runs."""
     same = ("name", "campaign_name", "path", "title", "unit", "owner", "token", "created")
-    return SweepSummary(id=sweep_name(row["id"]), **{name: row[name] for name in same}, runs=runs, states=states)
-
-
-def _counted(found: list[tuple[str, str | None]]) -> dict[str, int]:
-    return dict(Counter(word for pair in found for word in pair if word is not None))
+    states = dict(Counter(word for pair in found for word in pair if word is not None))
+    return SweepSummary(id=sweep_name(row["id"]), **{name: row[name] for name in same}, runs=len(found), states=states)
 
 
 SOURCE = "request"

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from backend.http.written import headed, lines
 from backend.runs.outcomes import Outcome
-from backend.sweeps.schemas import SweepDetail, SweepPoint
+from backend.sweeps.schemas import PURGED, SweepDetail, SweepPoint
 from campaigns.results.verdict import headline
-
-PURGED = "purged"
 
 
 def csv_of(sweep: SweepDetail) -> bytes:
@@ -19,7 +17,8 @@ def csv_of(sweep: SweepDetail) -> bytes:
         headed(f"worst {quantity}", unit), headed("margin", unit), "P(violation) upper bound", "violations",
         "of these failed", "samples", "confidence", "seed", "code", "error", "P(violation) bound source",
     ]  # fmt: skip
-    return lines([headers, *map(_row, sweep.points)])
+    rows = map(_row, sweep.points)
+    return lines([headers, *([*row, *[None] * (len(headers) - len(row))] for row in rows)])
 
 
 def _row(point: SweepPoint) -> list[object]:

@@ -264,6 +264,8 @@ class RunDetail(Run):
     """Empty until a worker has started the run."""
     summary: VerdictParts | None
     """The verdict with its evidence; None until there is one."""
+    untraced: str | None = None
+    """Of a simulator: why no trace is stored, sentences; empty if one is, and for any other run."""
     rate: float | None = None
     """Evaluations per second of the running stage."""
     remaining: float | None = None
@@ -533,7 +535,7 @@ class Sweep(SweepAnswer):
     created: AwareDatetime
     runs: int
     states: dict[str, int]
-    """The numbers of its runs by state and by verdict; purged ones are omitted."""
+    """The numbers of its runs by state and by verdict; those of which the results were purged as `purged`."""
     nominal: float | None = None
     """The parameter's value in the campaign."""
     points: list[SweepPoint]

@@ -8,6 +8,6 @@ export const activeOf = (states: Record<string, number>): number => ACTIVE.reduc
 
 /** "2 queued, 1 running, 3 cleared": verdicts in place of "done". */
 export function statementOf(states: Record<string, number>): string {
-  const order = ['queued', 'running', 'cancelling', 'cleared', 'violated', 'inconclusive', 'cancelled', 'failed']
-  return order.flatMap((word) => (states[word] ? [`${count(states[word])} ${word}`] : [])).join(', ') || 'Every run was purged'
+  const order = ['queued', 'running', 'cancelling', 'cleared', 'violated', 'inconclusive', 'cancelled', 'failed', 'purged']
+  return order.flatMap((word) => (states[word] ? [`${count(states[word])} ${word}`] : [])).join(', ')
 }

@@ -21,6 +21,7 @@ from backend.db.store import RunStore
 from backend.db.tables import Run
 from backend.db.workers import STILL
 from backend.settings import Settings
+from campaigns.runs import RunState
 from campaigns.stored.records import StagePlan
 from tests import results
 from tests.faults.cases import columns
@@ -116,18 +117,22 @@ def scraped(client: httpx.Client) -> dict[str, float]:
 
 
 def test_metrics_count_what_there_is(service: Service, client: httpx.Client) -> None:
-    submit(client)
-    submit(client, seed=2)
+    for seed in range(1, 5):
+        submit(client, seed=seed)
+    away = {"state": "done", "removed": 1.0}
+    several = ({"state": "running", "evaluations": 7, "losses": 2}, {}, away | {"evaluations": 11})
     with service.engine.begin() as connection:
-        connection.execute(sa.update(Run).where(Run.id == 1).values(state="running", evaluations=7, losses=2))
+        for i, values in enumerate((*several, away | {"evaluations": 100, "purged": 2.0}), start=1):
+            connection.execute(sa.update(Run).where(Run.id == i).values(id=i, **values))
     service.compare()
     assert client.get("/api/v1/runs/R-0099").status_code == 404
     assert client.get("/api/v1/nowhere").status_code == 404
     found = scraped(client)
-    assert found['clearance_runs{state="queued"}'] == 1
-    assert found['clearance_runs{state="running"}'] == 1
-    assert found['clearance_runs{state="failed"}'] == 0
-    assert found["clearance_evaluations"] == 7
+    listed = client.get("/api/v1/runs").json()["counts"]
+    for state in RunState:
+        assert found[f'clearance_runs{{state="{state}"}}'] == listed[state]
+    assert listed["total"] == listed["queued"] + listed["running"] == 2
+    assert found["clearance_evaluations"] == 7 + 11, "those of the removed run are there, those of the purged one not"
     assert found["clearance_run_losses"] == 2
     assert found['clearance_workers{state="alive"}'] == 1
     queues = ("pdf", "preview", "files", "imports", "recordings")

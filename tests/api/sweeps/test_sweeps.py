@@ -149,7 +149,10 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
         writer.execute(sa.update(Run).where(Run.id == 4).values(removed=1.0, removed_by="a", removed_reason="b"))
     assert purge(service.engine, 4, 0.0, "a")
     found = client.get("/api/v1/sweeps/S-0001").json()
-    assert found["states"] == {"done": 1, "inconclusive": 1, "failed": 1, "cancelling": 1, "queued": 2}
+    assert found["states"] == {"done": 1, "inconclusive": 1, "failed": 1, "cancelling": 1, "queued": 2, "purged": 1}
+    (listed,) = client.get("/api/v1/sweeps").json()
+    assert sum(found["states"].values()) == found["runs"] + 1, "the verdict is counted beside its state"
+    assert (listed["states"], listed["runs"]) == (found["states"], 6)
     points = [point["outcome"] for point in found["points"]]
     assert points[3] is None
     assert points[0]["verdict"] == "inconclusive"
@@ -161,6 +164,7 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
     answer = client.get("/api/v1/sweeps/S-0001/table.csv")
     assert answer.headers["content-type"].startswith("text/csv")
     assert "S-0001.csv" in answer.headers["content-disposition"]
+    assert len({len(row) for row in csv.reader(io.StringIO(answer.text))}) == 1
     rows = list(csv.DictReader(io.StringIO(answer.text)))
     assert [row["avoider.d_0"] for row in rows] == ["1.0", "2.0", "3.0", "4.0", "5.0", "6.0"]
     assert [row["state"] for row in rows] == ["done", "failed", "cancelling", "purged", "queued", "queued"]

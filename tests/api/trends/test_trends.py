@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import httpx
 import sqlalchemy as sa
 
 from backend.db.tables import Run
+from backend.webhooks.body import ended
 from campaigns import Campaign
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
@@ -55,6 +57,12 @@ def test_outcomes_and_removed_runs(service: Service, client: httpx.Client) -> No
         ("R-0002", "violated", 1.3),
         (queued, None, None),
     ]
+    listed = client.get("/api/v1/runs").json()["items"]
+    same = ("id", "quantity", "unit", "threshold")
+    assert [[run[key] for key in same] for run in found["runs"]] == [[run[key] for key in same] for run in listed[::-1]]
+    with service.engine.connect() as reader:
+        body = json.loads(ended(reader, 3, ""))["data"]
+    assert (body["verdict"], body["quantity"], body["unit"]) == (None, "d_min", "m"), "without a verdict as well"
 
 
 def test_a_trend_by_name_leaves_out_the_variants_of_sweeps(client: httpx.Client) -> None:

@@ -42,7 +42,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.middleware": ("backend.http",),
     "backend.access": ("backend.http", "backend.db"),
     "backend.health": (*SHARED, "backend.reports.pdf"),
-    "backend.metrics": SHARED,
+    "backend.metrics": (*SHARED, "backend.runs"),
     "backend.sessions": SHARED,
     "backend.provider": (*SHARED, "backend.sessions"),
     "backend.users": SHARED,

@@ -70,13 +70,12 @@ def _holds(record: Record, values: list[float]) -> bool:
 
 def _series(record: Record) -> list[tuple[str, str, list[plot.Point]]]:
     """The convergence history of every search: colour, title, points."""
-    titles = {position: result.title for position, result in record.searched.items()}
     found = []
     for series in record.evaluations.stages:
         if series.method is not None:
             steps = zip(series.improvements["index"], series.improvements["cost"], strict=True)
             points = [(index + 1.0, cost) for index, cost in steps]
-            found.append((_colour(record, series.method), titles.get(series.position) or series.method or "", points))
+            found.append((_colour(record, series.method), record.titled(series.method), points))
     return [row for row in found if row[2]]
 
 

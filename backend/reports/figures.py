@@ -5,7 +5,7 @@ Each function takes stored numbers and returns an SVG; the plan view is in `back
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
@@ -21,6 +21,8 @@ from campaigns.symbols import OF, is_path
 
 WIDE = 654
 """Text width of a page, 173 mm [px at 96 dpi]."""
+MOST_DECIMALS = 20
+"""As many as `numbers.fixed` writes."""
 SEPARATION_HEIGHT = 240
 
 
@@ -53,6 +55,27 @@ class Quantity:
     def formatted(self, value: float | None, decimals: int) -> str:
         return f"{numbers.fixed(value, decimals)} {self.unit}".strip()
 
+    def decimals(self, values: Iterable[float | None], least: int) -> int:
+        """The decimals, at least so many, with which each value is read on its own side of the threshold."""
+        limit = self.threshold
+        if limit is None:
+            return least
+
+        def side(shown: float) -> tuple[bool, bool]:
+            return shown < limit, shown > limit
+
+        def needed(value: float) -> int:
+            places = range(least, MOST_DECIMALS + 1)
+            return next((n for n in places if side(round(value, n)) == side(value)), least)
+
+        return max((needed(value) for value in values if value is not None and numbers.known(value)), default=least)
+
+    def plain(self, value: float | None) -> str:
+        """A value of a sentence, read on its own side of the threshold."""
+        least = numbers.decimals_for([value], 6)
+        decimals = self.decimals([value], least)
+        return numbers.plain(value) if decimals == least else numbers.fixed(value, decimals)
+
 
 def separation(cases: Sequence[Case], of: Quantity) -> Markup:
     """The criterion's value over time around the encounter, with the closest approaches."""
@@ -70,7 +93,8 @@ def separation(cases: Sequence[Case], of: Quantity) -> Markup:
         axes.line(curve, case.colour, 1.7, case.dash)
     approaches = [(case, case.closest) for case in cases]
     known = sorted(((case, c) for case, c in approaches if c is not None), key=lambda pair: pair[1].value)
-    decimals = numbers.decimals_for([closest.value for _, closest in known])
+    values = [closest.value for _, closest in known]
+    decimals = of.decimals(values, numbers.decimals_for(values))
     used: list[float] = []
     for case, closest in known:
         time, value = closest.time, closest.value
@@ -211,7 +235,8 @@ def histogram(
             plot.WORST if bad else plot.NOMINAL,
             1 if bad else 0.7,
         )
-    decimals = numbers.decimals_for([m[1] for m in near])
+    values = [m[1] for m in near]
+    decimals = of.decimals(values, numbers.decimals_for(values))
     for i, (name, value, colour, dash) in enumerate(near):
         at = axes.x(value or 0.0)
         axes.rule(at, 8 + 12 * i, at, axes.height - axes.bottom, colour, 1.2, dash)

@@ -108,6 +108,12 @@ class Record:
         found = self.known.get(path)
         return None if found is None else found[0]
 
+    def titled(self, method: str) -> str:
+        """The title of a search method; its name if neither a search of it has ended nor the catalogue has it."""
+        ended = (result.title for result in self.searched.values() if result.method == method)
+        entry = None if self.catalogue is None else self.catalogue.method(method)
+        return next(ended, method if entry is None else entry.title)
+
     def symbol(self, path: str) -> str:
         """The name of a parameter: its symbol, with its part if others in the campaign have the same one."""
         return labels(

@@ -128,7 +128,7 @@ def methods(record: Record) -> list[Row]:
     compared = {} if validated is None else {row.position: row for row in validated.comparison}
     begun = [stage for stage in record.stages if stage.method is not None]
     bests = [stage.best for stage in begun]
-    decimals = numbers.decimals_apart(bests, 4, 6)
+    decimals = record.of.decimals(bests, numbers.decimals_apart(bests, 4, 6))
     lowest = min((b for b in bests if b is not None), default=None)
     rows = []
     for i, search in enumerate(record.campaign.stages.search):
@@ -138,7 +138,7 @@ def methods(record: Record) -> list[Row]:
         best = stage.best if stage else None
         above = None if best is None or lowest is None else best - lowest
         rows.append({
-            "title": result.title if result else (entry.title if entry else search.method),
+            "title": record.titled(search.method),
             "how": entry.how if entry else "",
             "source": entry.source if entry else "",
             "evaluations": numbers.count(stage.evaluations if stage else 0),
@@ -175,10 +175,9 @@ def _state(record: Record, state: StageState) -> str:
 
 def stages(record: Record) -> list[Row]:
     """All stages with their evaluations, so that every one is counted."""
-    titles = _titles(record)
     rows: list[Row] = [
         {
-            "name": stage.title + (f", {titles.get(stage.method, stage.method)}" if stage.method else ""),
+            "name": stage.title + (f", {record.titled(stage.method)}" if stage.method else ""),
             "state": _state(record, stage.state),
             "evaluations": numbers.count(stage.evaluations),
             "failed": numbers.count(stage.failed),
@@ -193,14 +192,9 @@ def stages(record: Record) -> list[Row]:
     return [*rows, {"name": "Total", "state": "", "evaluations": counted, "seconds": time, **total}] if rows else []
 
 
-def _titles(record: Record) -> dict[str, str]:
-    return {m.name: m.title for m in record.catalogue.methods} if record.catalogue else {}
-
-
 def findings(record: Record) -> list[Row]:
     values = [value for f in record.findings for value in (f.granted, f.cost)]
-    decimals = numbers.decimals_apart(values, 4, 7)
-    titles = _titles(record)
+    decimals = record.of.decimals(values, numbers.decimals_apart(values, 4, 7))
     return [
         {
             "label": f.label,
@@ -208,7 +202,7 @@ def findings(record: Record) -> list[Row]:
             "evaluated": "" if f.granted == f.cost else numbers.fixed(f.cost, decimals),
             "margin": numbers.margin(f.margin, decimals),
             "violates": f.margin <= 0,
-            "methods": ", ".join(titles.get(m, m) for m in f.methods) or unsearched(f.validation, record.certificate),
+            "methods": ", ".join(map(record.titled, f.methods)) or unsearched(f.validation, record.certificate),
             "bounds": [(record.symbol_html(path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
             "seed": validation.seed(f.validation),
@@ -233,6 +227,7 @@ def criteria(record: Record) -> list[Row]:
         values = [None if record.nominal is None else record.nominal.values.get(criterion.name)]
         values += [finding.values.get(criterion.name) for finding in record.findings]
         decimals = numbers.decimals_apart(values, 4, 6)
+        decimals = record.of.decimals(values, decimals) if i == 0 else decimals
         rows.append({
             "title": criterion.title,
             "symbol": words.symbol_html(criterion.quantity),

@@ -153,7 +153,8 @@ def _context(record: Record) -> dict[str, object]:
 def _flights(record: Record) -> list[str]:
     approaches = [(case, case.closest) for case in record.cases]
     known = [(case, closest) for case, closest in approaches if closest is not None]
-    decimals = numbers.decimals_for([closest.value for _, closest in known])
+    values = [closest.value for _, closest in known]
+    decimals = record.of.decimals(values, numbers.decimals_for(values))
     form = "{}: {} at {} s{}.".format
     return [
         form(case.label, record.of.formatted(at.value, decimals), numbers.fixed(at.time), _shown(case.head))

@@ -8,6 +8,7 @@ from __future__ import annotations
 from markupsafe import Markup
 
 from backend.reports import words
+from backend.reports.figures import Quantity
 from backend.reports.record import Record
 from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
@@ -30,7 +31,7 @@ def cases(record: Record) -> list[Row]:
     validated = record.validated
     nominal = None if validated is None else validated.nominal
     found = [nominal, *(finding.validation for finding in record.findings)]
-    return [_case(case) for case in found if case is not None]
+    return [_case(record.of, case) for case in found if case is not None]
 
 
 def seed(case: Validation | None) -> str:
@@ -38,17 +39,18 @@ def seed(case: Validation | None) -> str:
     return "" if case is None or case.realisation is None else f"noise seed {case.realisation}"
 
 
-def _case(case: Validation) -> Row:
-    decimals = numbers.decimals_for([case.cost], 7)
+def _case(of: Quantity, case: Validation) -> Row:
     half, other, neighbours = case.half_step, case.integrator or case.again, case.neighbours
     called = [] if case.repeats is None else [value for value in case.repeats.values if value is not None]
     again = min(called, default=None) if other is None else other.cost
+    halved = None if half is None else half.cost
+    decimals = of.decimals([case.cost, halved, again], numbers.decimals_for([case.cost], 7))
     return {
         "name": case.name,
         "called": case.repeats is not None,
         "seed": seed(case),
         "cost": numbers.fixed(case.cost, decimals),
-        "half": numbers.fixed(None if half is None else half.cost, decimals),
+        "half": numbers.fixed(halved, decimals),
         "half_by": numbers.plain(None if half is None else half.difference, 2),
         "other": numbers.fixed(again, decimals),
         "other_by": numbers.plain(None if other is None else other.difference, 2),
@@ -100,7 +102,7 @@ def encounter(record: Record) -> list[tuple[Markup, Markup]]:
     spread = shown.spread
     rows = [] if shown.unseen is None else _shown(record, shown, shown.unseen)
     if spread.lowest is not None:
-        low, high = numbers.plain(spread.lowest), numbers.plain(spread.highest)
+        low, high = of.plain(spread.lowest), of.plain(spread.highest)
         text = f"{low} to {high} {of.unit} over {numbers.count(spread.evaluations)} evaluations"
         rows.append((Markup("Range of {}").format(quantity), Markup.escape(text)))
     changes = [
@@ -114,7 +116,7 @@ def encounter(record: Record) -> list[tuple[Markup, Markup]]:
 def _shown(record: Record, shown: Encounter, unseen: Unseen) -> list[tuple[Markup, Markup]]:
     """Closest approach, path and the case without avoidance, for a system that provides them."""
     of = record.of
-    value = f"{numbers.plain(unseen.cost)} {of.unit}" if unseen.cost is not None else f"fails: {unseen.reason}"
+    value = f"{of.plain(unseen.cost)} {of.unit}" if unseen.cost is not None else f"fails: {unseen.reason}"
     approaches = [("nominal", shown.closest), *((f.label, f.closest) for f in record.findings)]
     closest = "; ".join(_closest(name, approach) for name, approach in approaches if approach is not None)
     rows = [(Markup.escape("Closest approach"), Markup.escape(closest))]
@@ -143,9 +145,9 @@ def _beyond(record: Record, beyond: Beyond) -> str:
 
 
 def _later(record: Record, later: Later) -> str:
-    plain = numbers.plain
+    of, plain = record.of, numbers.plain
     how = "simulated" if later.simulated else "extrapolated"
     away = f"obstacle {later.obstacle + 1}, {plain(later.distance)} m away at the last sample"
-    value = f"{record.of.symbol} {plain(later.value)} {record.of.unit} after another {plain(later.time)} s ({how})"
+    value = f"{of.symbol} {of.plain(later.value)} {of.unit} after another {plain(later.time)} s ({how})"
     moves = "closing" if later.closing > 0 else "moving away"
     return f"{later.name}, {away}, {moves} at {plain(abs(later.closing))} m/s; {value}"

@@ -253,6 +253,8 @@ class RunDetail(RunSummary):
     """Empty until a worker has started the run."""
     summary: RunVerdict | None
     """The verdict with its evidence; null until there is one."""
+    untraced: str
+    """Of a simulator: why no trace is stored, sentences; empty if one is, and for any other run."""
     rate: float | None
     """Evaluations per second of the running stage."""
     remaining: float | None

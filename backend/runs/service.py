@@ -27,6 +27,7 @@ from backend.runs.schemas import (
     StageSummary,
 )
 from backend.runs.tombstones import refuse_purged
+from backend.runs.traces import no_trace
 from campaigns import Campaign
 from campaigns.asked.distributions import Normal
 from campaigns.claims import earlier
@@ -94,6 +95,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         ],
         stages=stages,
         summary=_verdict(reader, run_id, campaign, parts, base.failed_evaluations),
+        untraced="" if campaign.simulator is None else no_trace(reader, run_id),
         rate=rate,
         remaining=remaining,
     )

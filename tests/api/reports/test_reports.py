@@ -26,7 +26,7 @@ from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully, missing
 from tests.given.service import Service
-from tests.given.small_catalogue import campaign
+from tests.given.small_catalogue import CATALOGUE, campaign
 from tests.given.submissions import submit
 
 SECTIONS = (
@@ -132,6 +132,10 @@ def test_an_unfinished_run_claims_nothing(service: Service, client: httpx.Client
     work.nominal()
     work.search(0, 700)
     text = report(client, run)
+    keys = text.partition('<p class="keys">')[2].partition("</p>")[0]
+    title = CATALOGUE.method("direct")
+    assert title is not None
+    assert re.sub("<.*?>", "", keys) == title.title
     assert "Running: no verdict" in text
     assert _STATES[RunState.RUNNING] in text
     assert {"verdict", "sample"} <= missing(text)
@@ -300,6 +304,29 @@ def test_a_simulator_is_drawn_from_the_columns_that_it_declares(
         for name in ("kite", "tower", "balloon"):
             assert name in drawn
     assert 'data-missing="drawing"' not in text
+
+
+@pytest.mark.parametrize(
+    ("stated", "sentence"),
+    [
+        ({}, "declares no trace"),
+        ({"cost": None}, "trace is stored"),
+        ({"untraced": {"nominal": "it has 1 row", "F1": "it has 1 row"}}, "nominal case, F1: it has 1 row."),
+    ],
+)
+def test_report_and_page_say_why_a_simulator_has_no_trace(bare: Service, stated: dict[str, Any], sentence: str) -> None:
+    with bare.signed_in() as client:
+        run = declared_traces.declared(bare, client, found=False)
+        assert client.get(f"/api/v1/runs/{run}").json()["untraced"] == ""
+        with bare.engine.begin() as writer:
+            writer.execute(sa.delete(Trace))
+            first = Stage.position == 0
+            result = writer.execute(sa.select(Stage.result).where(first)).scalar_one()
+            writer.execute(sa.update(Stage).where(first).values(result=result | stated))
+        why = client.get(f"/api/v1/runs/{run}").json()["untraced"]
+        assert sentence in why
+        assert ("declares a trace" in why) == ("untraced" in stated)
+        assert f'data-missing="trace">{why}</p>' in report(client, run)
 
 
 @pytest.mark.parametrize("drawn", [True, False])

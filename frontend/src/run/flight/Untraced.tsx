@@ -23,18 +23,19 @@ interface Props {
 
 export function Untraced({ data, whatIf = null, className }: Props) {
   const reasons = untracedOf(data)
-  const shown = reasons.filter(([name]) => name === NOMINAL || name === data.chosen)
+  const { untraced } = data.run // names every reason
+  const shown = reasons.filter(([name]) => !untraced && (name === NOMINAL || name === data.chosen))
   const scene = sceneOf(data)
   return (
     <div className={clsx(cards.note, className)} id="trace">
       {scene ? (
         `This run evaluates a simulator. The 3D view shows what its trace declares, z ${scene.frame === 'z_up' ? 'up' : 'down'}: positions from its columns, obstacles as stated.`
-      ) : data.traces.length > 0 ? (
-        <>
-          This run evaluates a simulator: there is no 3D view. <Declare />
-        </>
       ) : (
-        `This system provides no trace: only the values of its results can be shown.${reasons.length > 0 ? ' It declares one, but returned none that could be stored.' : ''}`
+        untraced || (
+          <>
+            This run evaluates a simulator: there is no 3D view. <Declare />
+          </>
+        )
       )}
       {whatIf && (
         <p>

@@ -9,12 +9,14 @@ import { overTime, shownColumns } from './flown'
 import { Untraced } from './Untraced'
 
 const stages = (untraced?: Record<string, string>) => [{ kind: 'nominal', result: { stage: 'nominal', cost: 1, untraced } }]
-const data = (more: object) => ({ stages: stages(), traces: [], run: { summary: null }, chosen: 'F1', ...more }) as unknown as RunData
+const data = (more: object) => ({ stages: stages(), traces: [], run: { summary: null, untraced: '' }, chosen: 'F1', ...more }) as unknown as RunData
 const shown = (more: object) => renderToStaticMarkup(<Untraced data={data(more)} className="" />)
 const column = (name: string, group: string) => ({ name, symbol: name, unit: 'm', group })
 
-it('claims no trace only if none is stored', () => {
-  expect(shown({})).toContain('This system provides no trace')
+it('states why there is no trace only if none is stored', () => {
+  const none = shown({ run: { summary: null, untraced: 'It declares none.' }, stages: stages({ nominal: 'it has 1 row' }) })
+  expect(none).toContain('It declares none.')
+  expect(none).not.toContain('it has 1 row')
   expect(shown({ traces: [{ name: 'nominal', meta: {} }] })).toContain('This run evaluates a simulator: there is no 3D view.')
 })
 

@@ -6,12 +6,15 @@ from types import SimpleNamespace
 from typing import Any
 
 from backend.reports import validation
+from backend.reports.figures import Quantity
 from campaigns.results.finding import Calls, Neighbours, Validation
 
 
 def row(**changes: Any) -> dict[str, object]:
     case = Validation(name="F1", step=None, cost=1.25, allowed=None, ok=True, **changes)
-    record: Any = SimpleNamespace(validated=None, findings=[SimpleNamespace(validation=case)])
+    record: Any = SimpleNamespace(
+        of=Quantity("d_min", "m", None), validated=None, findings=[SimpleNamespace(validation=case)]
+    )
     (only,) = validation.cases(record)
     return only
 

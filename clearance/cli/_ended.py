@@ -29,6 +29,14 @@ UNKNOWN = ("not compared", "unresolved")
 """Of a finding of the baseline: standings that say what was not examined, not what has become of it."""
 
 
+def read(value: float, threshold: float | None) -> str:
+    """A value with so many digits that it is read on its own side of the threshold; an earlier version of a service
+    may state none."""
+    from campaigns.claims.numbers import beside, number
+
+    return number(value) if threshold is None else beside(value, threshold)
+
+
 @dataclass(frozen=True)
 class Case:
     """One finding: the value to state for it and its margin [unit of the criterion], parameters by path.
@@ -47,11 +55,11 @@ class Case:
     seed: int | None = None
     confirmed: bool = True
 
-    @property
-    def beside(self) -> str:
+    def beside(self, threshold: float | None) -> str:
         """The evaluated value, where another one is stated, the noise seed, and that a violation is not confirmed, as
         the rest of a clause."""
-        lower = "" if self.evaluated in (None, self.cost) else f", evaluated as {self.evaluated:.6g}"
+        other = None if self.evaluated == self.cost else self.evaluated
+        lower = "" if other is None else f", evaluated as {read(other, threshold)}"
         drawn = "" if self.seed is None else f", with noise seed {self.seed}"
         return lower + drawn + (", not confirmed" if self.margin <= 0 and not self.confirmed else "")
 
@@ -67,7 +75,8 @@ class Source:
 @dataclass(frozen=True)
 class EndedRun:
     """One run. run: R-0001, or the campaign's file; link: its page, if it has one; replay: the command that evaluates a
-    case of it again, without the case; notes: sentences on its baseline and on its reuse."""
+    case of it again, without the case; notes: sentences on its baseline, its reuse and its
+    removal."""
 
     run: str
     campaign: str
@@ -102,12 +111,6 @@ class EndedRun:
         if not found and worst is not None:
             found = (Case(worst.finding, worst.cost, worst.margin, worst.parameters, worst.evaluated),)
         return tuple(case for case in found if case.margin <= 0)
-
-    def value(self, case: Case) -> str:
-        """The value to state for a finding, on its own side of the threshold."""
-        from campaigns.claims.numbers import beside, number
-
-        return number(case.cost) if self.threshold is None else beside(case.cost, self.threshold)
 
     @property
     def accepted(self) -> bool:

@@ -15,9 +15,11 @@ import typer
 
 from campaigns.runs import RunState
 from clearance.cli import WrongInputError
-from clearance.cli._ended import Case, EndedRun, Source, changes, sureness
+from clearance.cli._ended import Case, EndedRun, Source, changes, read, sureness
 
 if TYPE_CHECKING:
+    from datetime import datetime
+
     from clearance.cli._launch import Launch
     from clearance.client import Client
     from clearance.client.answers import Finding, Run, RunDetail
@@ -116,7 +118,7 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
         link=service.link(found),
         replay=f"clearance replay --service {shlex.quote(service.address)} {found.id}",
         labels=found.labels,
-        notes=tuple(filter(None, [reused, "" if compared is None else compared.sentence])),
+        notes=tuple(filter(None, [reused, "" if compared is None else compared.sentence, removal(found)])),
         seconds=worked(found),
         compared=compared is None or compared.run is not None,
         quantity=found.quantity,
@@ -149,6 +151,19 @@ def superseded(found: Run) -> str:
     if not found.superseded_by:
         return ""
     return f"{found.superseded_by} superseded it in the group {found.group}"
+
+
+def removal(found: Run) -> str:
+    """That a run was removed from the lists, by whom, when and why; empty if it was not."""
+    if found.removed is None:
+        return ""
+    reason = (found.removed_reason or "no reason is recorded").rstrip(".")
+    return f"Removed from the lists by {found.removed_by or 'unknown'}, {moment(found.removed)}: {reason}."
+
+
+def moment(at: datetime) -> str:
+    """A time of a service, in UTC."""
+    return at.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def case(found: Finding) -> Case:
@@ -217,7 +232,7 @@ def _line(found: Run, figures: bool) -> str:
     name = stage.kind if stage.method is None else f"{stage.kind}: {stage.method}"
     if not figures:
         return f"{found.id} {name}"
-    best = "" if stage.best is None else f", best {stage.best:.6g} {found.unit}"
+    best = "" if stage.best is None else f", best {read(stage.best, found.threshold)} {found.unit}"
     of = f" of {stage.planned:,}" if stage.evaluations <= stage.planned else ""  # excluded samples are drawn again
     return f"{found.id} {name}, {stage.evaluations:,}{of} evaluations{best}"
 
@@ -238,7 +253,7 @@ def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
         lines = ["Cancelled: no verdict", *filter(None, [superseded(found) or plain(found.error or "")])]
     else:
         lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]
-    lines += ended.notes
+    lines += map(plain, ended.notes)
     if ended.verdict is not None:
         lines += [*sureness(ended.verdict), *changes(ended.verdict)]
     return [*lines, service.link(found)]

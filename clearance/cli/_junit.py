@@ -14,7 +14,7 @@ from xml.etree import ElementTree as Xml
 
 from campaigns.claims.numbers import signed
 from campaigns.results.regression import FindingChange
-from clearance.cli._ended import UNKNOWN, Case, EndedRun, exit_sentence, sureness
+from clearance.cli._ended import UNKNOWN, Case, EndedRun, exit_sentence, read, sureness
 
 if TYPE_CHECKING:
     from campaigns.results import Verdict
@@ -65,7 +65,7 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
     case, verdict = _added(suite, ended, "verdict"), ended.verdict
     if verdict is None:
         message = f"no verdict: {ended.state}" + (f": {ended.error}" if ended.error else "")
-        _ended(case, "error", message, ended.link, kind=ended.state)
+        _ended(case, "error", message, *ended.notes, ended.link, kind=ended.state)
         return
     if verdict.verdict == "cleared" or ended.accepted:
         Xml.SubElement(case, "system-out").text = _clean("\n".join([verdict.reason, *ended.notes]))
@@ -120,7 +120,8 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
 def _violation(ended: EndedRun, found: Case) -> str:
     """A violating finding: its value, parameters and replay command."""
     unit = f" {ended.unit}" if ended.unit else ""
-    head = f"{found.label}: {ended.value(found)}{unit}, margin {signed(found.margin)}{unit}{found.beside}"
+    value, rest = read(found.cost, ended.threshold), found.beside(ended.threshold)
+    head = f"{found.label}: {value}{unit}, margin {signed(found.margin)}{unit}{rest}"
     replay = f"{ended.replay} {found.label}" if ended.replay else ""
     return "\n".join(filter(None, [head, found.likelihood, *_values(found.parameters), replay]))
 

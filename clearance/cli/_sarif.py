@@ -20,7 +20,7 @@ from campaigns.codes import CheckCode
 from campaigns.results.regression import FindingChange, Standing
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.version import VERSION
-from clearance.cli._ended import Case, EndedRun, Source, sureness
+from clearance.cli._ended import Case, EndedRun, Source, read, sureness
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 VIOLATION, CHECK, CHANGE, NO_VERDICT = "violation", "check/", "change/", "no-verdict"
@@ -137,10 +137,10 @@ def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, 
 def _violation(ended: EndedRun, case: Case) -> str:
     unit = f" {ended.unit}" if ended.unit else ""
     threshold = "" if ended.threshold is None else f" to the threshold {limit(ended.threshold)}{unit}"
-    value = f"{case.label}: {ended.quantity or 'the criterion'} = {ended.value(case)}{unit}"
+    value = f"{case.label}: {ended.quantity or 'the criterion'} = {read(case.cost, ended.threshold)}{unit}"
     reason = None if ended.verdict is None or ended.verdict.verdict == "violated" else ended.verdict.reason
     parts = [
-        f"{value}, margin {signed(case.margin)}{unit}{threshold}{case.beside}.",
+        f"{value}, margin {signed(case.margin)}{unit}{threshold}{case.beside(ended.threshold)}.",
         f"{case.likelihood}." if case.likelihood else "",
         "" if reason is None else f"The verdict does not confirm it: {reason}",
         *(f"{path} = {value!r}" for path, value in case.parameters.items()),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from campaigns.claims.numbers import Format, written
+from campaigns.claims.numbers import Format, signed, written
 from campaigns.claims.stages.sample import STATED_SEED
 from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
@@ -91,7 +91,7 @@ def _line(found: Sweep, point: SweepPoint) -> str:
         return f"{start}  purged"
     if outcome.state != RunState.DONE:
         return f"{start}  {outcome.state}: no verdict{'; ' + outcome.error if outcome.error else ''}"
-    margin = "" if outcome.margin is None else f", worst margin {outcome.margin:.6g} {outcome.unit}".rstrip()
+    margin = "" if outcome.margin is None else f", worst margin {signed(outcome.margin)} {outcome.unit}".rstrip()
     bound = outcome.upper_bound
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
     sure = written(outcome.confidence or 0.0, form=Format.AT_LEAST)

@@ -55,18 +55,19 @@ def runs(
 
 
 def _row(run: Run) -> list[str]:
+    from campaigns.claims.numbers import signed
     from campaigns.results.verdict import headline
     from campaigns.versions import SHORT
-    from clearance.cli._following import plain
+    from clearance.cli._following import moment, plain
 
-    margin = "" if run.margin is None or not run.verdict else f"{run.margin:+.6g} {run.unit}".rstrip()
+    margin = "" if run.margin is None or not run.verdict else f"{signed(run.margin)} {run.unit}".rstrip()
     unread = run.document.get("unidentified")
     labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
     return [
         run.id,
         headline(run.verdict, run.not_sampled) if run.verdict else run.state,
         margin,
-        run.created.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        moment(run.created),
         (run.document.get("code") or "")[:SHORT] or ("not identified" if unread else ""),
         plain(run.name),
         labels,

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clearance.cli._following import AsJson, case, counts, plain, superseded, worked
+from clearance.cli._ended import read
+from clearance.cli._following import AsJson, case, counts, moment, plain, removal, superseded, worked
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ def _head(found: RunDetail) -> list[str]:
 
     state = headline(found.verdict, found.not_sampled) if found.verdict else found.state
     lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
-    lines += [plain(text) for text in (found.reason, found.error, found.waits, superseded(found)) if text]
+    stated = (found.reason, found.error, found.waits, superseded(found), removal(found))
+    lines += [plain(text) for text in stated if text]
     if found.stage is not None:
         lines.append(f"Running: {found.stage.kind} {found.stage.method or ''}".rstrip())
     lines += [counts(found), f"Campaign: {plain(found.campaign_name)}, sha256 {found.campaign_digest[:16]}"]
@@ -51,7 +53,7 @@ def _head(found: RunDetail) -> list[str]:
     if begun := found.document.get("undigested"):
         lines.append(f"Code: {plain(str(begun))}")
     times = {"Submitted": found.created, "started": found.started, "ended": found.finished}
-    stamps = [f"{word} {at.strftime('%Y-%m-%dT%H:%M:%SZ')}" for word, at in times.items() if at]
+    stamps = [f"{word} {moment(at)}" for word, at in times.items() if at]
     lines.append(", ".join([*stamps, *([f"worked {seconds:.3f} s"] if (seconds := worked(found)) else [])]))
     lines.append(f"By {plain(found.owner)}" + (f" (token {found.token})" if found.token else ""))
     if found.labels:
@@ -75,13 +77,11 @@ def _sureness(found: RunDetail) -> list[str]:
 
 
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:
-    from campaigns.claims.numbers import beside, number
+    from campaigns.claims.numbers import signed
 
-    unit = f" {found.unit}" if found.unit else ""
-    limit = found.threshold
-    values = {f.label: number(f.cost) if limit is None else beside(f.cost, limit) for f in map(case, findings)}
+    unit, limit = f" {found.unit}" if found.unit else "", found.threshold
     return [
-        f"{f.label}: {found.quantity} {values[f.label]}{unit}, margin {f.margin:+.6g}{unit}{f.beside}; "
+        f"{f.label}: {found.quantity} {read(f.cost, limit)}{unit}, margin {signed(f.margin)}{unit}{f.beside(limit)}; "
         + ", ".join(f"{path} = {value!r}" for path, value in f.parameters.items())
         for f in map(case, findings)
     ]

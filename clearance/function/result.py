@@ -190,9 +190,11 @@ class Result(Evaluations):
         return report(self.origin, Path(file))
 
     def __repr__(self) -> str:
-        lowest = (
-            "no value" if self.worst is None else f"worst {self.quantity} {self.worst.cost:.6g} {self.unit}".rstrip()
-        )
+        from campaigns.claims.numbers import beside
+
+        lowest = "no value"
+        if self.worst is not None:
+            lowest = f"worst {self.quantity} {beside(self.worst.cost, self.threshold)} {self.unit}".rstrip()
         return f"<Result {self.verdict}: {lowest}, {len(self.costs)} evaluations>"
 
     def __str__(self) -> str:

@@ -13,8 +13,11 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db.tables import Run
+from campaigns.claims.numbers import signed
+from campaigns.results.finding import HalfStep
 from campaigns.results.verdict import headline
 from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
+from tests import results
 from tests.given.refused_commands import refusal
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
@@ -222,3 +225,50 @@ def test_a_campaign_is_validated_by_a_service(
     assert service.rows()["runs"] == 0
     assert command("validate", right, "--service", service.url, "--normal") == WRONG_INPUT
     assert command("validate", right, "--service", "http://127.0.0.1:9", "--patience", "0") == INTERNAL
+
+
+def test_a_removed_run_is_stated_as_removed_everywhere(
+    violated: str, command: Command, service: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with service.signed_in() as client:
+        assert client.post("/api/v1/runs/R-0002/cancel").status_code == 200
+        removed = client.post("/api/v1/runs/remove", json={"runs": [violated, "R-0002"], "reason": "Wrong mass."})
+        assert removed.status_code == 200, removed.text
+    for run, code in ((violated, VIOLATED), ("R-0002", 130)):
+        files = {name: tmp_path / f"{run}-{name}" for name in ("junit", "summary", "sarif")}
+        assert command("follow", run, *(part for name in files for part in (f"--{name}", files[name]))) == code
+        texts = {"follow": statement(capsys)} | {name: file.read_text() for name, file in files.items()}
+        assert command("show", run) == 0
+        texts["show"] = statement(capsys)
+        for name, text in texts.items():
+            assert re.search("Removed .* by .*: Wrong mass", text), (run, name)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_no_value_is_read_on_the_other_side_of_its_threshold(
+    command: Command, service: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str], side: int
+) -> None:
+    """Nothing that states a run rounds a value or the threshold across the other one: to six digits it would."""
+    limit, below = 0.73912 + side * 1.2e-7, 4e-8
+    # A violation of which another evaluation is milder, or a case above the threshold.
+    value = limit + below if side > 0 else limit - 2 * below
+    milder = {"half_step": HalfStep(step=0.0025, cost=limit + side * below, difference=below), "integrator": None}
+    again = results.validation("F1", value, agrees=side > 0, violates=side < 0).model_copy(update=milder)
+    found = results.finding("F1", value, value - limit, {"vehicle.m": 6.0}, validation=again)
+    with service.signed_in() as client:
+        run = submit(client, criterion=campaign()["criterion"] | {"threshold": limit})
+        finish_fully(service, "violated" if side < 0 else "cleared", found=[found], threshold=limit, worst=value)
+        texts = {"report": client.get(f"/api/v1/runs/{run}/report.html").text}
+    files = {name: tmp_path / name for name in ("junit", "summary", "sarif")}
+    assert command("follow", run, *(part for name in files for part in (f"--{name}", files[name]))) in (0, 1)
+    texts["follow"] = statement(capsys)
+    assert command("show", run) == 0
+    texts |= {"show": statement(capsys)} | {name: file.read_text() for name, file in files.items()}
+    for name, text in texts.items():
+        near = [float(number) for number in re.findall(r"\d\.\d+", text) if abs(float(number) - limit) < 2e-4]
+        assert [number for number in near if (number - limit) * side < 0] == [], name
+        if name in ("report", "show"):
+            assert any((number - limit) * side > 0 for number in near), name
+    assert command("runs") == 0
+    for text in (texts["show"], statement(capsys)):
+        assert any(f" {signed(n * side * below)} m" in text for n in (1, 2)), "a margin is written alike"

@@ -73,7 +73,7 @@ def test_the_worst_run_decides(submit: Submit, service: Service, capsys: Any, tm
             if verdict == "failed":
                 assert line.endswith("; the state diverged.")
             else:
-                assert f"{verdict}, worst margin 0.8 m, P(violation) at most 0.0999 % (95 % confidence)" in line
+                assert f"{verdict}, worst margin +0.8 m, P(violation) at most 0.0999 % (95 % confidence)" in line
         assert (tmp_path / "sweep.csv").read_text().count("\n") == 3
 
 

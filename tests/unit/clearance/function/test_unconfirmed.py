@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -103,3 +104,20 @@ def test_the_advice_can_be_followed_for_a_function(fails: bool, late: int, tmp_p
     assert ("that it keeps" in noise) == ("a campaign file" in noise) == (not fails)
     assert "retries" not in noise
     audited(found.save(tmp_path / "saved"))
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_no_value_is_read_on_the_other_side_of_its_threshold(side: int) -> None:
+    """Rounded to six digits, the worst value and the threshold would be."""
+    limit = 0.73912 + side * 1.2e-7
+
+    def beside(a: float, b: float) -> float:
+        return limit + side * 4e-8 + 0.3 * ((a - 0.5) ** 2 + (b - 0.5) ** 2)
+
+    found = clearance.search(beside, {"a": (0, 1), "b": (0, 1)}, limit, methods={"direct": 30}, certify=20)
+    page = found._repr_html_()
+    rows = "".join(line for line in str(found).splitlines() if line.startswith(("nominal ", "F1 ")))
+    for text in (repr(found), rows, page[page.index("<table") : page.index("</table>")], page[page.index("╌") :]):
+        near = [float(number) for number in re.findall(r"\d\.\d+", text) if abs(float(number) - limit) < 2e-4]
+        assert near, text
+        assert [number for number in near if (number - limit) * side < 0] == [], text

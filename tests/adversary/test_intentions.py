@@ -10,6 +10,7 @@ import pytest
 from campaigns import Campaign
 from campaigns.results.verdict import VerdictWord
 from tests.audited import audited, recorded
+from tests.given.at_night import nightly_but
 from tests.given.case_campaigns import CASE1, searching
 from tests.given.corrupted_records import DIRECT, SQP, TURNING
 from tests.given.sampled_stages import DRAWN
@@ -41,7 +42,10 @@ def asked(check: str, intended: list[str]) -> Campaign:
     return searching(DIRECT, SQP, encounter=stated, stages__certify={"samples": 60}, **ATTACKS[check])
 
 
-@pytest.mark.parametrize("intended", [*([each] for each in CONDITIONS), [*CONDITIONS]], ids="+".join)
+@pytest.mark.parametrize(
+    "intended", nightly_but(([*CONDITIONS], ["closest_approach"]), [*([each] for each in CONDITIONS), [*CONDITIONS]]),
+    ids="+".join,
+)
 @pytest.mark.parametrize("check", ATTACKS)
 def test_no_intention_clears_what_comes_after_the_horizon_or_between_steps(check: str, intended: list[str]) -> None:
     campaign, store = asked(check, intended), MemoryStore(sample_seed=DRAWN)

@@ -19,6 +19,7 @@ from campaigns.sample_seed import SampleSeed
 from campaigns.stored import blocks as stored
 from campaigns.stored.blocks import Block, Counted, Kept, Scale, size
 from tests.audited import audited
+from tests.given.at_night import nightly_but
 from tests.given.corrupted_records import RUNS, Folder, copied, counting, made, ran
 from worker.engine.stages import certify
 from worker.engine.stages.parts import counting as engine
@@ -66,7 +67,10 @@ FALSE: dict[str, Callable[[Block], Block]] = {
 }
 
 
-@pytest.mark.parametrize("name", FALSE)
+BY_DAY = ("all costs in one bin", "costs in higher bins", "a higher lowest cost", "negative exclusions")
+
+
+@pytest.mark.parametrize("name", nightly_but(BY_DAY, FALSE))
 def test_a_false_count_is_rejected(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def falsely(*given: Any, **named: Any) -> Block:
         return FALSE[name](stored.counted(*given, **named))

@@ -43,7 +43,8 @@ def asked(check: str, intended: list[str]) -> Campaign:
 
 
 @pytest.mark.parametrize(
-    "intended", nightly_but(([*CONDITIONS], ["closest_approach"]), [*([each] for each in CONDITIONS), [*CONDITIONS]]),
+    "intended",
+    nightly_but(([*CONDITIONS], ["closest_approach"]), [*([each] for each in CONDITIONS), [*CONDITIONS]]),
     ids="+".join,
 )
 @pytest.mark.parametrize("check", ATTACKS)

@@ -1,7 +1,7 @@
 // The results of the runs side by side, with the difference for two runs.
 import type { ReactNode } from 'react'
 import { independentSample } from '../api/stages'
-import { atMost, confidenceText, count, decimalsFor, exact, fixed, margin, NONE, plain, probability, signed } from '../format/numbers'
+import { atMost, confidenceText, count, decimalsBeside, exact, fixed, margin, NONE, plain, probability, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
@@ -78,8 +78,7 @@ function apartText({ values: [a, b], outOf, decimals, apart }: Line): string {
 function linesOf(runs: Compared[]): Line[] {
   const unit = unitOf(runs) ?? ''
   const quantity = unitOf(runs) === null ? 'value' : (runs[0]?.run.quantity ?? 'value')
-  const costs = runs.flatMap(({ run }) => [run.worst_cost, run.nominal_cost])
-  const decimals = decimalsFor(costs)
+  const decimals = Math.max(...runs.map(({ run }) => decimalsBeside([run.worst_cost, run.nominal_cost], run.threshold)))
   const samples = runs.map(({ stages }) => independentSample(stages))
   const statistics = runs.map(({ run }) => run.summary?.statistics ?? null)
   const sizes = [...new Set(statistics.flatMap((sample) => (sample ? [sample.samples] : [])))]

@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest'
 import cases from '../../tests/numbers.json'
 import type { Quantity } from '../client'
-import { confidenceText, count, decimalsApart, decimalsFor, duration, exact, field, fixed, goal, margin, parse, percent, plain, signed, spread, thinned } from './numbers'
+import { confidenceText, count, decimalsApart, decimalsBeside, decimalsFor, duration, exact, field, fixed, goal, margin, parse, percent, plain, signed, spread, thinned } from './numbers'
 import { quantityText } from './quantity'
 import { unitText } from './units'
 
@@ -27,6 +27,15 @@ it.each(Object.keys(WRITTEN))('writes every case as the service does: %s', (name
   expect(Object.keys(cases).sort()).toEqual(Object.keys(WRITTEN).sort())
   const rows = (cases as unknown as Record<string, unknown[][]>)[name] ?? []
   expect(rows.map((row) => WRITTEN[name]?.(...(row.slice(0, -1) as never[])))).toEqual(rows.map((row) => row.at(-1)))
+})
+
+it.each([
+  [[0.50000004, 1.2], 0.5, '0.50000004'],
+  [[0.49999996, 1.2], 0.5, '0.49999996'],
+  [[0.5, 1.2], 0.5, '0.500'],
+  [[0.3, null], null, '0.3000'],
+])('shows a value on its own side of the threshold: %s', (values, threshold, text) => {
+  expect(fixed(values[0], decimalsBeside(values, threshold))).toBe(text)
 })
 
 describe('fields', () => {

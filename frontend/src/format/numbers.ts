@@ -53,6 +53,15 @@ export function decimalsFor(values: readonly Maybe[], digits = 4): number {
   return Math.min(12, Math.max(0, digits - 1 - Math.floor(Math.log10(largest) + 1e-12)))
 }
 
+/** Decimals that show values, and each of them on its own side of the threshold. */
+export function decimalsBeside(values: readonly Maybe[], threshold: Maybe): number {
+  const base = decimalsFor([...values, threshold])
+  if (!known(threshold)) return base
+  const side = (value: number): number => Math.sign(value - threshold)
+  const shown = (decimals: number): boolean => values.filter(known).every((value) => side(Number(value.toFixed(decimals))) === side(value))
+  return Array.from({ length: 16 - base }, (_, more) => base + more).find(shown) ?? base
+}
+
 /** Decimals that distinguish the two closest numbers, at most `most` significant digits. */
 export function decimalsApart(values: readonly Maybe[], digits = 4, most = 7): number {
   const sorted = values.filter(known).sort((a, b) => a - b)

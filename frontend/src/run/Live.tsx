@@ -5,7 +5,7 @@ import { useStill } from '../api/still'
 import type { RunDetail, StageProgress } from '../client'
 import { unknownOf, withoutValue } from '../format/counts'
 import { age } from '../format/time'
-import { count, decimalsApart, decimalsFor, duration, exact, fixed, margin as marginText, NONE } from '../format/numbers'
+import { count, decimalsApart, decimalsBeside, duration, exact, fixed, margin as marginText, NONE } from '../format/numbers'
 import { Card, Stat } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
@@ -103,7 +103,7 @@ function Figures({ data }: { data: RunData }) {
   const now = useNow(1000)
   const leader = leaderOf(run)
   const cost = leader?.best ?? run.worst_cost
-  const decimals = decimalsFor([cost, run.nominal_cost, run.threshold])
+  const decimals = decimalsBeside([cost, run.nominal_cost], run.threshold)
   const margin = cost === null || run.threshold === null ? null : cost - run.threshold
   return (
     <div className={cards.card}>

@@ -84,6 +84,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "TAILS",
         "LOWEST",
         "SHARED",
+        "CALLED",
         "BASINS",
         "RULES",
         "SMALLEST",

@@ -215,8 +215,9 @@ def _case(run: Run, number: int) -> FindingChange:
     recorded = run.claims["regression"]["cases"][number]
     if recorded["before"] is None:
         found = {f.label: f for f in run.findings}[recorded["now"]]
-        identity, margins = (None, found.label, found.parameters), (math.nan, math.nan, found.margin)
-        return _row(run, "new", margins, identity, new=found.margin <= 0)
+        margin = found.margin if run.wording >= limits.CALLED else found.cost - run.threshold
+        identity, margins = (None, found.label, found.parameters), (math.nan, math.nan, margin)
+        return _row(run, "new", margins, identity, new=margin <= 0)
     baseline = run.campaign.baseline
     assert baseline is not None
     case = next(case for case in baseline.cases if case.label == recorded["before"])

@@ -141,7 +141,7 @@ def _possible(run: Run) -> bool:
     return examined(run) and _compared(run, spot) and all(low <= count <= most for low, count, most in of)
 
 
-def _compared(run: Run, spot: dict[str, Any]) -> bool:
+def _compared(run: Run, spot: Any) -> bool:
     """Whether the lowest value by the reference integrator may be that of what was compared."""
     lowest, at = spot.get("lowest_reference"), spot["at"]
     if run.written < limits.CALLED or not run.sealed:

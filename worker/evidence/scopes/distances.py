@@ -5,7 +5,7 @@ from __future__ import annotations
 from campaigns import Campaign, Catalogue
 from campaigns.checked import extents
 from campaigns.checked.check import parameters
-from campaigns.claims.say import listed, number, say, symbol
+from campaigns.claims.say import limit, listed, number, say, symbol
 from campaigns.claims.spans import Spans
 from campaigns.symbols import labels
 
@@ -38,7 +38,7 @@ def overlooked(campaign: Campaign, catalogue: Catalogue) -> Spans:
     path = max(inside, key=lambda p: inside[p])
     return say(
         *(symbol(criterion.quantity), " is measured to the obstacles' centres, and the threshold of "),
-        *(number(campaign.criterion.threshold, "m", "threshold"), f" is inside {path}, whose surface extends to "),
+        *(limit(campaign.criterion.threshold, "m", "threshold"), f" is inside {path}, whose surface extends to "),
         *(number(inside[path], "m", "reach"), " from its centre: a vehicle inside it would count as clear"),
     )
 

@@ -150,8 +150,9 @@ def _several(
         if r.failed or (r.violating and violating)
     ]
     bad += [say(name, " has no value to compare") for name, v, _ in called if v.cost is None]
+    in_none = " in the search, and in none of its calls"
     lucky = [
-        say(name, " violates with ", on_side(v.cost, threshold, problem.unit), " in the search, and in no call of it")
+        say(name, " violates with ", on_side(v.cost, threshold, problem.unit), in_none)
         for name, v, r in called
         if v.cost is not None and v.cost <= threshold and not r.violating
     ]

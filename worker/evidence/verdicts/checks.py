@@ -58,16 +58,16 @@ def _no_violation(problem: Problem, evidence: Evidence) -> Check:
     if worst is None:
         return check(code, False, "no evaluation succeeded")
     violation = evidence.violation
-    if worst.margin > 0 and violation is not None and violation.validation is not None:
+    if worst.cost > problem.threshold and violation is not None and violation.validation is not None:
         # Of a simulator that does not repeat: no stored evaluation violates, but an independent call does.
         repeats = violation.validation.repeats
         called = () if repeats is None else say(" ", repeats.statement)
         counts = evidence.violations.statement
         return check(code, False, "in independent calls ", finding(violation.label), called, "; ", counts)
-    if worst.margin > 0 and not evidence.violating:
+    if worst.cost > problem.threshold and not evidence.violating:
         return check(code, True, "the worst case found has a margin of ", signed(worst.margin, unit, "margin"))
     counts = evidence.violations.statement
-    if worst.margin > 0:
+    if worst.cost > problem.threshold:
         return check(code, False, counts)
     stated = violation or worst
     confirmed = "confirmed" if violation is not None else "did not confirm"

@@ -189,7 +189,7 @@ def _standing(
 
 def _new(problem: Problem, found: Finding, run: str, apart: str | None) -> FindingChange:
     """apart: the finding of the baseline that is in its basin, but is not the same."""
-    cost = on_side(found.cost, problem.threshold, problem.unit)
+    cost, margin = on_side(found.granted, problem.threshold, problem.unit), found.granted - problem.threshold
     why = f"no finding of {run} is in its basin"
     if apart is not None:
         why = f"a case between it and {apart} of {run} does not violate"
@@ -199,9 +199,9 @@ def _new(problem: Problem, found: Finding, run: str, apart: str | None) -> Findi
         before=None,
         now=found.label,
         parameters=found.parameters,
-        margin=found.margin,
-        newly_violating=found.margin <= 0,
-        statement=say(statement, " = ", cost, ", a margin of ", signed(found.margin, problem.unit, "margin")),
+        margin=margin,
+        newly_violating=margin <= 0,
+        statement=say(statement, " = ", cost, ", a margin of ", signed(margin, problem.unit, "margin")),
     )
 
 
@@ -218,7 +218,7 @@ def _beside(problem: Problem, evidence: Evidence, checks: Sequence[Check]) -> Sp
     """Why known violations are not accepted, as a sentence; empty if nothing else is wrong."""
     but, findings = " The known violations are not accepted: ", evidence.findings
     most = problem.campaign.stages.findings.at_most
-    if len(findings) >= most and all(found.margin <= 0 for found in findings):
+    if len(findings) >= most and all(found.granted <= problem.threshold for found in findings):
         return say(but, "all ", count(most), " findings that the campaign lists violate, and there may be more.")
     others = [check for check in checks if not check.ok and not _of_violations(check, problem, evidence)]
     wrong = [check.name if (rule := rules.rule(check.code)) is None else rule.title for check in others]

@@ -94,7 +94,7 @@ def _worst(problem: Problem, found: Finding, which: str) -> Spans:
 
 def _shown(problem: Problem, found: Finding, violation: Finding) -> Spans:
     """Which violation was validated."""
-    if violation.margin > 0:
+    if violation.cost > problem.threshold:
         none = "No stored evaluation violates the criterion, but calls of " if violation is found else "Calls of "
         return say(none, finding(violation.label), " independent of the search do; it was found")
     if violation is found:

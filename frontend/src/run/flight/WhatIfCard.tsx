@@ -5,7 +5,7 @@ import { type CSSProperties, type KeyboardEvent, useState } from 'react'
 import { flushSync } from 'react-dom'
 import { hasScenario } from '../../api/campaign'
 import type { FlightAnswer, FlightValue } from '../../client'
-import { decimalsFor, exact, field, fixed, margin, NARROW, NONE, parse, plain } from '../../format/numbers'
+import { decimalsBeside, decimalsFor, exact, field, fixed, margin, NARROW, NONE, parse, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
@@ -92,14 +92,14 @@ function Outcome({ data, state }: Omit<Props, 'className'>) {
         <Figure
           name={<Sign text={run.quantity || 'value'} />}
           value={answer?.cost ?? null}
-          text={fixed(answer?.cost, decimalsFor([answer?.cost, run.threshold, run.nominal_cost]))}
+          text={fixed(answer?.cost, decimalsBeside([answer?.cost, run.nominal_cost], run.threshold))}
           unit={run.unit}
           testId="what-if-cost"
         />
         <Figure
           name="Margin"
           value={answer?.margin ?? null}
-          text={margin(answer?.margin, decimalsFor([answer?.cost, run.threshold, run.nominal_cost]))}
+          text={margin(answer?.margin, decimalsBeside([answer?.cost, run.nominal_cost], run.threshold))}
           unit={run.unit}
           bad={typeof answer?.margin === 'number' && answer.margin <= 0}
           testId="what-if-margin"

@@ -1,6 +1,6 @@
 // Nominal against worst: every uncertain parameter with its position within the bounds, and the results.
 import { clsx } from 'clsx'
-import { decimalsFor, exact, fixed, NARROW, NONE, plain } from '../../format/numbers'
+import { decimalsBeside, decimalsFor, exact, fixed, NARROW, NONE, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { WithinBounds } from '../../ui/bars'
 import { Card } from '../../ui/Card'
@@ -27,7 +27,7 @@ interface NominalWorstProps {
 
 export function NominalWorst({ data, className, title, note, column, worst }: NominalWorstProps) {
   const { run, parameters, nominalTrace, findingTrace } = data
-  const decimals = decimalsFor([run.nominal_cost, worst?.cost])
+  const decimals = decimalsBeside([run.nominal_cost, worst?.cost], run.threshold)
   const near = [nominalTrace, column === null ? undefined : findingTrace].map((trace) => trace?.meta.closest)
   const both = column !== null
   return (

@@ -3,7 +3,7 @@
 import { clsx } from 'clsx'
 import { Fragment } from 'react'
 import type { EvaluationFailure } from '../../client'
-import { count, decimalsFor, margin as marginText, plain } from '../../format/numbers'
+import { count, decimalsBeside, margin as marginText, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
 import { Sign } from '../../ui/Sign'
@@ -74,7 +74,7 @@ function Again({ space, at, whatIf, flies }: { space: Space; at: number; whatIf:
   if (stale) return <Shown>Its values are in the what-if, which evaluates them on request</Shown>
   if (!answer) return refused
   const { cost, margin } = answer
-  const decimals = decimalsFor([cost, answer.threshold])
+  const decimals = decimalsBeside([cost], answer.threshold)
   return (
     <Shown>
       {flies ? 'Simulated' : 'Evaluated'} again:{' '}

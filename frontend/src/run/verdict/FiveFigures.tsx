@@ -1,7 +1,7 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
 import { samplerOf } from '../../api/stages'
 import { sourceOf, unknownOf, violatedOf, withoutValue } from '../../format/counts'
-import { atMost, confidenceText, count, decimalsFor, duration, exact, fixed, goal, margin, NONE } from '../../format/numbers'
+import { atMost, confidenceText, count, decimalsBeside, decimalsFor, duration, exact, fixed, goal, margin, NONE } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
@@ -16,7 +16,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
   const { run, campaign } = data
   const statistics = run.summary?.statistics ?? null
   const source = sourceOf(run.bound_source)
-  const decimals = decimalsFor([run.worst_cost, run.nominal_cost, run.threshold])
+  const decimals = decimalsBeside([run.worst_cost, run.nominal_cost], run.threshold)
   const share = run.margin !== null && run.threshold ? run.margin / Math.abs(run.threshold) : null
   const lower = run.nominal_cost !== null && run.worst_cost !== null ? run.nominal_cost - run.worst_cost : null
   const worst = data.findings.find(({ label }) => label === worstOf(run))

@@ -397,7 +397,7 @@ def test_agreement_knows_no_scale_and_no_offset(scale: float, offset: float) -> 
     level = encountered(spread=Spread(evaluations=3343, lowest=worst, highest=offset + 1.5 * scale))
     conclusion = concluded(
         campaign(criterion__threshold=threshold), nominal=nominal(offset + 1.4 * scale), searches=searches,
-        finding=finding(worst), validation=validation(encounter=level),
+        finding=finding(worst, margin=worst - threshold), validation=validation(encounter=level),
     )  # fmt: skip
     agreed = check_of("agreement", conclusion)
     assert not agreed.ok

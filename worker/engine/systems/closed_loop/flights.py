@@ -113,7 +113,7 @@ class Flights:
         if code == closed_loop.EXCLUDED:
             return (
                 f"{self.parts.criterion.quantity} starts at or below the threshold of "
-                f"{self.threshold:g} {self.parts.criterion.unit}, so avoidance cannot be tested"
+                f"{repr(self.threshold).removesuffix('.0')} {self.parts.criterion.unit}, so avoidance cannot be tested"
             )
         if code == closed_loop.NOT_FINITE:
             return (

@@ -88,7 +88,7 @@ def test_a_run_without_a_trace(visit: Visit) -> None:
     expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Cleared"))
     visit.move(f"/runs/{BASINS}")
     expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Violated"))
-    expect(page.get_by_text("This system provides no trace")).to_be_visible()
+    expect(page.get_by_text("This simulator declares no trace")).to_be_visible()
     expect(page.get_by_text("two_basins").first).to_be_visible()
     expect(page.get_by_role("columnheader", name="Integration")).to_have_count(0)
     expect(page.locator("iframe")).to_have_count(0)

@@ -71,7 +71,7 @@ def test_the_page_of_the_run_shows_its_traces_and_no_flights(opened: Opened) -> 
     expect(trace.get_by_text("in evaluations with the stored values")).to_be_visible()
     expect(page.get_by_text("This run evaluates a simulator: there is no 3D view.")).to_be_visible()
     expect(page.get_by_text("which columns of the trace are positions")).to_be_visible()
-    expect(page.get_by_text("This system provides no trace")).to_have_count(0)
+    expect(page.get_by_text("This simulator declares no trace")).to_have_count(0)
     expect(page.get_by_text("Measured before the search")).to_be_visible()
     expect(page.locator("iframe")).to_have_count(0)
     assert FLIES.findall(page.locator("main").inner_text()) == []

@@ -125,7 +125,7 @@ def stated(method: Method) -> Iterator[Any]:
 @pytest.mark.parametrize(
     "method",
     [
-        pytest.param(m, id=m.name, marks=pytest.mark.nightly if m.name == "genetic" else ())
+        pytest.param(m, id=m.name, marks=pytest.mark.nightly if m.name in ("genetic", "global_clustering") else ())
         for m in methods().values()
         if m.extend is not None and not m.costly
     ],

@@ -19,7 +19,7 @@ from campaigns.stored.records import Columns, StagePlan
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.faults.cases import campaign
 from tests.faults.processes import until
-from tests.given.databases import BOTH, POSTGRESQL
+from tests.given.databases import AT_NIGHT, BOTH, POSTGRESQL
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
@@ -121,7 +121,7 @@ def test_the_oldest_that_nobody_keeps_go_first_and_nothing_else_ever(
     assert invoke(["trail", "verify", "--database", service.settings.database_url]) == 0
 
 
-@BOTH
+@AT_NIGHT
 def test_no_more_goes_than_must(service: Service, runs: list[int], capsys: pytest.CaptureFixture[str]) -> None:
     """A run that goes may free more than its evaluations: what is left is measured again after each."""
     engine, reasons = service.engine, 2 * EACH
@@ -136,7 +136,7 @@ def test_no_more_goes_than_must(service: Service, runs: list[int], capsys: pytes
     assert "R-0005" in capsys.readouterr().out, "it was listed"
 
 
-@BOTH
+@AT_NIGHT
 def test_what_a_failed_run_continues_stays_while_it_may_be_tried_again(service: Service, runs: list[int]) -> None:
     engine = service.engine
     for values, goes in (({"state": "failed"}, False), ({"removed": 1.0}, True)):

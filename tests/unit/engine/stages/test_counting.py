@@ -82,7 +82,7 @@ def test_its_distribution_function_is_that_of_all_flights() -> None:
     assert curve.shares == [(values <= value).mean() for value in curve.values]
 
 
-@pytest.mark.parametrize("interrupted", nightly_but((2, 19), [1, 2, 5, 19]))
+@pytest.mark.parametrize("interrupted", nightly_but((2,), [1, 2, 5, 19]))
 def test_an_interrupted_sample_goes_on_to_the_same_bits(interrupted: int, monkeypatch: pytest.MonkeyPatch) -> None:
     _, whole = ran()
     monkeypatch.setattr(counting, "SAVED", 0.0)  # a block at a time

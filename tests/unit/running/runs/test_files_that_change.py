@@ -104,7 +104,11 @@ class Editing(MemoryStore):
         super().append(position, first, columns, ahead)
 
 
-@pytest.mark.parametrize(("asked", "pause"), [({}, 1e5), ({"retries": 1}, 0.0)], ids=["it does not look", "it looks"])
+@pytest.mark.parametrize(
+    ("asked", "pause"),
+    [pytest.param({}, 1e5, marks=pytest.mark.nightly), ({"retries": 1}, 0.0)],
+    ids=["it does not look", "it looks"],
+)
 def test_a_run_whose_files_changed_stores_nothing_more_and_continues_once_they_are_back(
     file: Path, asked: dict[str, Any], pause: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

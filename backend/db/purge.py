@@ -22,7 +22,7 @@ from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
 from backend.db.reset import RESULTS
-from backend.db.rows import own_question
+from backend.db.rows import made_again_before, own_question
 from backend.db.tables import (
     EvaluationChunk,
     Run,
@@ -75,7 +75,8 @@ _COLUMNS = (Run.id, Run.name, Run.removed, Run.removed_by, Run.removed_reason, R
 
 def due(engine: sa.Engine, age: float) -> list[Removed]:
     """The runs removed at least `age` [s] ago and not yet purged, the oldest removal first."""
-    with read(engine) as reader:
+    with engine.begin() as reader:
+        _complete(reader)
         of = sa.select(*_COLUMNS).where(*_may_go(now(reader), age)).order_by(Run.removed, Run.id)
         return [Removed(*row, size=_size(reader, row.id)) for row in reader.execute(of).all()]
 
@@ -85,7 +86,8 @@ def beyond(engine: sa.Engine, limit: int, already: Collection[Removed] = ()) -> 
 
     already: runs that go in any case.
     """
-    with read(engine) as reader:
+    with engine.begin() as reader:
+        _complete(reader)
         stored = occupied(reader)
         left, runs, gone = stored - limit - sum(run.size for run in already), [], {run.id for run in already}
         order = (Run.removed.is_(None), Run.removed, Run.finished, Run.id)
@@ -97,6 +99,13 @@ def beyond(engine: sa.Engine, limit: int, already: Collection[Removed] = ()) -> 
                 if left <= 0:
                     break
         return Beyond(stored, runs, max(0, left))
+
+
+def _complete(writer: sa.Connection) -> None:
+    """Store of runs that workers of earlier versions ended what tells whether they speak against a requirement."""
+    ended = sa.select(Run.id).where(Run.made_again.is_(None), Run.state == RunState.DONE, Run.purged.is_(None))
+    for run_id, value in made_again_before(writer, writer.scalars(ended).all()).items():
+        writer.execute(sa.update(Run).where(Run.id == run_id).values(made_again=value))
 
 
 def exceeded(engine: sa.Engine, limit: int) -> bool:

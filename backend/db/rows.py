@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, TypedDict
 
 import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
+from backend.db.engine import chunks as portions
 from backend.db.tables import EvaluationChunk, Run, Stage
+from backend.db.tables import Finding as FindingRow
 from campaigns.results import Finding, StageResult
 from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.results.finding import Validation
+from campaigns.runs import StageState
 from campaigns.stages.found import declared, stage_result
 from campaigns.stored.records import Columns, Trace, join
 
@@ -150,10 +155,29 @@ def lowered(connection: sa.Connection, run_id: int, kind: str, method: str | Non
 
 def made_again(connection: sa.Connection, run_id: int, result: StageResult, findings: Sequence[Finding]) -> None:
     """A stage has ended: keep the lowest value that it saw in evaluations made again, its own or those of findings."""
-    cases = (f.validation for f in findings if f.validation is not None)
-    if values := [*result.made_again, *(value for case in cases for value in case.values)]:
+    if values := _seen(result, (f.validation for f in findings)):
         lower = sa.or_(Run.made_again.is_(None), Run.made_again > min(values))
         connection.execute(sa.update(Run).where(Run.id == run_id, lower).values(made_again=min(values)))
+
+
+def made_again_before(reader: sa.Connection, runs: Sequence[int]) -> dict[int, float]:
+    """The same of these runs, which workers of earlier versions ended without keeping it, by run."""
+    found: dict[int, float] = {}
+    kinds = [kind for kind, stage in declared().items() if stage.of_findings]
+    for some in portions(runs):
+        ended = (Stage.kind.in_(kinds), Stage.state == StageState.DONE, Stage.run_id.in_(some))
+        for run_id, stored in reader.execute(sa.select(Stage.run_id, Stage.result).where(*ended)).all():
+            cases = reader.scalars(sa.select(FindingRow.validation).where(FindingRow.run_id == run_id)).all()
+            with suppress(ValidationError):  # of another version, whose values are unknown here
+                result = as_result(stored)
+                confirmed = [None if case is None else Validation.model_validate(case) for case in cases]
+                if result is not None and (values := _seen(result, confirmed)):
+                    found[run_id] = min(values)
+    return found
+
+
+def _seen(result: StageResult, cases: Iterable[Validation | None]) -> list[float]:
+    return [*result.made_again, *(value for case in cases if case is not None for value in case.values)]
 
 
 def _kinds() -> list[str]:

@@ -36,16 +36,17 @@ def uncertain(record: Record) -> list[Row]:
         entry, limits = record.entry(path), record.limits.get(path)
         nominal, low, high = limits or (None, parameter.low, parameter.high)
         value = None if worst is None else worst.parameters.get(path)
+        digits = 6 if limits is None else numbers.digits_between(*limits[1:])
         rows.append({
             "path": path,
             "symbol": record.symbol_html(path),
             "named": record.symbol(path) != path,
             "text": record.words(path) if entry else "not described",
             "unit": numbers.unit_in_print(entry.unit if entry else parameter.unit or ""),
-            "nominal": numbers.plain(nominal),
+            "nominal": numbers.plain(nominal, digits),
             "low": numbers.exact(low),
             "high": numbers.exact(high),
-            "worst": numbers.exact(value) if value in (low, high) else numbers.plain(value),
+            "worst": numbers.exact(value) if value in (low, high) else numbers.plain(value, digits),
             "at": "" if worst is None else worst.at_bounds.get(path, ""),
             "distribution": _distribution(parameter),
             "within": figures.within(limits[1], limits[2], limits[0], value) if limits else "",

@@ -19,7 +19,7 @@ from sqlalchemy import orm
 
 from backend.db.engine import chunks
 from backend.db.purge import violates
-from backend.db.rows import own_question
+from backend.db.rows import made_again_before, own_question
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
 from backend.requirements.standing import Edge
@@ -55,9 +55,10 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
         of = sa.select(*columns, CampaignRow.name, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         of = of.where(CampaignRow.name.in_(some), Run.removed.is_(None), Run.purged.is_(None))
         rows += reader.execute(of)
-    found = []
+    found, before = [], made_again_before(reader, [row.id for row in rows if row.made_again is None])
     for row in rows:
-        values = [value for value in (row.worst_cost, row.made_again, row.worst) if value is not None]
+        again = before.get(row.id, row.made_again)
+        values = [value for value in (row.worst_cost, again, row.worst) if value is not None]
         value = min(values, default=math.inf)
         if judged(row.state, row.verdict) == VerdictWord.VIOLATED or value <= highest[row.name]:
             found.append((row, value))

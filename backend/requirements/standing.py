@@ -175,6 +175,6 @@ def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:
     if newest.verdict is None:
         return f"{name}: {runs} {verb} it, and {later}, which asks the same of the same model, has no verdict."
     return (
-        f"{name}: {runs} {verb} it. The newer {later} is {newest.verdict}, but asks the same of the same model: it "
-        "missed a case that exists."
+        f"{name}: {runs} {verb} it. The newer {later} is {newest.verdict}, but asks the same of the same model, in "
+        "which that case exists."
     )

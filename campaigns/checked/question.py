@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from pydantic import BaseModel
 
+from campaigns.asked.scenario import Scenario
 from campaigns.asked.spec import Campaign
 from campaigns.asked.values import PlusMinus
 from campaigns.catalogue import Catalogue
@@ -45,6 +46,8 @@ def question(campaign: Campaign, described: Catalogue | None) -> str:
     texts: dict[str, list[str]] = {}
     for prefix, part, left_out in _parts(campaign):
         fields = {} if part is None else part.model_dump(exclude={"parameters", *left_out})
+        if isinstance(part, Scenario):
+            fields |= _steps(part)
         group = prefix.partition(".")[0]
         whole = canonical({"fields": fields, "values": _below(prefix, bounds)})
         texts.setdefault(group if group in _UNORDERED else prefix, []).append(whole)
@@ -93,6 +96,12 @@ def _stated(campaign: Campaign) -> Iterator[tuple[str, float]]:
     groups += [(PREFIX, simulator.parameters)] if simulator is not None else []
     for prefix, values in groups:
         yield from ((f"{prefix}.{name}", value) for name, value in values.items())
+
+
+def _steps(scenario: Scenario) -> dict[str, int]:
+    """The horizon and the period of the avoider as they are evaluated: in whole steps."""
+    horizon, period = (round(time / scenario.step) for time in (scenario.horizon, scenario.guidance.period))
+    return {"horizon": horizon, "guidance": max(1, period) if scenario.guidance.period else 0}
 
 
 def _below(prefix: str, bounds: Mapping[str, Bounds]) -> dict[str, Bounds]:

@@ -15,7 +15,7 @@ from pydantic import ConfigDict, computed_field
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.documented import Documented
-from campaigns.identity.code import code_of, model_of
+from campaigns.identity.code import OBJECTIVES, code_of, model_of
 from campaigns.versions import CodeParts, Versions, differing, short
 
 ENGINE, LOOP, PYTHON = "engine", "compiled loop", "Python"
@@ -218,7 +218,8 @@ def may_equal(then: Identity, now: Identity) -> bool:
     Other packages make no other model, nor do other stages and search methods.
     """
     others = {change.name for change in changes(then, now)} - {LOOP, *then.packages}
-    return not (others - {ENGINE} if then.evaluating and then.evaluating == now.evaluating else others)
+    model, here = ((of.evaluating or "").partition(OBJECTIVES)[0] for of in (then, now))
+    return not (others - {ENGINE} if model and model == here else others)
 
 
 def _named(modules: Sequence[str]) -> str:

@@ -113,8 +113,7 @@ def granted(cost: float, case: Validation | None) -> float:
     if case is None or case.agrees or not case.violates:
         return cost
     if case.repeats is not None:
-        called = sorted(v for v in case.repeats.values if v is not None)
-        return min(cost, called[case.repeats.violating - 1])
+        return sorted(v for v in case.repeats.values if v is not None)[case.repeats.violating - 1]
     return max(cost, *case.values)
 
 

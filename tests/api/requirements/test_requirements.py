@@ -19,7 +19,7 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db import purge
-from backend.db.rows import made_again
+from backend.db.rows import made_again, plain
 from backend.db.tables import Audit, CatalogueDocument, Run, Stage, SweepRun
 from backend.db.tables import Finding as FindingRow
 from backend.requirements import uploads
@@ -257,8 +257,13 @@ def test_a_value_that_only_validation_saw_counts_and_outlives_a_purge(service: S
         assert row(client, "REQ-1")["status"] == "inconclusive"
         with service.engine.begin() as writer:
             writer.execute(sa.update(Run).where(Run.id == 2).values(made_again=None))
+    with service.engine.begin() as writer:  # by a worker of an earlier version, which keeps no such value
+        ended = {"kind": "validate", "state": "done", "planned": 1, "result": plain(seen[0][0])}
+        writer.execute(sa.insert(Stage).values(run_id=2, position=9, **ended))
+    assert row(client, "REQ-1")["status"] == "inconclusive"
     with service.engine.begin() as writer:
-        made_again(writer, 2, *seen[0])
+        writer.execute(sa.update(Run).where(Run.id == 2).values(state="done", verdict="inconclusive"))
+    assert purge.due(service.engine, 0.0) == []
     assert client.delete("/api/v1/runs/R-0002", params={"reason": "A trial."}).status_code == 200
     assert purge.purge(service.engine, 2, 0.0, "operator")
     assert "R-0002 found a value" in row(client, "REQ-1")["sentence"]

@@ -177,8 +177,7 @@ class Run:
         if case.agrees or not case.violates or (self.calls.noisy and self.wording < limits.CALLED):
             return float(finding.cost)
         if self.calls.noisy:
-            called = [v for v in claim["repeats"]["values"] if v is not None and v <= self.threshold]
-            return float(min(finding.cost, max(called)))
+            return float(max(v for v in claim["repeats"]["values"] if v is not None and v <= self.threshold))
         return float(max(finding.cost, *(claim[k]["cost"] for k in self.others)))
 
     def means(self) -> tuple[str, ...]:

@@ -24,6 +24,9 @@ _INSTALLED = sa.table("catalogue", sa.column("document", sa.JSON))
 
 
 def upgrade() -> None:
+    if op.get_bind().dialect.name == "postgresql":
+        # In the order of a submission, which a service of the version before may still accept.
+        op.execute("lock table campaigns, runs, run_requirements in access exclusive mode")
     op.add_column("runs", sa.Column("question", sa.String(64), nullable=True))
     op.create_index("ix_runs_question", "runs", ["question"])
     _fill(op.get_bind())

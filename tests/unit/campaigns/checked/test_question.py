@@ -97,6 +97,7 @@ SAME: list[tuple[Any, list[Callable[[Any], None]]]] = [
     (LOOP, [put("scenario/start", {"x": 0, "theta": -0.0})]),
     (LOOP, [put("scenario/goal", {"y": 7.0, "x": 6.0})]),
     (LOOP, [put("scenario/horizon", 15.0), put("scenario/guidance", {"period": 0})]),
+    (LOOP, [put("scenario/horizon", 15.000001)]),  # the same number of steps
     (LOOP, [put("scenario/obstacles/0/parameters", {"radius": 0.45, "position.x": 4.0, "position.y": 4.0})]),
     (LOOP, [swapped]),
     (LOOP, [put("scenario/environment", [WIND, GUST])]),

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from backend.runs.waiting import UNIDENTIFIED
+from campaigns.identity.code import model_of
 from campaigns.identity.identity import (
     UNREAD,
     UNSTORED,
@@ -75,6 +76,20 @@ def test_methods_and_stages_choose_points_only() -> None:
     now = identity_of(VERSIONS.model_copy(update={"code": "e" * 64}), "pendulum")
     assert unsound(then, now) == []
     assert may_equal(then, now)
+
+
+def test_objectives_make_no_other_model_and_are_not_carried_on_by_other_code() -> None:
+    plain, several = campaign(), campaign(objectives=[{"component": "goal_miss"}])
+    parts = identity.code_parts()
+    changed = parts.model_copy(update={"components": parts.components | {"criterion goal_miss": "0" * 64}})
+    models = [model_of(asked, known) for asked, known in ((plain, parts), (several, parts), (several, changed))]
+    alone, both, others = (
+        identity_of(VERSIONS.model_copy(update={"code": str(k) * 64, "model": model}), "pendulum")
+        for k, model in enumerate(models)
+    )
+    assert may_equal(alone, both)
+    assert may_equal(both, others)
+    assert unsound(both, others), "what they measured beside the criterion may differ"
 
 
 def test_a_run_with_own_components_is_continued_by_the_code_that_began_it(monkeypatch: pytest.MonkeyPatch) -> None:

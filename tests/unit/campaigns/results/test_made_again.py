@@ -42,7 +42,7 @@ CASES: Mapping[str, tuple[Validation, float, float]] = {
     "a repetition": (case(0.2, again=AGAIN), 0.3, 0.2),
     "a violation in one call alone": (case(0.6, [0.6, None, 0.1, 0.7]), 0.1, 0.1),
     "calls of which some violate": (case(0.6, [0.3, 0.6, 0.1]), 0.3, 0.1),
-    "an evaluation and its calls": (case(0.2, [0.3, 0.6, 0.4]), 0.2, 0.2),
+    "an evaluation that is lower than its calls": (case(0.2, [0.3, 0.6, 0.4]), 0.4, 0.2),
     "no violation": (case(0.6, half_step=HALF), 0.6, 0.4),
     "calls of which none violates": (case(0.4, [0.6, 0.7]), 0.4, 0.4),
 }

@@ -22,8 +22,9 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK
+from campaigns.results.validate import SpotChecks
 from campaigns.stages.plan import most
-from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan
+from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord
 from campaigns.versions import OtherCode
 from clearance.cli import invoke
 from tests.given.case_campaigns import searching
@@ -252,16 +253,28 @@ def test_a_stored_run_with_a_violation_of_validation_alone_is_not_extended(
     engine.dispose()
 
 
+def unchecked(found: Ended, spot: SpotChecks | None = None) -> list[StageRecord]:
+    """Its stages, as if the random spot checks had been these, or none."""
+    other = {"spot_checks": spot}
+    return [replace(s, result=s.result and s.result.model_copy(update=other)) for s in found.store.stages]
+
+
 def test_a_violation_that_was_found_when_a_result_was_confirmed_is_known(polished: Ended) -> None:
     """As of a simulator that does not repeat, by a call that is not stored."""
     higher = {at: [columns._replace(costs=columns.costs + 1.0)] for at, columns in polished.columns().items()}
-    store = MemoryStore(stages=polished.store.stages, chunks=higher, findings=polished.store.findings)
+    store = MemoryStore(stages=unchecked(polished), chunks=higher, findings=polished.store.findings)
     larger = continued(polished.campaign, Budget(300, more=True))
     with pytest.raises(WouldLose):
         carried(polished.campaign, larger, store)
     with pytest.raises(WouldLose):
         carried(polished.campaign, larger, replace(store, findings=[]), violated=True)
     assert carried(polished.campaign, larger, replace(store, findings=[]))
+    spot = SpotChecks(
+        checked=1, compared=1, largest=0.0, median=0.0, violating=0, at=None, statement=(),
+        lowest_reference=polished.campaign.criterion.threshold,
+    )  # fmt: skip
+    with pytest.raises(WouldLose):
+        carried(polished.campaign, larger, replace(store, findings=[], stages=unchecked(polished, spot)))
     assert carried(polished.campaign, polished.campaign, store)
 
 
@@ -324,7 +337,7 @@ def test_what_waits_for_an_earlier_evaluation_counts(polished: Ended) -> None:
     row = int(np.argmin(validate.ranked()))
     chunks = {position: [columns] for position, columns in polished.columns().items() if position <= at}
     waiting = {at: [Ahead(np.array([1000]), _rows(validate, [row]))]}
-    store = MemoryStore(stages=polished.store.stages, chunks=chunks, waiting=waiting)
+    store = MemoryStore(stages=unchecked(polished), chunks=chunks, waiting=waiting)
     larger = continued(polished.campaign, Budget(300, more=True))
     with pytest.raises(WouldLose):
         carried(polished.campaign, larger, store)

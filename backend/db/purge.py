@@ -103,7 +103,7 @@ def beyond(engine: sa.Engine, limit: int, already: Collection[Removed] = ()) -> 
 
 def _complete(writer: sa.Connection) -> None:
     """Store of runs that workers of earlier versions ended what tells whether they speak against a requirement."""
-    ended = sa.select(Run.id).where(Run.made_again.is_(None), Run.state == RunState.DONE, Run.purged.is_(None))
+    ended = sa.select(Run.id).where(Run.made_again.is_(None), Run.state.in_(ENDED), Run.purged.is_(None))
     for run_id, value in made_again_before(writer, writer.scalars(ended).all()).items():
         writer.execute(sa.update(Run).where(Run.id == run_id).values(made_again=value))
 

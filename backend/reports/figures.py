@@ -5,7 +5,7 @@ Each function takes stored numbers and returns an SVG; the plan view is in `back
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
@@ -21,8 +21,6 @@ from campaigns.symbols import OF, is_path
 
 WIDE = 654
 """Text width of a page, 173 mm [px at 96 dpi]."""
-MOST_DECIMALS = 20
-"""As many as `numbers.fixed` writes."""
 SEPARATION_HEIGHT = 240
 
 
@@ -55,26 +53,15 @@ class Quantity:
     def formatted(self, value: float | None, decimals: int) -> str:
         return f"{numbers.fixed(value, decimals)} {self.unit}".strip()
 
-    def decimals(self, values: Iterable[float | None], least: int) -> int:
+    def decimals(self, values: Sequence[float | None], least: int) -> int:
         """The decimals, at least so many, with which each value is read on its own side of the threshold."""
-        limit = self.threshold
-        if limit is None:
-            return least
-
-        def side(shown: float) -> tuple[bool, bool]:
-            return shown < limit, shown > limit
-
-        def needed(value: float) -> int:
-            places = range(least, MOST_DECIMALS + 1)
-            return next((n for n in places if side(round(value, n)) == side(value)), least)
-
-        return max((needed(value) for value in values if value is not None and numbers.known(value)), default=least)
+        return least if self.threshold is None else numbers.decimals_beside(values, self.threshold, least)
 
     def plain(self, value: float | None) -> str:
         """A value of a sentence, read on its own side of the threshold."""
-        least = numbers.decimals_for([value], 6)
-        decimals = self.decimals([value], least)
-        return numbers.plain(value) if decimals == least else numbers.fixed(value, decimals)
+        if value is None or self.threshold is None:
+            return numbers.plain(value)
+        return numbers.plain(value, numbers.digits_beside(value, self.threshold))
 
 
 def separation(cases: Sequence[Case], of: Quantity) -> Markup:

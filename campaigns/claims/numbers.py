@@ -44,6 +44,7 @@ ROUNDED = {
     Format.AT_MOST: ROUND_CEILING,
     Format.AT_LEAST: ROUND_FLOOR,
 }
+MOST_DECIMALS = 20
 RARE = Decimal("1e-4")
 """Probabilities below it are written as powers of ten."""
 
@@ -88,10 +89,22 @@ def digits_of(value: float, least: int = 6) -> int:
 def digits_beside(value: float, threshold: float, least: int = 6) -> int:
     """The significant digits, at least so many, with which a value is read on its own side of a threshold."""
 
-    def side(shown: float) -> tuple[bool, bool]:
-        return shown < threshold, shown > threshold
+    shown = (n for n in range(least, 17) if _side(float(f"{value:.{n}g}"), threshold) == _side(value, threshold))
+    return next(shown, 17)
 
-    return next((n for n in range(least, 17) if side(float(f"{value:.{n}g}")) == side(value)), 17)
+
+def decimals_beside(values: Iterable[float | None], threshold: float, least: int) -> int:
+    """The decimals, at least so many, with which each value is read on its own side of a threshold."""
+
+    def needed(value: float) -> int:
+        places = range(least, MOST_DECIMALS + 1)
+        return next((n for n in places if _side(round(value, n), threshold) == _side(value, threshold)), least)
+
+    return max((needed(value) for value in values if value is not None and known(value)), default=least)
+
+
+def _side(value: float, threshold: float) -> tuple[bool, bool]:
+    return value < threshold, value > threshold
 
 
 def digits_between(low: float, high: float, least: int = 6) -> int:
@@ -136,7 +149,7 @@ def fixed(value: float | None, decimals: int = 2) -> str:
     """A number in print with `decimals` decimals; a dash if unknown."""
     if value is None or not known(value):
         return NONE
-    text = f"{abs(value):,.{min(max(decimals, 0), 20)}f}".replace(",", NARROW)
+    text = f"{abs(value):,.{min(max(decimals, 0), MOST_DECIMALS)}f}".replace(",", NARROW)
     negative = value < 0 and any(c in "123456789" for c in text)
     return (MINUS if negative else "") + text
 

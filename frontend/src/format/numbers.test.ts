@@ -21,6 +21,7 @@ const WRITTEN: Record<string, (...values: never[]) => string | number> = {
   unit: unitText,
   decimals_for: decimalsFor,
   decimals_apart: decimalsApart,
+  decimals_beside: decimalsBeside,
 }
 
 it.each(Object.keys(WRITTEN))('writes every case as the service does: %s', (name) => {

@@ -53,13 +53,15 @@ export function decimalsFor(values: readonly Maybe[], digits = 4): number {
   return Math.min(12, Math.max(0, digits - 1 - Math.floor(Math.log10(largest) + 1e-12)))
 }
 
-/** Decimals that show values, and each of them on its own side of the threshold. */
-export function decimalsBeside(values: readonly Maybe[], threshold: Maybe): number {
-  const base = decimalsFor([...values, threshold])
-  if (!known(threshold)) return base
+/** Decimals, at least so many, that show each value on its own side of the threshold. */
+export function decimalsBeside(values: readonly Maybe[], threshold: Maybe, least = decimalsFor([...values, threshold])): number {
+  if (!known(threshold)) return least
   const side = (value: number): number => Math.sign(value - threshold)
-  const shown = (decimals: number): boolean => values.filter(known).every((value) => side(Number(value.toFixed(decimals))) === side(value))
-  return Array.from({ length: 16 - base }, (_, more) => base + more).find(shown) ?? base
+  const needed = (value: number): number => {
+    for (let n = least; n <= 20; n++) if (side(Math.sign(value) * Number(decimal(Math.abs(value), n))) === side(value)) return n
+    return least
+  }
+  return Math.max(least, ...values.filter(known).map(needed))
 }
 
 /** Decimals that distinguish the two closest numbers, at most `most` significant digits. */

@@ -18,9 +18,9 @@ from backend.runs.service import campaign
 from campaigns import Campaign
 from campaigns.densities.joint import Joint, joint
 from campaigns.densities.likelihood import Rows, most_likely
-from campaigns.densities.special import Floats
 from campaigns.results.base import OK
 from campaigns.results.likelihood import MostLikely
+from campaigns.special import Floats
 
 Limits = dict[str, tuple[float, float, float]]
 """Nominal value and bounds by path."""

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from campaigns import cube
+from campaigns import cube, special
 from campaigns.asked.distributions import Correlation, Distribution
 from campaigns.asked.spec import Campaign
 from campaigns.checked.uncertainty import matrix
-from campaigns.densities import special
 from campaigns.densities.shapes import Shape, shape
-from campaigns.densities.special import Floats
+from campaigns.special import Floats
 
 Bounds = Mapping[str, tuple[float, float]]
 """Low and high by path, in the parameters' units."""

@@ -18,9 +18,9 @@ from campaigns import rules
 from campaigns.claims import reweighted as claims
 from campaigns.claims.spans import Spans
 from campaigns.densities.joint import Joint
-from campaigns.densities.special import Floats, beta_quantile
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.reweighted import EstimatedQuantile, Reweighted
+from campaigns.special import Floats, beta_quantile
 
 NEEDED = 100
 """The smallest effective sample size for an estimate."""

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from campaigns import special
 from campaigns.asked.distributions import Beta, Distribution, Normal, Triangular, TruncatedNormal, Uniform
-from campaigns.densities import special
-from campaigns.densities.special import Floats
+from campaigns.special import Floats
 
 FLAT = 1e5
 """A normal distribution whose deviation exceeds this many ranges is uniform to 1e-11 within the bounds."""

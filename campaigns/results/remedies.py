@@ -29,6 +29,7 @@ from campaigns.results.search import SearchResult
 from campaigns.results.stage import StageResult
 from campaigns.results.verdict import Check, Statistics
 from campaigns.rules import RemedyKind
+from campaigns.special import beta_quantile
 
 MORE = 4
 """Factor on a budget that was used up."""
@@ -293,23 +294,7 @@ def _rounded(size: int) -> int:
 
 
 def bound(violations: int, samples: int, confidence: float) -> float:
-    """The one-sided upper Clopper-Pearson bound on a probability, by bisection."""
+    """The one-sided upper Clopper-Pearson bound on a probability."""
     if samples == 0 or violations >= samples:
         return 1.0
-    low, high = violations / samples, 1.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if _at_most(violations, samples, middle) > 1.0 - confidence else (low, middle)
-    return high
-
-
-def _at_most(events: int, samples: int, chance: float) -> float:
-    """P(Binomial(samples, chance) <= events), summed from the largest term down."""
-    total = 0.0
-    for k in range(events, -1, -1):
-        log = math.lgamma(samples + 1) - math.lgamma(k + 1) - math.lgamma(samples - k + 1)
-        term = math.exp(log + k * math.log(chance) + (samples - k) * math.log1p(-chance))
-        total += term
-        if term <= 1e-17 * total:  # also where the largest is too small for a number
-            break
-    return total
+    return beta_quantile(confidence, violations + 1, samples - violations)

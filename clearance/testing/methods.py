@@ -200,6 +200,9 @@ def its_options_are_described(method: Method) -> None:
         assert rule["default"] == getattr(defaults, name)
         assert "type" in rule or "enum" in rule or "anyOf" in rule
         assert rule.get("description") or rule.get("enum"), f"{name}: what is it?"
+    if method.kind == "random":
+        sample = method.sampling(defaults, 1000, 0.95)
+        assert (sample.barred, sample.level) == ("", None), "the bound that its points give is stated before a run"
 
 
 def its_options_pass_the_check_and_come_back(method: Method) -> None:

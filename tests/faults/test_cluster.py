@@ -232,11 +232,13 @@ def test_a_killed_process_repeats_only_what_was_running(
     assert max(begun.values()) <= 2
 
 
-def sampled(gate: Gate) -> CertifyResult:
-    """A counted sample of the simulator, where the environment says."""
+def sampled(gate: Gate, slots: int = 1) -> CertifyResult:
+    """A counted sample of the simulator, where the environment says, once there are so many slots."""
     certified = {"certify": {"samples": 300, "keep": "lowest"}}
     of = load_document(package.campaign(stages=package.campaign()["stages"] | certified))
-    problem = Problem(of, CommandSimulator(gate.described, OPENING))
+    simulator = CommandSimulator(gate.described, OPENING)
+    until(lambda: simulator.slots >= slots, "a node that others killed is replaced")
+    problem = Problem(of, simulator)
     store = MemoryStore(sample_seed=SampleSeed(5, stated=True))
     store.plan([StagePlan("certify", None, 300)])
     try:
@@ -254,7 +256,7 @@ def test_a_counted_sample_has_the_bits_of_local_slots_though_a_node_is_killed(
     gate = Gate(tmp_path / "there", 100)
     monkeypatch.setenv(SETTING, nodes.address)
     with ThreadPoolExecutor(1) as threads:
-        running = threads.submit(sampled, gate)
+        running = threads.submit(sampled, gate, 2)
         until(lambda: len(gate.begun) > 100 + 1, "both slots wait")
         kill(nodes.workers.pop(0).pid)
         nodes.work(1)

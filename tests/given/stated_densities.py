@@ -6,7 +6,7 @@ import numpy as np
 
 from campaigns.asked.distributions import Correlation, Distribution
 from campaigns.densities.joint import Joint, joined
-from campaigns.densities.special import Floats
+from campaigns.special import Floats
 from worker.engine.problem.distributions import Distributions, Range
 
 LOW, HIGH = 4.0, 6.0

@@ -2,7 +2,8 @@
 import { DEFAULTS } from '../api/rules'
 import { TagsInput } from '@mantine/core'
 import { Fragment } from 'react'
-import type { Campaign, Raw } from '../api/campaign'
+import type { Campaign } from '../api/campaign'
+import { optionsOf } from '../api/schema'
 import type { Catalogue, Checked, ComponentEntry, ResultEntry } from '../client'
 import { boundText } from '../format/counts'
 import { confidenceText, count, goal, thinned, NONE } from '../format/numbers'
@@ -119,13 +120,13 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
   )
 }
 
-/** The size of the sample for the statistical statement: that of certify, else of a random search. */
+/** The size of the sample for the statistical statement: that of certify, else of a random search with its own options. */
 function samplesOf({ stages }: Campaign, { methods }: Catalogue): number | null {
   if (stages.certify) return numberOf(stages.certify.samples ?? DEFAULTS.samples)
-  const random = new Set(methods.filter(({ kind }) => kind === 'random').map(({ name }) => name))
-  const plain = stages.search.find(
-    ({ method, options }) =>
-      random.has(method) && (options?.sampling ?? 'plain') === 'plain' && !numberOf(options?.interval as Raw),
-  )
-  return numberOf(plain?.evaluations)
+  const random = new Map(methods.filter(({ kind }) => kind === 'random').map((method) => [method.name, optionsOf(method)]))
+  const independent = stages.search.find(({ method, options = {} }) => {
+    const usual = random.get(method)
+    return usual && Object.entries(options).every(([name, value]) => value === usual[name]?.default)
+  })
+  return numberOf(independent?.evaluations)
 }

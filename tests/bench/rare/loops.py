@@ -17,7 +17,7 @@ from tests.bench.rare.judge import BUDGET, carried_out
 from tests.bench.rare.problem import Floats
 from worker.engine.problem.problem import Problem
 from worker.engine.rare.estimate import Estimate, estimated
-from worker.engine.stages.parts.claims import interval
+from worker.engine.search.parts.proportion import interval
 from worker.running.opening import opened
 
 CAMPAIGNS = ("uav_static", "uav_aca", "pioneer_moving", "unicycle_static", "uav_three_intruders")

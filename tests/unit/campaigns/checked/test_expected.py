@@ -110,7 +110,7 @@ def test_a_method_that_may_end_by_its_own_rule_has_a_range() -> None:
         *(("differential_evolution", given, False) for given in ({"restarts": 0}, {"as_published": True})),
         *(("global_clustering", given, False) for given in ({"minima": 1}, {"as_published": True})),
         ("differential_evolution", {"restarts": 1_000_000, "as_published": False}, True),
-        ("cma_es", {}, True),
+        ("cma_es", {}, True), ("monte_carlo", {}, True), ("monte_carlo", {"interval": 0.01}, False),
     ):  # fmt: skip
         search = {"method": method, "evaluations": 4000, "options": options}
         (told,) = [s for s in expected(load_document(document(stages__search=[search])), KNOWN) if s.kind == "search"]

@@ -7,8 +7,8 @@ import pytest
 from scipy import special as scipy_special
 from scipy import stats
 
+from campaigns import special
 from campaigns.asked.distributions import Beta, Distribution, Normal, Triangular, TruncatedNormal, Uniform
-from campaigns.densities import special
 from campaigns.densities.shapes import shape
 from tests.given.stated_densities import HIGH, LOW, drawn, made
 

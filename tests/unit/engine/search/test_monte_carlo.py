@@ -16,6 +16,7 @@ from tests.given.stated_facts import facts
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import monte_carlo
 from worker.engine.search.methods.monte_carlo import NO_SAMPLE
+from worker.engine.search.parts.proportion import interval
 from worker.engine.stages import search
 from worker.engine.stages.parts.claims import bound
 
@@ -91,9 +92,9 @@ def test_the_interim_analyses_spend_the_error_and_no_more() -> None:
 
 def test_the_two_sided_interval() -> None:
     # Clopper and Pearson's own example: 1 of 10 with 95 % is 0.0025 to 0.445.
-    assert monte_carlo.interval(1, 10, 0.95) == pytest.approx((0.00253, 0.44502), abs=1e-5)
-    assert monte_carlo.interval(0, 10, 0.95) == pytest.approx((0.0, 0.30850), abs=1e-5)
-    assert monte_carlo.interval(10, 10, 0.95) == pytest.approx((0.69150, 1.0), abs=1e-5)
+    assert interval(1, 10, 0.95) == pytest.approx((0.00253, 0.44502), abs=1e-5)
+    assert interval(0, 10, 0.95) == pytest.approx((0.0, 0.30850), abs=1e-5)
+    assert interval(10, 10, 0.95) == pytest.approx((0.69150, 1.0), abs=1e-5)
 
 
 STOPPING = asked(
@@ -114,7 +115,7 @@ def test_it_stops_at_the_first_interim_analysis_with_a_narrow_interval() -> None
     for looks in range(1, 20):
         size = int(np.ceil(100 * 1.5 ** (looks - 1)))
         level = 1 - 0.05 / (looks * (looks + 1))
-        low, high = monte_carlo.interval(int(violated[size - 1]), size, level)
+        low, high = interval(int(violated[size - 1]), size, level)
         widths.append(high - low)
         if size == len(columns.status):
             break

@@ -22,6 +22,7 @@ from pydantic import Field
 
 from campaigns.results.base import EXCLUDED, OK
 from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Sampling, Search, Space
+from worker.engine.search.parts.proportion import interval
 
 BLOCK = 4096
 FIRST_LOOK, GROWTH = 100, 1.5
@@ -89,16 +90,6 @@ def interim_analyses(drawn: int, confidence: float) -> tuple[int, float]:
     return analyses, 1.0 - (1.0 - confidence) / (analyses * (analyses + 1))
 
 
-def interval(violations: int, samples: int, confidence: float) -> tuple[float, float]:
-    """The two-sided interval of Clopper and Pearson."""
-    from scipy.stats import beta  # a campaign's process must start fast
-
-    error = (1.0 - confidence) / 2
-    low = beta.ppf(error, violations, samples - violations + 1) if violations else 0.0
-    high = beta.ppf(1.0 - error, violations + 1, samples - violations) if violations < samples else 1.0
-    return float(low), float(high)
-
-
 def extend(options: Options, more: int) -> Options:
     """Extends the sample with the next random numbers and marks it as extended; raises `ValueError` if that would be a
     different sample."""
@@ -135,13 +126,16 @@ def _samples(batch: Batch) -> int:
 
 def _points(space: Space, sampling: str) -> Iterator[Floats]:
     """Uniform samples on [0, 1), one point after another; blocks are only for speed."""
-    from scipy.stats import qmc
+    if sampling != "plain":
+        from scipy.stats import qmc  # imported late, and only where it is needed: it takes half a second
 
-    if sampling == "latin_hypercube":
-        yield from qmc.LatinHypercube(space.dimension, rng=space.random).random(space.budget)
-    sobol = qmc.Sobol(space.dimension, rng=space.random) if sampling == "sobol" else None
+        if sampling == "latin_hypercube":
+            yield from qmc.LatinHypercube(space.dimension, rng=space.random).random(space.budget)
+        sobol = qmc.Sobol(space.dimension, rng=space.random)
+        while True:
+            yield from sobol.random(BLOCK)
     while True:
-        yield from space.random.random((BLOCK, space.dimension)) if sobol is None else sobol.random(BLOCK)
+        yield from space.random.random((BLOCK, space.dimension))
 
 
 method = Method(
@@ -156,6 +150,7 @@ method = Method(
     extend=extend,
     family="sampling",
     whole_budget=True,
+    own_rule="interval",
     parallel="any number",
     suits="a bound on P(violation)",
     look=MethodLook(colour="#4a5563", dark="#c3ccd6", marker="cross", short="MC"),

@@ -14,7 +14,7 @@ import numpy as np
 from campaigns.claims.stages import calls as sentences
 from campaigns.results.base import OK
 from campaigns.results.finding import Calls, Validation
-from worker.engine.stages.parts import claims
+from worker.engine.search.parts.proportion import interval
 from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.systems.base import Floats, slotted
 
@@ -40,7 +40,7 @@ def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold:
     """What the independent calls of a case show."""
     violating = sum(v is not None and v <= threshold for v in values)
     failed = sum(v is None for v in values)
-    low, high = claims.interval(violating, len(values), confidence, failed)
+    low, high = interval(violating, len(values), confidence, failed)
     return Calls(
         values=list(values),
         reasons=list(dict.fromkeys(reasons))[:5],

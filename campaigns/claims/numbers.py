@@ -115,6 +115,11 @@ def digits_between(low: float, high: float, least: int = 6) -> int:
     return next(wide, 17)
 
 
+def between(value: float, low: float, high: float) -> str:
+    """The value of a parameter with so many digits that it is read within its bounds, and apart from them."""
+    return written(value, digits=digits_between(low, high))
+
+
 def limit(threshold: float) -> str:
     """A threshold with all digits that it needs."""
     return written(threshold, digits=digits_of(threshold))

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from campaigns import Campaign
 from campaigns.claims.likelihood import lines
-from campaigns.claims.numbers import NONE, beside, count, limit, number, signed
+from campaigns.claims.numbers import NONE, beside, between, count, limit, number, signed
 from campaigns.claims.say import listed, sentence
 from campaigns.claims.spans import words
 from campaigns.identity.identity import identity_of, simulator_of
@@ -178,8 +178,10 @@ def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table
         table.add_column(finding.label, justify="right")
     signs = {"low": "↓", "high": "↑"}
     for path in nominal:
-        cells = [number(f.parameters[path]) + signs.get(f.at_bounds.get(path, ""), "") for f in store.findings]
-        table.add_row(path, number(nominal[path]), *cells)
+        low, high = campaign.interval(path, nominal[path])
+        at = [signs.get(f.at_bounds.get(path, ""), "") for f in store.findings]
+        values = [between(f.parameters[path], low, high) for f in store.findings]
+        table.add_row(path, between(nominal[path], low, high), *map("".join, zip(values, at, strict=True)))
     threshold = campaign.criterion.threshold
     at_nominal = verdict.nominal or NominalCost(cost=None, margin=None)
     table.add_section()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaigns.claims.numbers import beside, count, limit, number, signed
+from campaigns.claims.numbers import beside, between, count, limit, signed
 from clearance.local.citation import lines as citing
 from worker.running.catalogue.installed import methods
 
@@ -95,11 +95,13 @@ def _rows(result: Result) -> list[list[str]]:
     n, threshold = result.nominal, result.threshold
     values = ["failed" if n.cost is None else beside(n.cost, threshold), "" if n.margin is None else signed(n.margin)]
     rows = [["", _value(result), "margin", *result.names, "found by"]]
-    rows.append(["nominal", *values, *(number(n.parameters[p]) for p in result.names), ""])
+    interval = result.origin.campaign.interval
+    bounds = {p: interval(f"simulator.{p}", n.parameters[p]) for p in result.names}
+    rows.append(["nominal", *values, *(between(n.parameters[p], *bounds[p]) for p in result.names), ""])
     known = methods()
     for f in result.findings:
         found = ", ".join(known[m].title if m in known else m for m in f.methods) or "no search"
-        parameters = [number(f.parameters[p]) for p in result.names]
+        parameters = [between(f.parameters[p], *bounds[p]) for p in result.names]
         evaluated = "" if f.evaluated == f.cost else f" (evaluated: {beside(f.evaluated, threshold)})"
         rows.append([f.label, beside(f.cost, threshold) + evaluated, signed(f.margin), *parameters, found])
     return rows

@@ -192,12 +192,17 @@ def exists(name: str) -> bool:
     return path.with_suffix(".py").exists() or path.is_dir()
 
 
-def nodes(tree: ast.AST, types: bool) -> Iterator[ast.AST]:
-    """All nodes; without `types` those alone that can run."""
+STATEMENTS = ast.stmt, ast.ExceptHandler, ast.match_case
+"""What contains statements: no expression imports anything."""
+
+
+def statements(tree: ast.AST, types: bool) -> Iterator[ast.AST]:
+    """All statements; without `types` those alone that can run."""
     for node in ast.iter_child_nodes(tree):
-        if types or not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"):
+        skipped = not types and isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+        if isinstance(node, STATEMENTS) and not skipped:
             yield node
-            yield from nodes(node, types)
+            yield from statements(node, types)
 
 
 @cache
@@ -206,9 +211,12 @@ def imported(path: Path, types: bool = True) -> frozenset[str]:
 
     types: also those whose types alone it names.
     """
+    text = path.read_text(encoding="utf-8")
+    if not types and "TYPE_CHECKING" not in text:
+        return imported(path)
     found: set[str] = set()
     package = name_of(path).split(".") if path.name == "__init__.py" else name_of(path).split(".")[:-1]
-    for node in nodes(ast.parse(path.read_text(encoding="utf-8")), types):
+    for node in statements(ast.parse(text), types):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -247,22 +255,21 @@ def refused(name: str, others: Iterable[str]) -> list[str]:
 
 def circles(arrows: Mapping[str, Iterable[str]]) -> set[frozenset[str]]:
     """The groups of nodes of which each reaches every other."""
+    left = set(arrows)  # without those from which every way ends: most of them
+    while ends := {node for node in left if left.isdisjoint(arrows[node])}:
+        left -= ends
 
     def reached(start: str) -> frozenset[str]:
         seen: set[str] = set()
         waiting = [start]
         while waiting:
-            fresh = set(arrows.get(waiting.pop(), ())) - seen
+            fresh = left.intersection(arrows[waiting.pop()]) - seen
             seen |= fresh
             waiting += fresh
         return frozenset(seen)
 
-    after = {node: reached(node) for node in arrows}
-    return {
-        frozenset(other for other in after[node] if node in after.get(other, ()))
-        for node in arrows
-        if node in after[node]
-    }
+    after = {node: reached(node) for node in left}
+    return {frozenset(other for other in after[node] if node in after[other]) for node in left if node in after[node]}
 
 
 def test_imports_follow_the_arrows() -> None:

@@ -6,6 +6,7 @@ What else a run's field is for does not count: filters, the page of a run, the t
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -46,6 +47,17 @@ def parts(key: str) -> set[str]:
     return found
 
 
+@cache
+def texts() -> dict[str, str]:
+    """By path, the text of every file that is searched."""
+    files = {
+        file.relative_to(ROOT).as_posix(): file
+        for folder, ending in SOURCES.items()
+        for file in sorted((ROOT / folder).rglob(f"*.{ending}"))
+    }
+    return {p: f.read_text("utf-8") for p, f in files.items() if not p.startswith(GENERATED) and ".test." not in p}
+
+
 def knowing(key: str) -> list[str]:
     """The files that compare with its key, have an entry of that key, name its order, or a field of the list that its
     cell shows."""
@@ -57,14 +69,12 @@ def knowing(key: str) -> list[str]:
     )
     known = re.compile(rf"^    (?:{field}): |[\"'](?:{field})[\"']|\brow\.(?:{field})\b", re.MULTILINE)
     found = parts(key)
-    for folder, ending in SOURCES.items():
-        for file in sorted((ROOT / folder).rglob(f"*.{ending}")):
-            path = file.relative_to(ROOT).as_posix()
-            patterns = [order, *([column] if path.startswith("frontend/src/runs/") else [])]
-            patterns += [known] if path in LIST else []
-            if not path.startswith(GENERATED) and ".test." not in path:
-                text = file.read_text("utf-8")
-                found |= {path} if any(pattern.search(text) for pattern in patterns) else set()
+    for path, text in texts().items():
+        if path not in LIST and key not in text and sort not in text:
+            continue  # neither pattern can be in it
+        patterns = [order, *([column] if path.startswith("frontend/src/runs/") else [])]
+        patterns += [known] if path in LIST else []
+        found |= {path} if any(pattern.search(text) for pattern in patterns) else set()
     return sorted(found)
 
 

@@ -7,6 +7,7 @@ All others read what a kind declares (`campaigns.stages.declared`) and the prope
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,17 @@ OLDER = {"search": 15, "validate": 12}
 Only ever fewer."""
 
 
+@cache
+def texts() -> dict[str, str]:
+    """By path, the text of every file that is searched."""
+    files = {
+        file.relative_to(ROOT).as_posix(): file
+        for folder, ending in SOURCES.items()
+        for file in sorted((ROOT / folder).rglob(f"*.{ending}"))
+    }
+    return {p: f.read_text("utf-8") for p, f in files.items() if not p.startswith(SKIPPED) and ".test." not in p}
+
+
 def knowing(kind: str, result: str) -> list[str]:
     """The files that name the type of its result, or compare a kind with its name."""
     named = re.compile(
@@ -34,11 +46,7 @@ def knowing(kind: str, result: str) -> list[str]:
     )
     found = [f"campaigns/rules.py ({kind})"] if any(kind in rule.evidence for rule in RULES) else []
     found += [f"frontend/src/run/stages/{kind}.tsx"] if (ROOT / f"frontend/src/run/stages/{kind}.tsx").exists() else []
-    for folder, ending in SOURCES.items():
-        for file in sorted((ROOT / folder).rglob(f"*.{ending}")):
-            path = file.relative_to(ROOT).as_posix()
-            if not path.startswith(SKIPPED) and ".test." not in path and named.search(file.read_text("utf-8")):
-                found.append(path)
+    found += [p for p, text in texts().items() if (kind in text or result in text) and named.search(text)]
     return sorted(set(found))
 
 

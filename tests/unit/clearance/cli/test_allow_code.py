@@ -137,7 +137,7 @@ def test_no_description_of_an_earlier_run_stays_among_the_results(
     assert (out / "simulator.yaml").exists()
     short = tmp_path / "short.json"
     searches = {"sensitivity": None, "search": [{"method": "direct", "evaluations": 5}], "validate": {"neighbours": 0}}
-    short.write_text(campaign(stages=searches).model_dump_json(by_alias=True), encoding="utf-8")
+    short.write_text(campaign(stages=searches, scenario__horizon=1.0).model_dump_json(by_alias=True), encoding="utf-8")
     assert refused(capsys, "run", short, "--out", out) == RefusalCode.OTHER_CAMPAIGN
     assert (out / "simulator.yaml").exists()
     (tmp_path / "bowl.py").write_text("raise SystemExit('no licence')\n", encoding="utf-8")

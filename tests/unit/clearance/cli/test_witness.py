@@ -123,11 +123,11 @@ def test_code_that_ends_the_process_leaves_no_result(folder: Path, words: tuple[
     assert command(folder, *words, ends="1") == INTERNAL
 
 
-def test_a_method_that_calls_sys_exit_leaves_no_result(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_method_that_calls_sys_exit_leaves_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def search(*_: Any, **__: Any) -> None:
         sys.exit(0)
 
     methods = installed.methods()
     monkeypatch.setitem(methods, "direct", replace(methods["direct"], search=search))
-    assert invoke(["run", "unicycle_static", "--junit", str(folder / "j.xml")]) == INTERNAL
-    assert "no verdict" in (folder / "j.xml").read_text(encoding="utf-8")
+    assert invoke(["run", "unicycle_static", "--junit", str(tmp_path / "j.xml")]) == INTERNAL
+    assert "no verdict" in (tmp_path / "j.xml").read_text(encoding="utf-8")

@@ -34,7 +34,9 @@ METHODS = {
 
 def imports(path: Path) -> Iterator[str]:
     """The names that a file imports from numba and llvmlite, each with its module."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    text = path.read_text(encoding="utf-8")
+    named = "numba" in text or "llvmlite" in text  # to parse all files takes seconds
+    for node in ast.walk(ast.parse(text)) if named else ():
         if isinstance(node, ast.Import):
             yield from (f"{alias.name}." for alias in node.names if alias.name.split(".")[0] in ("numba", "llvmlite"))
         elif isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] in ("numba", "llvmlite"):

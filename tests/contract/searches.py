@@ -13,10 +13,11 @@ from worker.running.catalogue.installed import methods
 EACH = pytest.mark.parametrize("method", methods().values(), ids=lambda m: m.name)
 
 
-def with_each(names: Iterable[str], values: Sequence[int]) -> list[Any]:
-    """(method, name, value) as parameters of a test: by day every pair of two of them once, at night all three."""
+def with_each(names: Iterable[str], values: Sequence[int], share: int = 1) -> list[Any]:
+    """(method, name, value) as parameters of a test: by day every method with one of `share` of
+    the names, the next method with the next, and every pair of two where `share` is 1; at night all three."""
     return [
         pytest.param(method, name, value, id=f"{name}-{value}-{method.name}", marks=() if day else pytest.mark.nightly)
         for (i, method), (j, name), (k, value) in product(*map(enumerate, (methods().values(), names, values)))
-        for day in [(i + j + k) % len(values) == 0]
+        for day in [(i + j) % share == 0 and ((i + j) // share + k) % len(values) == 0]
     ]

@@ -36,10 +36,16 @@ EACH_SCENE = pytest.mark.parametrize("among", [pytest.param(s, id=number(k, s[0]
 FIRST = {name(c): k for k, s in reversed(list(enumerate(SCENES))) for c in s}
 """The first scene that a component is in: a vehicle is in several."""
 
-EACH = pytest.mark.parametrize(
+ONCE = [(k, s, c) for k, s in enumerate(SCENES) for c in s if FIRST[name(c)] == k]
+"""Every component once, with the number and the others of its scene."""
+
+EACH = pytest.mark.parametrize(("among", "component"), [pytest.param(s, c, id=number(k, c)) for k, s, c in ONCE])
+ONE_OF_EACH_LOOP = pytest.mark.parametrize(
     ("among", "component"),
-    [pytest.param(s, c, id=number(k, c)) for k, s in enumerate(SCENES) for c in s if FIRST[name(c)] == k],
+    [pytest.param(s, c, id=number(k, c), marks=() if c is s[0] else pytest.mark.nightly) for k, s, c in ONCE],
 )
+"""By day every loop once, with other parameters of its avoider; at night with those of each component."""
+
 ALONE = pytest.mark.parametrize("component", components().values(), ids=name)
 
 
@@ -55,7 +61,7 @@ def test_they_can_be_simulated_together(among: Components) -> None:
     assert batch.status.tolist() == [OK] * 3, reasons
 
 
-@EACH
+@ONE_OF_EACH_LOOP  # by day more components in plain Python: tests/contract/test_components.py
 def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(among: Components, component: Component) -> None:
     unbreakable(problem(*among), own(component, among), 384)
     in_any_order(problem(*among), own(component, among), 96)
@@ -66,7 +72,7 @@ def test_a_nan_fails_the_simulation_or_changes_nothing(among: Components, compon
     no_number_shows(problem(*among), own(component, among))
 
 
-@EACH
+@ONE_OF_EACH_LOOP
 def test_it_agrees_with_plain_python(among: Components, component: Component) -> None:
     as_in_plain_python(problem(*among), problem(*among, compiled=False), own(component, among), 3)
 

@@ -246,7 +246,12 @@ EACH = [c for c in components().values() if in_space(c) and not random(c) and no
 DECLARED = [c for c in components().values() if entry(c).written_in]
 
 
-@pytest.mark.parametrize("component", EACH, ids=lambda c: f"{c.role}-{c.name}")
+# By day all that declare a frame, and a third of the others.
+@pytest.mark.parametrize(
+    "component",
+    [pytest.param(c, id=f"{c.role}-{c.name}", marks=() if entry(c).written_in or k % 3 == 0 else pytest.mark.nightly)
+     for k, c in enumerate(EACH)],
+)  # fmt: skip
 def test_what_has_a_sense_of_up_or_right_declares_its_frame(component: Component) -> None:
     assert has_a_sense(component) == bool(entry(component).written_in)
 

@@ -17,6 +17,7 @@ from clearance.testing import methods as contract
 from clearance.testing import searching
 from clearance.testing.searching import BUDGET, FUNCTIONS, at_most, rough, run
 from tests.contract.searches import EACH, with_each
+from tests.given.at_night import nightly_but
 from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Method
 from worker.engine.systems.simulators.slots.given import THREADS
@@ -30,13 +31,13 @@ def no_thread_stays() -> Iterator[None]:
     assert set(threading.enumerate()) <= before
 
 
-@pytest.mark.parametrize(("method", "name", "dimension"), with_each(FUNCTIONS, (1, 2, 8)))
+@pytest.mark.parametrize(("method", "name", "dimension"), with_each(FUNCTIONS, (1, 2, 8), share=2))
 def test_points_are_points_of_the_unit_cube(method: Method, name: str, dimension: int) -> None:
     contract.points_are_points_of_the_unit_cube(method, name, dimension)
 
 
 @EACH
-@pytest.mark.parametrize("budget", [1, 2, 7, 100, 401])
+@pytest.mark.parametrize("budget", nightly_but((1, 7, 100), [1, 2, 7, 100, 401]))
 def test_the_budget_is_never_exceeded(method: Method, budget: int) -> None:
     contract.the_budget_is_never_exceeded(method, budget)
 

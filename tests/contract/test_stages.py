@@ -100,32 +100,35 @@ stage = Stage("corners", run)
 
 ALL = """
 import sys
-from pathlib import Path
-from tools import openapi
 from clearance.cli import invoke
 
-file, out, described = sys.argv[1:]
+file, out = sys.argv[1:]
 assert invoke(["run", file, "--out", out]) == 1
 assert invoke(["audit", out]) == 0
-Path(described).write_text(openapi.text(), encoding="utf-8")
 """
 """In one process, which takes seconds to start."""
 
 
-def test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api(tmp_path: Path) -> None:
-    source = tmp_path / "source"
-    for folder in ("backend", "campaigns", "clearance", "tools", "worker"):
-        shutil.copytree(REPOSITORY / folder, source / folder)
+def with_corners(folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
+    """A process of a product that has a further stage."""
+    source = folder / "source"
+    for room in ("backend", "campaigns", "clearance", "tools", "worker"):
+        shutil.copytree(REPOSITORY / room, source / room)
     (source / "campaigns" / "stages" / "corners.py").write_text(DECLARED, encoding="utf-8")
     (source / "worker" / "engine" / "stages" / "corners.py").write_text(RUN, encoding="utf-8")
+    installed = package.install(folder / "package")
+    environment = {**os.environ, "PYTHONPATH": f"{source}{os.pathsep}{installed}"}
+    done = subprocess.run(
+        [sys.executable, "-c", *command], cwd=source, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def test_a_stage_in_two_files_is_planned_run_and_stored(tmp_path: Path) -> None:
     file, out = tmp_path / "basins.json", tmp_path / "out"
     file.write_text(json.dumps(package.campaign()), encoding="utf-8")
-    installed = package.install(tmp_path / "package")
-    environment = {**os.environ, "PYTHONPATH": f"{source}{os.pathsep}{installed}"}
-
-    command = [sys.executable, "-c", ALL, str(file), str(out), str(tmp_path / "openapi.json")]
-    done = subprocess.run(command, cwd=source, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    done = with_corners(tmp_path, ALL, str(file), str(out))
     assert [line.partition(":")[0] for line in done.stderr.splitlines()].count("corners") == 1, (
         "one line for each stage"
     )
@@ -133,5 +136,9 @@ def test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api(tmp
     assert [stage["kind"] for stage in stages[:4]] == ["nominal", "sensitivity", "corners", "search"]
     assert (stages[2]["evaluations"], stages[2]["best"]) == (4, pytest.approx(7.8, abs=0.1))
     assert "agrees" in done.stdout
-    described = json.loads((tmp_path / "openapi.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.nightly  # by day the description with the stages of today: tests/contract/test_generated.py
+def test_a_stage_in_two_files_is_described_by_the_api(tmp_path: Path) -> None:
+    described = json.loads(with_corners(tmp_path, "from tools import openapi; print(openapi.text())").stdout)
     assert "CornerResult" in described["components"]["schemas"]

@@ -12,6 +12,7 @@ import pytest
 
 from campaigns import library, load_file
 from clearance.testing.problems import Problem
+from tests.given.at_night import nightly_but
 from tests.physics.in_space import OBSTACLES
 from tests.physics.scenes import changed, flight, uncompiled
 from worker.engine.components.avoiders import closest_approach, closest_approach_3d, ge_cui, gnron, gnron_3d, none
@@ -190,6 +191,10 @@ class TestClosestApproach:
 VEHICLES = [c for c in components().values() if isinstance(c, Vehicle)]
 AVOIDERS = [c for c in components().values() if isinstance(c, Avoider)]
 PAIRS = [(v, a) for v, a in itertools.product(VEHICLES, AVOIDERS) if v.dimension == a.dimension]
+SOME = [
+    pytest.param(v, a, marks=() if (VEHICLES.index(v) + AVOIDERS.index(a)) % 2 == 0 else pytest.mark.nightly)
+    for v, a in PAIRS
+]
 SPACE = load_file(library()["uav_static"])
 
 
@@ -235,6 +240,9 @@ def encounter(vehicle: Vehicle, avoider: Avoider, horizon: float = 20.0) -> Any:
     )
 
 
+ALONE = ("none", "none_3d", "cruise_3d", "orca", "right_of_way_3d")
+
+
 def alone(avoider: Any) -> Any:
     """What an avoider demands of two obstacles, as the loop calls it."""
     first, weigh, steer = avoider.first, avoider.weigh, avoider.steer
@@ -251,7 +259,7 @@ def alone(avoider: Any) -> Any:
     return of_all if weigh is None else one_by_one
 
 
-@pytest.mark.parametrize("name", ["none", "none_3d", "cruise_3d", "orca", "right_of_way_3d"])
+@pytest.mark.parametrize("name", nightly_but(("none", "none_3d", "orca"), ALONE))
 def test_compiled_alone_they_demand_what_they_do_in_plain_python(name: str) -> None:
     """The loops with them are compiled at night only: by day their simulations are in plain Python."""
     avoider: Any = components()["avoider", name]
@@ -270,7 +278,8 @@ def test_compiled_alone_they_demand_what_they_do_in_plain_python(name: str) -> N
 
 
 class TestFlown:
-    @pytest.mark.parametrize(("vehicle", "avoider"), PAIRS, ids=lambda c: c.name)
+    # By day each avoider with a vehicle, the next with the next; all pairs for a few steps: test_pairs.py.
+    @pytest.mark.parametrize(("vehicle", "avoider"), SOME, ids=lambda c: c.name)
     def test_each_avoider_with_each_vehicle(self, vehicle: Vehicle, avoider: Avoider) -> None:
         system = uncompiled(encounter(vehicle, avoider, horizon=5.0 if vehicle.dimension == 3 else 2.5)).system
         made = system.loop.simulate(system.nominal[None], system.step, *system.counts(system.step), traced=1)

@@ -118,7 +118,7 @@ class TestIntegrator:
         coarse, fine = np.abs(ends[0.08] - ends[0.04]), np.abs(ends[0.04] - ends[0.02])
         assert np.log2(coarse / fine) == pytest.approx(np.full(7, 4.0), abs=0.3)
 
-    @pytest.mark.parametrize("values", [{}, CORNER])
+    @pytest.mark.parametrize("values", [pytest.param({}, marks=pytest.mark.nightly), CORNER])
     def test_agrees_with_dop853_where_nothing_switches(self, values: dict[str, float]) -> None:
         given = {k: v for k, v in values.items() if k in ALONE.paths}
         other = PlainReference(ALONE.system).simulate(ALONE.vector(given))

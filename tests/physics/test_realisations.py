@@ -26,6 +26,7 @@ from clearance.testing.problems import Problem
 from clearance.testing.scenes import FEW, scene
 from tests.audited import audited
 from tests.contract.hands import together
+from tests.given.at_night import nightly_but
 from tests.physics.scenes import uncompiled
 from worker.engine.kernels.component import Environment, Fault
 from worker.engine.reference.reference import Reference
@@ -262,7 +263,7 @@ LOOPS = {
 }
 
 
-@pytest.mark.parametrize("loop", [pytest.param(n, marks=pytest.mark.nightly) if "all" in n else n for n in LOOPS])
+@pytest.mark.parametrize("loop", nightly_but(("some",), LOOPS))
 class TestWithinLimits:
     """Whatever the parameters within their limits: a finite cost or a status with a reason, never a crash or a NaN."""
 

@@ -52,7 +52,16 @@ def seen_and_demanded(problem: Problem, states: Any, values: dict[str, float]) -
     return found
 
 
-@pytest.mark.parametrize(("component", "parameter"), ROUNDED, ids=[f"{c.name}-{p.name}" for c, p in ROUNDED])
+BY_DAY = {"waypoint_sphere-legs", "gnron_3d-n", "right_of_way_3d-instant", "minimum_deviation_3d-gate"}
+"""Each kind of parameter once; the others are those of the plane, or the same by another name."""
+SOME = [
+    pytest.param(c, p, id=name, marks=() if name in BY_DAY else pytest.mark.nightly)
+    for c, p in ROUNDED
+    for name in [f"{c.name}-{p.name}"]
+]
+
+
+@pytest.mark.parametrize(("component", "parameter"), SOME)
 def test_between_whole_numbers_it_is_the_nearest(component: Any, parameter: Any) -> None:
     name, scenario = SCENES[component.name]
     problem = uncompiled(changed(load_file(library()[name]), **({"horizon": 16.0} | scenario)))

@@ -14,6 +14,7 @@ import yaml
 from campaigns import CampaignError, library, load_file
 from campaigns.asked.load import load_document
 from tests.faults.processes import REPOSITORY
+from tests.given.at_night import nightly_but
 from tests.simulators import noisy
 from worker.engine.systems.simulators.declared import descriptor
 from worker.engine.systems.simulators.declared.described import BadDescriptor
@@ -26,6 +27,7 @@ RAW = re.compile(
     r"[Ii]nput should|should (have|be|match)|valid (dictionary|list|string|tuple|number)|Value error"
     r"|[Ff]ield required|not permitted|validation|unable to"
 )
+Dumper: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 DESCRIBED = REPOSITORY / "docs" / "examples" / "mass_spring" / "simulator.yaml"
 Place = tuple[str | int, ...]
 
@@ -63,7 +65,7 @@ CAMPAIGNS = {name: load_file(library()[name]).document() for name in SHIPPED}
 CAMPAIGNS["simulator"] = noisy.campaign(repeats={"count": 5}).document()
 
 
-@pytest.mark.parametrize("name", CAMPAIGNS)
+@pytest.mark.parametrize("name", nightly_but(("unicycle_static", "simulator"), CAMPAIGNS))
 def test_no_problem_of_a_campaign_is_in_the_words_of_pydantic(name: str) -> None:
     found = set()
     for document in changed(CAMPAIGNS[name]):
@@ -78,7 +80,7 @@ def test_no_problem_of_a_campaign_is_in_the_words_of_pydantic(name: str) -> None
 def test_no_problem_of_a_description_is_in_the_words_of_pydantic(tmp_path: Path) -> None:
     found = set()
     for document in changed(yaml.safe_load(DESCRIBED.read_text(encoding="utf-8"))):
-        (tmp_path / "simulator.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+        (tmp_path / "simulator.yaml").write_text(yaml.dump(document, Dumper=Dumper), encoding="utf-8")
         try:
             descriptor.read(tmp_path)
         except BadDescriptor as error:

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ODD = """
 import os, time, warnings
 import pytest
@@ -84,6 +86,7 @@ def test_turn():
 """
 
 
+@pytest.mark.nightly  # an order, which changes no outcome
 def test_the_first_process_begins_with_what_waits(tmp_path: Path) -> None:
     (tmp_path / "conftest.py").write_text(WAITING, encoding="utf-8")
     for name in ("test_c1", "test_c2", "test_w1", "test_w2"):

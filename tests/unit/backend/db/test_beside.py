@@ -10,8 +10,10 @@ import sqlalchemy as sa
 
 from backend.db.engine import connect, default_url, migrate
 from backend.db.outages import DatabaseOutage
+from tests.given.at_night import nightly_but
 
 AT_ONCE = 4
+TIMES = pytest.mark.parametrize("times", nightly_but((25,), (25, 100)))
 
 
 def used(engine: sa.Engine, times: int) -> None:
@@ -21,19 +23,21 @@ def used(engine: sa.Engine, times: int) -> None:
         engine.dispose()
 
 
-def test_what_sqlite_itself_deletes_with_the_last_connection_is_no_loss(tmp_path: Path) -> None:
+@TIMES
+def test_what_sqlite_itself_deletes_with_the_last_connection_is_no_loss(tmp_path: Path, times: int) -> None:
     url = default_url(tmp_path)
     migrate(url)
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        list(pool.map(lambda _: used(connect(url), 100), range(2 * AT_ONCE)))
+        list(pool.map(lambda _: used(connect(url), times), range(2 * AT_ONCE)))
 
 
-def test_one_engine_used_and_emptied_by_several_threads_loses_nothing(tmp_path: Path) -> None:
+@TIMES
+def test_one_engine_used_and_emptied_by_several_threads_loses_nothing(tmp_path: Path, times: int) -> None:
     url = default_url(tmp_path)
     migrate(url)
     engine = connect(url)
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        list(pool.map(lambda _: used(engine, 100), range(2 * AT_ONCE)))
+        list(pool.map(lambda _: used(engine, times), range(2 * AT_ONCE)))
 
 
 @pytest.mark.parametrize("ending", ["-wal", "-shm"])

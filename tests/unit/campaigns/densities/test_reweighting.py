@@ -49,7 +49,7 @@ def test_unmoved_distributions_give_the_fraction_and_its_interval() -> None:
     }  # fmt: skip
 
 
-BY_DAY = ("a shift away from them", "a box made normal")
+BY_DAY = ("a shift away from them",)
 PAIRS_BY_DAY = ("a shift by 1.5 deviations; the middle, and a tail",)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 
 from campaigns.results.regression import Standing
 from clearance.cli import VIOLATED, invoke
+from tests.given.at_night import nightly_but, rows_nightly_but
 from tests.given.corrupted_records import Folder
 from worker.engine.stages.parts import between
 from worker.running.catalogue import installed
@@ -74,9 +76,15 @@ def changes(folder: Path, out: str) -> dict[tuple[str | None, str | None], Any]:
     return {(case["before"], case["now"]): case for case in compared["cases"]}
 
 
-@pytest.mark.parametrize(("barrier", "slope"), [(0.05, 200.0), (1.0, 200.0), (0.3, 20.0), (0.05, 1000.0)])
-@pytest.mark.parametrize("first", [-0.2, 0.3])
-def test_a_violation_beyond_a_clear_ridge_is_new(first: float, barrier: float, slope: float, folder: Path) -> None:
+RIDGES = list(product((-0.2, 0.3), ((0.05, 200.0), (1.0, 200.0), (0.3, 20.0), (0.05, 1000.0))))
+
+
+# By day a region that violated and one that did not, each with the barrier that hides the ridge most and least.
+@pytest.mark.parametrize(
+    ("first", "given"), rows_nightly_but([(-0.2, (1.0, 200.0)), (-0.2, (0.3, 20.0)), (0.3, (0.05, 1000.0))], RIDGES)
+)
+def test_a_violation_beyond_a_clear_ridge_is_new(first: float, given: tuple[float, float], folder: Path) -> None:
+    barrier, slope = given
     assert ran(folder, "old", barrier=barrier, slope=slope) == VIOLATED
     fails = ran(folder, "new", "--baseline", "old", barrier=barrier, slope=slope, first=first, second=-0.4)
     assert fails == VIOLATED
@@ -90,7 +98,7 @@ def test_a_violation_beyond_a_clear_ridge_is_new(first: float, barrier: float, s
     assert invoke(["audit", "new"]) == 0
 
 
-@pytest.mark.parametrize("barrier", [0.05, 1.0])
+@pytest.mark.parametrize("barrier", nightly_but((1.0,), [0.05, 1.0]))
 def test_a_known_violation_hides_no_milder_one_beyond_a_clear_ridge(barrier: float, folder: Path) -> None:
     assert ran(folder, "old", barrier=barrier) == VIOLATED
     assert ran(folder, "new", "--baseline", "old", barrier=barrier, second=-0.1) == VIOLATED
@@ -136,7 +144,7 @@ def elsewhere(basin: Any) -> None:
     basin["line"] = {"end": [0.2, 0.22], "highest": -0.1}
 
 
-@pytest.mark.parametrize("forge", [lower, without, elsewhere])
+@pytest.mark.parametrize("forge", nightly_but((without, elsewhere), [lower, without, elsewhere]))
 def test_the_audit_evaluates_the_line_again(forge: Any, folder: Path) -> None:
     ran(folder, "old", ridge=0.2, second=0.0)
     ran(folder, "new", "--baseline", "old", ridge=0.2, first=-0.19, second=-0.2)

@@ -23,6 +23,7 @@ def test_a_pipe_that_is_closed_changes_no_exit_code() -> None:
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
+@pytest.mark.nightly  # by day a pipe that nobody reads, above
 def test_output_that_is_closed_changes_no_exit_code() -> None:
     command = f"{shlex.join([*COMMAND, 'explain', '--help'])} >&-"
     ended = subprocess.run(["bash", "-c", command], capture_output=True, text=True)

@@ -16,6 +16,7 @@ from campaigns.results.base import EXCLUDED
 from campaigns.versions import Processor, Versions
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from clearance.cli.replay import Again
+from tests.given.at_night import nightly_but
 from tests.given.corrupted_records import CERTIFY, RUNS, Folder, write_called, written
 from tests.given.refused_commands import refusal, refused
 from tests.migrated import migrated
@@ -72,7 +73,9 @@ def test_a_sample_is_simulated_with_its_own_noise(tmp_path: Path, capsys: pytest
     assert [case["agrees"] for case in statement["cases"]] == [False] * 3 + [True] * 3
 
 
-@pytest.mark.parametrize("name", ["counted", "counted noise", "counted exclusions"])
+@pytest.mark.parametrize(
+    "name", nightly_but(("counted", "counted exclusions"), ["counted", "counted noise", "counted exclusions"])
+)
 def test_blocks_of_a_sample_are_flown_again_from_their_indices(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from campaigns.results.base import EXCLUDED
+from tests.given.at_night import nightly_but
 from tests.given.functions_with_minima import BASIN, FUNCTIONS, OnUnitCube, on_unit_cube
 from worker.engine.search.base import Floats
 
@@ -48,7 +49,7 @@ def test_minimisers_are_far_from_each_other_and_the_published_ones_are_all_there
     assert len(points) == {"Branin": 3, "six-hump camel": 2, "Shubert": 18}.get(name, 1)
 
 
-@pytest.mark.parametrize("seed", [None, 1, 2])
+@pytest.mark.parametrize("seed", nightly_but((1,), [None, 1, 2]))
 @EACH
 def test_no_random_or_polished_point_is_lower(name: str, seed: int | None) -> None:
     f = on_unit_cube(name, seed)

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import types
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +21,7 @@ import pytest
 from numba import config
 from numba.core.caching import FunctionCache
 
+from tests.given.at_night import rows_nightly_but
 from tests.given.loaded_functions import loaded
 from worker.engine.kernels.bind import filled, plain
 from worker.engine.kernels.cached import cached
@@ -253,8 +255,12 @@ DAMAGES: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
-@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize(
+    ("kind", "damage"),
+    rows_nightly_but(
+        [*product(["nbc"], DAMAGES), ("nbi", "one bit"), ("nbi", "empty")], product(["nbi", "nbc"], DAMAGES)
+    ),
+)
 def test_a_damaged_file_of_the_cache_is_made_again(
     damage: str, kind: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

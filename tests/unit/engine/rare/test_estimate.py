@@ -46,10 +46,11 @@ def test_known_modes_give_the_probability_and_their_shares() -> None:
     assert found.effective > 500
 
 
-def test_the_interval_holds_as_often_as_it_states() -> None:
-    """At least 95 % would be 57 of 60 on average; fewer than 53 has a probability of 1 %."""
-    intervals = [of(two_sides, [[6.0, 1.0], [-6.0, 0.0]], seed).interval for seed in range(60)]
-    assert sum(i.low <= P_HIGH + P_LOW <= i.high for i in intervals) >= 53
+@pytest.mark.parametrize(("seeds", "least"), [(20, 17), pytest.param(60, 53, marks=pytest.mark.nightly)])
+def test_the_interval_holds_as_often_as_it_states(seeds: int, least: int) -> None:
+    """At least 95 % would be 57 of 60 on average; fewer than 53, or than 17 of 20, has a probability of 1 %."""
+    intervals = [of(two_sides, [[6.0, 1.0], [-6.0, 0.0]], seed).interval for seed in range(seeds)]
+    assert sum(i.low <= P_HIGH + P_LOW <= i.high for i in intervals) >= least
 
 
 def test_a_mode_that_was_not_given_is_found() -> None:

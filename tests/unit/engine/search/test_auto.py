@@ -10,6 +10,7 @@ import pytest
 
 from clearance.testing.searching import Function, batch, space
 from tests.bench.scoreboard.searches import own_trace
+from tests.given.at_night import nightly_but
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import contrast_racing, lq_cma_es
 from worker.engine.search.methods.auto import (
@@ -186,7 +187,7 @@ def test_the_model_makes_way_for_an_evolution_strategy() -> None:
     assert cheap["cma_es"] == 0 < counted(requested(stairs, SMALL + 1, 200 * SMALL))["cma_es"]
 
 
-@pytest.mark.parametrize("dimension", [LOW - 1, LOW + 1, SMALL])
+@pytest.mark.parametrize("dimension", nightly_but((LOW - 1,), [LOW - 1, LOW + 1, SMALL]))
 def test_mlsl_searches_the_box_once_differential_evolution_has_converged(dimension: int) -> None:
     parts = requested(rugged, dimension, 2000 * dimension)
     by = [member for member, _, _ in parts]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.given.at_night import nightly_but
 from tests.given.niching import ACCURACIES, PROBLEMS, SIMPLE, Niching, _constants
 from worker.engine.search.base import Floats
 
@@ -47,7 +48,7 @@ def test_all_optima_count_at_every_accuracy_and_others_do_not(name: str) -> None
     assert problem.found(elsewhere, 1e-5) == 0
 
 
-@pytest.mark.parametrize("name", PROBLEMS)
+@pytest.mark.parametrize("name", nightly_but(list(PROBLEMS)[:11], PROBLEMS))
 def test_no_cost_is_below_zero(name: str) -> None:
     problem = PROBLEMS[name]
     points = np.random.default_rng(2).random((2000, problem.dimension))

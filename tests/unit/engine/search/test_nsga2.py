@@ -99,7 +99,9 @@ def pymoo(f: Several, dimension: int, generations: int, failing: Several, option
     ],
     ids=["two costs", "three costs, many equal", "one cost", "wide crossover and mutation"],
 )
-@pytest.mark.parametrize("most", [2.0, 0.6], ids=["all valued", "some failed"])
+@pytest.mark.parametrize(
+    "most", [pytest.param(2.0, id="all valued", marks=pytest.mark.nightly), pytest.param(0.6, id="some failed")]
+)
 def test_its_points_are_those_of_pymoo(f: Several, dimension: int, options: dict[str, Any], most: float) -> None:
     def failing(x: Floats) -> Floats:
         return np.asarray(x[:, -1] > most)

@@ -100,6 +100,7 @@ def test_what_is_stored_is_shown_without_what_is_missing(tmp_path: Path, capsys:
     assert ", 9 of them" in page.markdown(found)
 
 
+@pytest.mark.nightly  # by day the figures that methods and their guide state, below
 def test_the_guide_shows_what_the_kept_cells_say() -> None:
     guide = (cells.ROOT / "docs" / "scoreboard.md").read_text(encoding="utf-8")
     for part in board.PARTS.values():

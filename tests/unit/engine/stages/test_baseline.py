@@ -224,6 +224,7 @@ def write(path: Path, **changes: Any) -> Path:
     return path
 
 
+@pytest.mark.nightly  # by day a stored run is compared, audited and extended, below; test_known_regions.py fails by one
 def test_a_worse_controller_fails_and_every_other_command_reads_the_run(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -55,7 +55,10 @@ def test_of_a_bowl_it_is_below_the_minimum_and_approaches_it() -> None:
 
 
 @pytest.mark.parametrize("method", [direct.method, direct_l.method], ids=lambda m: m.name)
-@pytest.mark.parametrize("failing", [False, True], ids=["every value", "failing region"])
+@pytest.mark.parametrize(
+    "failing",
+    [pytest.param(False, id="every value", marks=pytest.mark.nightly), pytest.param(True, id="failing region")],
+)
 def test_it_is_never_above_what_the_search_has_evaluated(method: Method, failing: bool) -> None:
     """A deep hole that the last evaluations of many budgets meet, in an iteration that the budget ends."""
 

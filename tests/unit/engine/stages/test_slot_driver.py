@@ -10,6 +10,7 @@ import pytest
 
 from campaigns.results.base import OK
 from campaigns.stored.records import Ahead, Columns, StagePlan
+from tests.given.at_night import nightly_but
 from tests.simulators.threaded import Threaded, grid, threaded
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
@@ -112,7 +113,10 @@ def taken(columns: Columns, rows: Any) -> Columns:
     return Columns(points, costs, status, seconds, {i: why for i, why in columns.reasons.items() if i in set(rows)})
 
 
-@pytest.mark.parametrize("name", ["sqp", "portfolio", "global_clustering", "hybrid_direct", "differential_evolution"])
+INTERRUPTED = ("sqp", "portfolio", "global_clustering", "hybrid_direct", "differential_evolution")
+
+
+@pytest.mark.parametrize("name", nightly_but(("sqp", "portfolio", "differential_evolution"), INTERRUPTED))
 def test_a_search_interrupted_at_any_moment_resumes_in_the_same_order(name: str) -> None:
     """All that had ended is used, nothing is evaluated twice, and what is requested follows from what had ended."""
     with threaded(2) as problem:

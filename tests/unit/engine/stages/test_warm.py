@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.given.at_night import nightly_but
+from tests.given.at_night import rows_nightly_but
 from worker.engine.kernels.numba_internals import is_compiled
 from worker.engine.search.base import Batch, Floats, Method, Parallel, Space
 from worker.engine.stages import search as stage
@@ -22,12 +22,16 @@ COMPILING = [name for name, method in methods().items() if method.compiles]
 WITH_MEMBERS = ["auto", "portfolio"]
 SIZES = ((2, 400), (4, 300), (8, 300))
 """Parameters, and evaluations for each of them: on both sides of where `auto` begins in another way."""
+BY_DAY = ((2, 400), (8, 100))
 
 
-@pytest.mark.parametrize("name", nightly_but({"auto"}, ["each by itself", *WITH_MEMBERS]))
-def test_nothing_compiles_after_the_warm_up(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "sizes"),
+    rows_nightly_but([("auto", BY_DAY)], [("auto", BY_DAY), *((n, SIZES) for n in ["each by itself", *WITH_MEMBERS])]),
+)
+def test_nothing_compiles_after_the_warm_up(name: str, sizes: tuple[tuple[int, int], ...]) -> None:
     names = [name] if name in WITH_MEMBERS else [m for m in COMPILING if m not in WITH_MEMBERS]
-    command = [sys.executable, "-c", f"from {__name__} import searched; searched({names})"]
+    command = [sys.executable, "-c", f"from {__name__} import searched; searched({names}, {sizes})"]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout.split()) == (0, names), ended.stderr
 
@@ -55,13 +59,13 @@ def _counting(method: Method, evaluated: list[Floats]) -> Method:
     return replace(method, search=search)
 
 
-def searched(names: list[str]) -> None:
+def searched(names: list[str], sizes: tuple[tuple[int, int], ...]) -> None:
     """Warm and run each method; prints its name if nothing was compiled after it was warmed."""
     for name in names:
         method = methods()[name]
         stage._warm(method, methods())
         before = signatures()
-        for size in SIZES:
+        for size in sizes:
             for fails in (True, False):
                 _run(method, *size, fails)
         assert before, "no function of a search is compiled"

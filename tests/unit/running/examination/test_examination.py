@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.given.at_night import nightly_but
+from tests.given.at_night import nightly_but, rows_nightly_but
 from tests.given.component_mistakes import COMPILED, DECLARED, FLOWN, READ, Slip
 from worker.engine.components import own as own_package
 from worker.engine.kernels.component import Component, Vehicle, declared
@@ -94,7 +94,7 @@ def test_what_is_written_to_start_from_can_be_used(kind: str, folder: Path) -> N
     assert (result.role, result.name, result.simulated) == (kind, f"my_{kind}", True)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", nightly_but(("avoider", "fault"), KINDS))
 def test_a_component_may_be_of_a_subclass(kind: str, folder: Path) -> None:
     file, whole = folder / f"own_{kind}.py", f"component = {kind.capitalize()}("
     text = (SKELETONS / f"{kind}.py").read_text(encoding="utf-8")
@@ -133,7 +133,11 @@ def test_shipped_components_return_what_is_expected(component: Component) -> Non
 
 
 @pytest.mark.parametrize(
-    ("without", "noted"), [(("rate=",), True), (("rate=", "moving="), True), (("look=", "moving="), False)]
+    ("without", "noted"),
+    rows_nightly_but(
+        [(("rate=",), True), (("look=", "moving="), False)],
+        [(("rate=",), True), (("rate=", "moving="), True), (("look=", "moving="), False)],
+    ),
 )
 def test_an_obstacle_that_moves_at_no_declared_rate_is_noted(
     without: tuple[str, ...], noted: bool, folder: Path, monkeypatch: pytest.MonkeyPatch

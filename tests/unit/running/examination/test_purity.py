@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import pytest
 
+from tests.given.at_night import nightly_but
 from worker.engine.components import own as own_package
 from worker.running.catalogue import own
 from worker.running.catalogue.installed import components, source_of
@@ -295,7 +296,10 @@ def test_what_does_not_end_is_found_where_it_is(bad: Bad, folder: Path, monkeypa
     assert [one["until"] > 0.0 for one in stored] == [True], "a busy machine is no reason for ever"
 
 
-@pytest.mark.parametrize("test", ["n < 50", "n <= p.k_goal and abs(y) > 1e-9", "abs(y) > 1e-9 and n < 9"])
+LAST = "abs(y) > 1e-9 and n < 9"
+
+
+@pytest.mark.parametrize("test", nightly_but(("n < 50", LAST), ["n < 50", "n <= p.k_goal and abs(y) > 1e-9", LAST]))
 def test_a_loop_that_counts_its_turns_is_permitted(test: str, folder: Path) -> None:
     loop = f"n = 0\n    while {test}:\n        y = 0.5 * y\n        n += 1"
     examined(written(folder, Bad("", "", loop, "", "")))

@@ -18,6 +18,7 @@ from campaigns.asked.load import load_document
 from campaigns.sample_seed import SampleSeed
 from campaigns.stored.records import Ahead, Columns
 from campaigns.versions import OtherCode
+from tests.given.at_night import nightly_but
 from worker.engine.problem.problem import Problem
 from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable
@@ -55,6 +56,10 @@ def bowl(x):
 """
 KINDS = ("program", "isolated function", "function in this process")
 CHANGED = r"bowl\.py has changed since this run opened it; start the run again"
+
+
+SOME = nightly_but(("program", "function in this process"), KINDS)
+"""By day an isolated function, which needs a process of Clearance, in the tests that a kind can answer otherwise."""
 
 
 @pytest.fixture(params=KINDS)
@@ -133,6 +138,7 @@ def test_a_run_whose_files_changed_stores_nothing_more_and_continues_once_they_a
         assert (one.costs.tolist(), one.status.tolist()) == (other.costs.tolist(), other.status.tolist())
 
 
+@pytest.mark.parametrize("file", SOME, indirect=True)
 def test_a_run_whose_simulator_cannot_be_opened_since_an_edit_waits_for_its_files(file: Path) -> None:
     """That it has changed is known before it is opened."""
     text, store = file.read_text(), MemoryStore()
@@ -164,6 +170,7 @@ def test_a_change_before_the_first_evaluation_is_no_fault_of_the_campaign(
     assert not store.stages
 
 
+@pytest.mark.parametrize("file", SOME, indirect=True)
 def test_files_that_only_look_changed_do_not_matter(file: Path) -> None:
     store = Editing(done=lambda: os.utime(file, ns=(1, 1)))
     execute(campaign(), store)

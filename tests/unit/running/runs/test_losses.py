@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from campaigns.stages.plan import most
 from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord
 from campaigns.versions import OtherCode
 from clearance.cli import invoke
+from tests.given.at_night import rows_nightly_but
 from tests.given.case_campaigns import searching
 from tests.given.refused_commands import refused
 from tests.migrated import migrated
@@ -111,12 +113,21 @@ def places() -> dict[str, list[tuple[Any, float]]]:
     return alone
 
 
-@pytest.mark.parametrize("fails", [False, True], ids=["violates", "fails"])
-@pytest.mark.parametrize("kind", ["certify", "validate"])
-@pytest.mark.parametrize("changes", [{"methods": LARGER}, {"certify": 61}], ids=["larger", "another sample"])
+CHANGES: dict[str, dict[str, Any]] = {"larger": {"methods": LARGER}, "another sample": {"certify": 61}}
+
+
+@pytest.mark.parametrize(
+    ("kind", "ends", "change"),
+    rows_nightly_but(
+        [("certify", "violates", "larger"), ("certify", "fails", "another sample"),
+         ("validate", "fails", "larger"), ("validate", "violates", "another sample")],
+        list(product(("certify", "validate"), ("violates", "fails"), CHANGES)),
+    ),
+)  # fmt: skip
 def test_a_search_that_is_resumed_is_never_cleared_of_what_it_stored(
-    places: dict[str, list[tuple[Any, float]]], kind: str, fails: bool, changes: dict[str, Any]
+    places: dict[str, list[tuple[Any, float]]], kind: str, ends: str, change: str
 ) -> None:
+    fails, changes = ends == "fails", CHANGES[change]
     refusals = 0
     for at, width in places[kind]:
         fly = boxed(at, width, fails)

@@ -1,7 +1,8 @@
 """Sends mutated campaign documents through the doors of the service, and measures each; a process of its own.
 
-`python -m tests.adversary.fuzzing CATALOGUE FIRST COUNT` prints one JSON object. CATALOGUE is a file with the catalogue
-as a worker publishes it: like the service, this process imports no physics, so its memory is that of the service.
+`python -m tests.adversary.fuzzing DATABASE FIRST COUNT` prints one JSON object. DATABASE is the address of one with the
+catalogue as a worker publishes it: like the service, this process imports no physics, so its memory is that of the
+service.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ import json
 import resource
 import signal
 import sys
-import tempfile
 import time
 import traceback
 from collections import Counter
@@ -23,8 +23,7 @@ import sqlalchemy as sa
 from backend.catalog import service
 from backend.catalog.endpoints import _campaign
 from backend.db.access import LOCAL, Visitor
-from backend.db.engine import connect, default_url, migrate, read
-from backend.db.tables import CatalogueDocument
+from backend.db.engine import connect, read
 from backend.http.errors import RefusedError, invalid, respond
 from backend.middleware.frame import LARGEST_BODY
 from backend.runs import submission
@@ -130,24 +129,17 @@ def peak() -> int:
     return int(line.split()[1]) * 1024
 
 
-def main(catalogue: Path, first: int, count: int) -> None:
-    """Prepare a database with the catalogue, and print the measurement."""
+def main(url: str, first: int, count: int) -> None:
+    """Print the measurement."""
 
     def hang(number: int, frame: FrameType | None) -> None:
         raise HangError(f"more than {HANG} s of processor time")
 
     signal.signal(signal.SIGPROF, hang)
-    with tempfile.TemporaryDirectory() as folder:
-        url = default_url(Path(folder))
-        migrate(url)
-        engine = connect(url)
-        document = json.loads(catalogue.read_text(encoding="utf-8"))
-        values = {"id": 1, "document": document, "published": 1.0, "code": "0" * 64}
-        with engine.begin() as writer:
-            writer.execute(sa.insert(CatalogueDocument).values(**values))
-        json.dump(measured(engine, first, count), sys.stdout)
-        engine.dispose()
+    engine = connect(url)
+    json.dump(measured(engine, first, count), sys.stdout)
+    engine.dispose()
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]))
+    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))

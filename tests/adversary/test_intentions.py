@@ -10,7 +10,6 @@ import pytest
 from campaigns import Campaign
 from campaigns.results.verdict import VerdictWord
 from tests.audited import audited, recorded
-from tests.given.at_night import nightly_but
 from tests.given.case_campaigns import CASE1, searching
 from tests.given.corrupted_records import DIRECT, SQP, TURNING
 from tests.given.sampled_stages import DRAWN
@@ -42,12 +41,25 @@ def asked(check: str, intended: list[str]) -> Campaign:
     return searching(DIRECT, SQP, encounter=stated, stages__certify={"samples": 60}, **ATTACKS[check])
 
 
-@pytest.mark.parametrize(
-    "intended",
-    nightly_but(([*CONDITIONS], ["closest_approach"]), [*([each] for each in CONDITIONS), [*CONDITIONS]]),
-    ids="+".join,
+BY_DAY = (
+    ("closest approach", (CONDITIONS[0],)),
+    ("closest approach", CONDITIONS),
+    ("sampling", CONDITIONS),
 )
-@pytest.mark.parametrize("check", ATTACKS)
+"""The intention that would permit it, and all together."""
+
+
+@pytest.mark.parametrize(
+    ("check", "intended"),
+    [
+        pytest.param(
+            check, [*intended], id=f"{check}-{'+'.join(intended)}",
+            marks=[] if (check, intended) in BY_DAY else [pytest.mark.nightly],
+        )
+        for check in ATTACKS
+        for intended in (*((each,) for each in CONDITIONS), CONDITIONS)
+    ],
+)  # fmt: skip
 def test_no_intention_clears_what_comes_after_the_horizon_or_between_steps(check: str, intended: list[str]) -> None:
     campaign, store = asked(check, intended), MemoryStore(sample_seed=DRAWN)
     conclusion = execute(campaign, store, threads=1)

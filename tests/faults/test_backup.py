@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import sqlite3
 from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import pytest
 import sqlalchemy as sa
@@ -27,6 +25,7 @@ from campaigns.stages.plan import most
 from clearance.cli import WRONG_INPUT, invoke
 from tests.audited import audited
 from tests.faults import postgres
+from tests.faults.diagnosed import diagnosed
 from tests.faults.long import case
 from tests.faults.processes import until, worker
 from tests.faults.serving import state
@@ -255,12 +254,6 @@ def test_by_the_command_line(stored: str, tmp_path: Path, capsys: pytest.Capture
     assert capsys.readouterr().err
 
 
-def diagnosed(data: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, dict[str, Any]]:
-    capsys.readouterr()
-    code = invoke(["doctor", "--json", "--data", str(data)])
-    return code, {one["name"]: one for one in json.loads(capsys.readouterr().out)}
-
-
 @pytest.mark.parametrize(
     ("spoil", "name", "state"),
     [
@@ -276,6 +269,7 @@ def test_the_doctor_names_what_is_wrong_and_what_to_do(
     stored: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], spoil: Callable[[Path], object], name: str,
     state: str,
 ) -> None:  # fmt: skip
+    """That it finds nothing wrong with what works: tests/faults/test_worker.py."""
     data = tmp_path / "data"
     data.chmod(0o700)
     spoil(data)
@@ -283,23 +277,6 @@ def test_the_doctor_names_what_is_wrong_and_what_to_do(
     assert (code, found[name]["state"]) == (1, state)
     assert found[name]["remedy"]
     assert all(one["remedy"] for one in found.values() if one["state"] != "ok")
-
-
-def test_the_doctor_finds_nothing_wrong_with_a_service_that_works(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    data = tmp_path / "data"
-    data.mkdir(mode=0o700)
-    url = default_url(data)
-    migrate(url)
-    engine = connect(url)
-    with worker(url, tmp_path, "own"):
-        until(lambda: diagnosed(data, capsys)[1]["workers"]["state"] == "ok", "the worker is alive")
-        found = diagnosed(data, capsys)[1]
-    engine.dispose()
-    for name in ("data folder", "database", "schema", "workers", "clock", "pages"):
-        assert found[name]["state"] == "ok", found[name]
-    assert revision.newest() in found["schema"]["found"]
 
 
 @AT_NIGHT

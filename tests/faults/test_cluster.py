@@ -247,6 +247,7 @@ def sampled(gate: Gate, slots: int = 1) -> CertifyResult:
         optional.close(problem.system)
 
 
+@pytest.mark.nightly  # by day the bits of any results, and a node that is killed
 def test_a_counted_sample_has_the_bits_of_local_slots_though_a_node_is_killed(
     nodes: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

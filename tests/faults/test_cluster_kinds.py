@@ -116,6 +116,7 @@ def test_a_function_has_the_same_results_there(tmp_path: Path, monkeypatch: pyte
     compared(function, tmp_path, points, monkeypatch)
 
 
+@pytest.mark.nightly  # by day a function there; an FMU in slots: tests/fmu/test_evaluation.py
 @pytest.mark.usefixtures("there")
 def test_an_fmu_has_the_same_results_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     usual = fmu(made.folder(tmp_path, 2))

@@ -32,7 +32,7 @@ SEED = SampleSeed.drawn()
 """Of the sample of all runs here, so that the undisturbed run that they are compared with is the same."""
 
 
-@pytest.mark.nightly  # by day one of two workers is killed, and nothing is lost: tests/faults/test_worker.py
+@pytest.mark.nightly  # by day a child that is killed, and nothing is lost: tests/faults/test_worker.py
 @pytest.mark.parametrize("further", [0, 1])
 def test_a_search_that_was_killed_ends_as_if_it_never_had_been(
     database: sa.Engine, tmp_path: Path, request: pytest.FixtureRequest, further: int

@@ -18,6 +18,7 @@ from campaigns.results.measured import Measured
 from campaigns.results.remedies import Ran, remedies
 from campaigns.stages.nominal import NominalResult
 from clearance.cli import invoke
+from tests.given.at_night import nightly_but
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
 from tests.simulators.noisy import REPEATS, by_auto, campaign, ran
 from worker.running.runs.runner import CampaignUnusable, Cancelled, execute
@@ -35,7 +36,20 @@ def check(verdict: Verdict, name: str) -> Any:
     return next(c for c in verdict.checks if c.name == name)
 
 
-@pytest.mark.parametrize("how", ADVERSARIES)
+SINGLE = (
+    "none",
+    "noise",
+    "now and then too low",
+    "now and then a little low",
+    "noise of the process",
+    "seeded by time",
+    "rarely a violation",
+    "violates in a fresh process",
+)
+"""By day: noise of every call and of every process, and what is seldom seen; the others are more of these."""
+
+
+@pytest.mark.parametrize("how", nightly_but(SINGLE, ADVERSARIES))
 def test_what_does_not_repeat_is_never_cleared_by_single_calls(how: str) -> None:
     with adversary(how):
         verdict, store = ran(campaign())
@@ -61,7 +75,17 @@ CALLS_KNOWN = {
 }
 
 
-@pytest.mark.parametrize(("how", "word"), CALLS_KNOWN.items())
+CALLED_BY_DAY = ("none", "noise of the process", "rarely a violation", "violates in a fresh process")
+"""One of every verdict, and the two that violate; what is too low now and then is named below."""
+
+
+@pytest.mark.parametrize(
+    ("how", "word"),
+    [
+        pytest.param(how, word, marks=[] if how in CALLED_BY_DAY else [pytest.mark.nightly])
+        for how, word in CALLS_KNOWN.items()
+    ],
+)
 def test_several_calls_settle_what_one_call_cannot(how: str, word: str) -> None:
     with adversary(how):
         verdict, store = ran(campaign(**REPEATS))
@@ -220,7 +244,11 @@ LATER: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("how", [*ADVERSARIES, *LATER])
+ADVISED = ("none", "noise of the process", "now and then a little low", "violates in a fresh process", "fails later")
+"""By day: without a cause, every cause, and what shows late."""
+
+
+@pytest.mark.parametrize("how", nightly_but(ADVISED, [*ADVERSARIES, *LATER]))
 def test_what_does_not_repeat_has_advice_for_its_cause_and_no_chance_of_a_lower_case(how: str) -> None:
     """Whether that shows when it is measured or in any later comparison. Several calls for each evaluation help where
     values differ; where calls fail, an evaluation of several fails more often."""

@@ -23,6 +23,7 @@ from campaigns.results.base import FAILED, OK
 from campaigns.stored.records import Ahead, Columns
 from tests import results
 from tests.faults.cases import PLAN, campaign, columns
+from tests.given.databases import AT_NIGHT
 from tests.simulators import package, two_basins
 
 KILLED = "the worker process ended with signal 9 (SIGKILL)"
@@ -114,6 +115,7 @@ def test_a_lease_that_ran_out_unnoticed_is_still_good(database: sa.Engine) -> No
     assert queue.claim("other") is None
 
 
+@AT_NIGHT
 def test_three_attempts_then_failed_with_a_sentence(database: sa.Engine) -> None:
     run_id, queue = put(database), Queue(database)
     for attempt in (1, 2, 3):
@@ -162,6 +164,7 @@ def test_lost_workers_are_no_fault_of_the_run_but_have_an_end(database: sa.Engin
     assert ended.error.endswith(f": {how}.")
 
 
+@AT_NIGHT
 @pytest.mark.parametrize("result", ["an evaluation", "a stage"])
 def test_a_stored_result_ends_the_count_of_what_has_gone_wrong(database: sa.Engine, result: str) -> None:
     run_id, queue = put(database), Queue(database)
@@ -185,6 +188,7 @@ def test_a_stored_result_ends_the_count_of_what_has_gone_wrong(database: sa.Engi
     assert row(database, run_id).state == "failed"
 
 
+@AT_NIGHT
 def test_a_failed_run_is_queued_again_with_what_is_stored(database: sa.Engine) -> None:
     run_id, queue = put(database), Queue(database)
     claim = claimed(queue)
@@ -210,6 +214,7 @@ def failing(count: int) -> Columns:
     return columns(0, count)._replace(costs=np.full((count, 1), np.nan), status=status, reasons=reasons)
 
 
+@AT_NIGHT
 def test_a_run_whose_evaluations_have_no_value_makes_them_again(database: sa.Engine) -> None:
     """Judged again as they are stored, they would fail it again, whatever was repaired."""
     run_id, queue = put(database), Queue(database)
@@ -230,6 +235,7 @@ def test_a_run_whose_evaluations_have_no_value_makes_them_again(database: sa.Eng
     assert store.evaluations(0) is None
 
 
+@AT_NIGHT
 def test_a_value_that_is_ahead_of_a_missing_one_is_kept(database: sa.Engine) -> None:
     run_id, queue = put(database), Queue(database)
     claim = claimed(queue)
@@ -245,6 +251,7 @@ def test_a_value_that_is_ahead_of_a_missing_one_is_kept(database: sa.Engine) -> 
     assert row(database, run_id).evaluations == 15
 
 
+@AT_NIGHT
 def test_giving_back_does_not_count(database: sa.Engine) -> None:
     run_id, queue = put(database), Queue(database)
     for _ in range(5):
@@ -257,6 +264,7 @@ def cancel(engine: sa.Engine, run_id: int) -> str | None:
         return request_cancel(connection, run_id)
 
 
+@AT_NIGHT
 def test_what_cancelling_does_depends_on_the_state(database: sa.Engine) -> None:
     queue = Queue(database)
     waiting = put(database)
@@ -288,6 +296,7 @@ def test_cancel_does_not_wait_for_a_dead_worker(database: sa.Engine) -> None:
     assert row(database, second).state == "cancelled"
 
 
+@AT_NIGHT
 @pytest.mark.parametrize("end", ["retry", "give_back"])
 def test_a_run_being_cancelled_is_not_queued_again(database: sa.Engine, end: str) -> None:
     run_id, queue = put(database), Queue(database)
@@ -362,6 +371,7 @@ def test_the_catalogue_keeps_the_simulators_of_other_live_workers(database: sa.E
         assert workers.simulators(connection) == []
 
 
+@AT_NIGHT
 def test_a_queued_run_reports_what_it_waits_for(database: sa.Engine) -> None:
     with database.begin() as connection:
         asked = load_document(package.campaign())
@@ -416,6 +426,7 @@ LOST: dict[str, dict[str, Any]] = {
 }
 
 
+@AT_NIGHT
 @pytest.mark.parametrize("state", LOST)
 def test_a_run_of_a_lost_worker_that_no_other_takes_reports_what_it_waits_for(
     database: sa.Engine, monkeypatch: pytest.MonkeyPatch, state: str

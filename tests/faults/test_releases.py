@@ -103,7 +103,8 @@ EDITS = {
 }
 
 
-AT_NIGHT = ("a sentence of a stage", "a limit of the audit", "a component that it does not use")
+AT_NIGHT = ("a sentence of a stage", "a limit of the audit", "a component that it does not use", "the kernel")
+"""By day one that continues and one that waits; of what kind each is, the test below tells."""
 
 
 @pytest.mark.parametrize("name", EDITS)
@@ -190,6 +191,7 @@ def test_a_run_begun_by_one_version_and_continued_by_another(
         assert still.fence == begun.fence + 1, "it is claimed once"
 
 
+@pytest.mark.nightly  # by day a run that waits, above, and what the service offers then: tests/api/runs/test_onward.py
 def test_a_run_of_other_code_has_three_ways_on(service: Service, place: Path, tmp_path: Path) -> None:
     """A worker of the old version; a new beginning; a new run with what is valid, here all but what DIRECT chose."""
     old, anew, carried = begin(service.engine, QUICK, 3)

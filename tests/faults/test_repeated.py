@@ -64,7 +64,7 @@ def difference(engine: sa.Engine, one: int, other: int) -> str | None:
         return Repeats(reader).difference(rows[one], rows[other])
 
 
-@pytest.mark.parametrize("system", ["closed loop", "simulator"])
+@pytest.mark.parametrize("system", [pytest.param("closed loop", marks=pytest.mark.nightly), "simulator"])
 def test_a_run_that_is_executed_again_repeats_the_first_one(engine: sa.Engine, system: str) -> None:
     with adversary("none"):
         asked = load_document(

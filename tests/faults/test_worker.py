@@ -15,6 +15,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db import queue as queues
+from backend.db import revision
 from backend.db.engine import connect, read
 from backend.db.queue import Claim, Queue, request_cancel, submit
 from backend.db.store import RunStore
@@ -26,6 +27,7 @@ from campaigns.stored.records import StagePlan
 from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from clearance.cli.worker import DRAINED
 from tests.faults.cases import campaign, columns
+from tests.faults.diagnosed import diagnosed
 from tests.faults.jobs import SEARCH, WINGS
 from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
@@ -105,7 +107,20 @@ def test_a_worker_registers_and_publishes_its_catalogue(bench: Bench) -> None:
     assert "direct" in [method["name"] for method in document["methods"]]
 
 
-@pytest.mark.parametrize("accident", ["segfault", at_night("kill"), at_night("exit"), "leave", "fail"])
+def test_the_doctor_finds_nothing_wrong_with_a_service_that_works(
+    bench: Bench, capsys: pytest.CaptureFixture[str]
+) -> None:
+    until(lambda: diagnosed(bench.folder, capsys)[1]["workers"]["state"] == "ok", "the worker is alive")
+    found = diagnosed(bench.folder, capsys)[1]
+    for name in ("data folder", "database", "schema", "workers", "clock", "pages"):
+        assert found[name]["state"] == "ok", found[name]
+    assert revision.newest() in found["schema"]["found"]
+
+
+# By day a signal; an error of the runner: tests/faults/test_outages.py.
+@pytest.mark.parametrize(
+    "accident", ["segfault", at_night("kill"), at_night("exit"), at_night("leave"), at_night("fail")]
+)
 def test_after_one_crash_the_run_resumes_where_it_was(bench: Bench, tmp_path: Path, accident: str) -> None:
     run_id = bench.submit(accident, tmp_path / "once")
     ended = bench.ended(run_id)
@@ -125,9 +140,9 @@ def test_after_one_crash_the_run_resumes_where_it_was(bench: Bench, tmp_path: Pa
     [
         at_night("segfault", "the worker process ended with signal 11 (SIGSEGV)"),
         at_night("exit", "the worker process ended with exit code 7"),
-        ("fail", "the runner raised BrokenPipeError: [Errno 32] no pipe"),
+        at_night("fail", "the runner raised BrokenPipeError: [Errno 32] no pipe"),
     ],
-)
+)  # by day attempts are counted below, of files that change, and in tests/faults/test_queue.py
 def test_a_run_that_kills_workers_fails_after_three_attempts(bench: Bench, accident: str, how: str) -> None:
     ended = bench.ended(bench.submit(accident))
     assert ended.state == "failed"
@@ -403,6 +418,7 @@ def frozen(bench: Bench, *family: int) -> Iterator[None]:
         kill(*family, number=signal.SIGCONT)
 
 
+@pytest.mark.nightly  # by day a worker that is killed: test_left_behind.py; what a silent one may not: test_queue.py
 def test_of_two_workers_one_continues_where_the_other_was_frozen_or_killed(bench: Bench, tmp_path: Path) -> None:
     """Frozen beyond its lease it can write nothing; killed it leaves no child."""
 
@@ -472,14 +488,14 @@ def test_an_outage_while_the_child_starts(tmp_path: Path) -> None:
 
 
 def test_a_drained_worker_finishes_its_run_and_takes_no_further_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    home: Bench, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with own(tmp_path) as bench:
-        first, second = bench.submit("linger"), bench.submit("linger")
-        until(lambda: bench.run(first).evaluations > SEARCH // 2, "the first is under way")
-        assert invoke(["worker", "drain", "other", "--database", bench.url]) == WRONG_INPUT
-        assert "own" in capsys.readouterr().err, "it names those that there are"
-        assert invoke(["worker", "drain", "own", "--database", bench.url]) == 0
-        until(lambda: bench.worker.process.poll() is not None, "it ends")
-        assert bench.worker.process.returncode == DRAINED
-        assert (bench.run(first).state, bench.run(second).state) == ("done", "queued")
+    """The shared one, so this is the last test here."""
+    first, second = home.submit("linger"), home.submit("linger")
+    until(lambda: home.run(first).evaluations > SEARCH // 2, "the first is under way")
+    assert invoke(["worker", "drain", "nobody", "--database", home.url]) == WRONG_INPUT
+    assert "shared" in capsys.readouterr().err, "it names those that there are"
+    assert invoke(["worker", "drain", "shared", "--database", home.url]) == 0
+    until(lambda: home.worker.process.poll() is not None, "it ends")
+    assert home.worker.process.returncode == DRAINED
+    assert (home.run(first).state, home.run(second).state) == ("done", "queued")

@@ -134,7 +134,7 @@ def test_whatever_goes_wrong_costs_one_evaluation(simulated: FmuSimulator) -> No
         (0, "one instance for all"),
         (1, "a new instance for each"),
         (2, "a new process for each"),
-        (3, "a new instance for each"),
+        pytest.param(3, "a new instance for each", marks=pytest.mark.nightly),
     ],
 )
 @pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.nightly)])
@@ -151,7 +151,10 @@ def test_state_that_stays_behind_is_noticed_and_changes_nothing(tmp_path: Path, 
     assert batch.costs[0, 0] != batch.costs[1, 0]
 
 
-@pytest.mark.parametrize(("fmi", "what"), [(2, "GUID"), (3, "instantiation token")])
+@pytest.mark.parametrize(
+    ("fmi", "what"),
+    [pytest.param(2, "GUID", marks=pytest.mark.nightly), (3, "instantiation token")],  # by day a campaign on one, below
+)
 def test_a_wrong_token_is_refused_before_anything_is_evaluated(tmp_path: Path, fmi: int, what: str) -> None:
     with pytest.raises(FmuUnusable, match=f"refuses to be instantiated; .*{what} is .8c4e810f"):
         simulator(made.folder(tmp_path, fmi, token="{other}"))

@@ -26,7 +26,7 @@ def simulator(folder: Path, result: str) -> FmuSimulator:
     )
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.nightly), 3])  # by day others of this file have 2
 def test_variables_are_recorded_at_the_communication_points(tmp_path: Path, fmi: int) -> None:
     simulated = simulator(made.folder(tmp_path, fmi, described={"trace": TRACE}), "height")
     before, _ = simulated.evaluate(simulated.nominal[None])

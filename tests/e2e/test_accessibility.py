@@ -155,6 +155,7 @@ def test_every_method_has_its_colour_of_the_theme(visit: Visit, theme: Literal["
     assert len({*shown.values()}) > 10
 
 
+@pytest.mark.nightly  # by day the list with runs
 def test_the_empty_list_is_accessible(visit: Visit) -> None:
     seen(visit, "/runs", "role=heading[name='No runs yet']")
     clean(visit.page)
@@ -224,8 +225,10 @@ def without_inline_styles(route: Route) -> None:
     )
 
 
-def test_the_text_editor_is_accessible_at_work(visit: Visit, filled: Service) -> None:
-    """With a problem, its tooltip, the search and completions visible; Tab leaves the editor, as documented."""
+@pytest.mark.parametrize("searching", [False, pytest.param(True, marks=pytest.mark.nightly)])
+def test_the_text_editor_is_accessible_at_work(visit: Visit, filled: Service, searching: bool) -> None:
+    """With a problem, its tooltip and completions visible, at night the search, too; Tab leaves the editor, as
+    documented."""
     page = visit.page
     seen(visit, *PAGES["launch-text"])
     write_over(page, written(page).replace("horizon: 15.0", "horizon: 15 s").replace("{m: 5.0, ", "{x: 1, m: 5.0, "))
@@ -251,7 +254,8 @@ def test_the_text_editor_is_accessible_at_work(visit: Visit, filled: Service) ->
     page.keyboard.press("Escape")
     page.keyboard.press("Control+f")
     expect(page.get_by_role("textbox", name="Find")).to_be_focused()
-    clean(page, ["main"])
+    if searching:
+        clean(page, ["main"])
     page.keyboard.press("Escape")
     page.keyboard.press("Escape")
     page.keyboard.press("Tab")
@@ -292,6 +296,7 @@ def test_completions_are_offered_as_soon_as_the_schema_is_there(visit: Visit) ->
     page.unroute("**/api/v1/campaigns/schema")
 
 
+@pytest.mark.nightly  # by day one that comes late, above
 def test_a_schema_that_could_not_be_loaded_is_asked_for_with_the_next_completions(visit: Visit) -> None:
     page = visit.page
     page.route("**/api/v1/campaigns/schema", lambda route: route.fulfill(status=422))
@@ -308,7 +313,7 @@ def test_a_schema_that_could_not_be_loaded_is_asked_for_with_the_next_completion
     visit.wrong[:] = [entry for entry in visit.wrong if "422" not in entry]  # the browser reports it
 
 
-@pytest.mark.parametrize("path", ["/runs", "/login?code=wrong"])
+@pytest.mark.parametrize("path", nightly_but(("/runs",), ("/runs", "/login?code=wrong")))
 def test_the_sign_in_pages_are_accessible(service: Service, browser: Browser, path: str) -> None:
     with visiting(browser, service.url) as stranger:
         page = stranger.page

@@ -177,8 +177,7 @@ def test_live_updates_return_after_a_refusal_and_the_list_asks_meanwhile(working
 
 
 def test_the_stream_is_opened_again_when_the_network_returns(visit: Visit) -> None:
-    page = visit.page
-    visit.go("/runs")
+    page = visit.stay("/runs")
     with page.expect_response("**/api/v1/events*"):
         page.evaluate("dispatchEvent(new Event('online'))")
     expect(page.get_by_role("status", name="Connection")).to_be_empty()
@@ -274,9 +273,12 @@ def test_the_chosen_methods_come_first(visit: Visit) -> None:
 
 def test_controls_that_repeat_have_different_names(visit: Visit) -> None:
     page = visit.page
-    for tab in ("form", "yaml"):
-        visit.go(f"/launch?tab={tab}" if tab == "yaml" else "/launch")
+    visit.go("/launch")
+    for tab in ("Form", "YAML"):
+        page.get_by_role("button", name=tab, exact=True).click()
         expect(page.get_by_role("button", name="Start run")).to_be_visible()
+        if tab == "YAML":
+            expect(page.get_by_label("Campaign as YAML")).to_be_visible()
         names = page.evaluate(
             """() => [...document.querySelectorAll('main button, main input')].flatMap((e) => {
                 const name = e.getAttribute('aria-label') ?? e.labels?.[0]?.textContent ?? e.textContent

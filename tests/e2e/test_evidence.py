@@ -96,7 +96,7 @@ def test_nothing_is_asked_for_twice(visit: Visit) -> None:
 
 def test_a_card_is_laid_out_when_it_comes_near_and_cuts_nothing_off_when_it_is_used(visit: Visit) -> None:
     """What may be skipped has paint containment, also on the screen: it would clip the tips of its charts."""
-    visit.go("/runs/R-0001")
+    visit.stay("/runs/R-0001")
     for section, use in (("#separation", "hover"), ("#provenance", "focus")):
         card = visit.page.locator(section)
         expect(card).to_have_css("content-visibility", "auto")
@@ -225,7 +225,7 @@ def test_what_cannot_be_used_is_reported_where_components_are_chosen(finished: S
     with finished.engine.begin() as writer:
         writer.execute(sa.update(CatalogueDocument).values(document=edited(document)))
     for path in ("/launch", "/help/components"):
-        visit.go(path)
+        visit.move(path)
         statement = visit.page.get_by_test_id("skipped")
         expect(statement.get_by_role("listitem")).to_have_text([str(entry) for entry in unusable])
 
@@ -290,8 +290,8 @@ SPANS = {
 """Pages, what they say if nothing can be loaded, and what they show once it is."""
 
 
-BY_DAY = ("/runs", "/runs/R-0001", "/compare?runs=R-0001,R-0002", "/reports")
-"""A list, a run, the page with a sentence of its own, and one that only reads; the others are tested nightly."""
+BY_DAY = ("/runs/R-0001", "/compare?runs=R-0001,R-0002")
+"""A run, and the page with a sentence of its own; the others are tested nightly."""
 
 
 @pytest.mark.parametrize("path", nightly_but(BY_DAY, SPANS))
@@ -312,6 +312,7 @@ def test_what_cannot_be_loaded_is_reported_and_loaded_again(visit: Visit, path: 
     visit.wrong[:] = [entry for entry in visit.wrong if "422" not in entry]  # the browser reports them all
 
 
+@pytest.mark.nightly  # by day the whole comparison, above
 def test_a_part_of_a_comparison_that_cannot_be_loaded_is_reported(visit: Visit) -> None:
     page = visit.page
     part = re.compile(r"/api/v1/runs/R-0002/findings")

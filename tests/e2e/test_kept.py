@@ -170,6 +170,7 @@ def test_a_page_that_cannot_be_loaded_comes_once_the_service_answers(visit: Visi
     expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
 
 
+@pytest.mark.nightly  # by day a part of an updated service, and a page that cannot be loaded
 def test_a_page_of_an_updated_service_is_reloaded_once(visit: Visit) -> None:
     page = visit.page
     visit.go("/runs")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import pytest
 from playwright.sync_api import Browser, ViewportSize, expect
@@ -26,6 +26,8 @@ WINDOW: ViewportSize = {"width": 390, "height": 844}
 DESK: ViewportSize = {"width": 1280, "height": 900}
 TABLETS: tuple[ViewportSize, ...] = ({"width": 768, "height": 844}, {"width": 1024, "height": 844})
 """[px]"""
+WINDOWS: dict[str, Sequence[ViewportSize]] = {"telephone": (WINDOW,), "tablets": TABLETS}
+"""By day the narrowest; small pages are seen in all of them."""
 RUN = ["#methods", "#space canvas", "#validation", "#provenance", "#notes"]
 FLOWN = ["#separation canvas", "#motion canvas", *RUN]
 PAGES: dict[str, tuple[str, list[str]]] = {
@@ -107,16 +109,16 @@ def visit(stored: Service, browser: Browser) -> Iterator[Visit]:
         yield visit
 
 
-def fits(visit: Visit, path: str, marks: list[str]) -> None:
+def fits(visit: Visit, path: str, marks: list[str], windows: Sequence[ViewportSize]) -> None:
     """Nothing of a page within the application is beyond the window."""
     visit.move(path)
-    drawn(visit, marks)
+    drawn(visit, marks, windows)
 
 
-def drawn(visit: Visit, marks: list[str]) -> None:
+def drawn(visit: Visit, marks: list[str], windows: Sequence[ViewportSize]) -> None:
     """Nothing is beyond the window, once everything that comes into sight is drawn."""
     found: list[str] = []
-    for window in (WINDOW, *TABLETS):
+    for window in windows:
         visit.page.set_viewport_size(window)
         for mark in marks:
             come_near(visit, mark)
@@ -171,9 +173,10 @@ def test_every_main_page_is_one_tap_away(visit: Visit) -> None:
         assert box["height"] >= 32
 
 
+@pytest.mark.parametrize("on", nightly_but(("telephone",), WINDOWS))
 @pytest.mark.parametrize("name", nightly_but(BY_DAY, PAGES))
-def test_the_page_fits(visit: Visit, name: str) -> None:
-    fits(visit, *PAGES[name])
+def test_the_page_fits(visit: Visit, name: str, on: str) -> None:
+    fits(visit, *PAGES[name], WINDOWS[on])
 
 
 UNBROKEN = ("/runs/R-0001", "/runs/R-0001/flight", "/launch?from=R-0001", "/sweeps/S-0001")
@@ -216,15 +219,15 @@ def test_names_without_spaces_fit(unbroken: Visit, path: str) -> None:
 
 def test_the_page_of_an_unknown_address_fits(visit: Visit) -> None:
     visit.go("/no/such/page")
-    drawn(visit, ["text=Page not found"])
+    drawn(visit, ["text=Page not found"], (WINDOW, *TABLETS))
 
 
 @pytest.mark.parametrize("name", nightly_but(BY_DAY, GUIDES))
 def test_the_guide_fits(visit: Visit, name: str) -> None:
-    fits(visit, f"/help/guides/{name}", ["main h1"])
+    fits(visit, f"/help/guides/{name}", ["main h1"], (WINDOW, *TABLETS))
 
 
-@pytest.mark.parametrize("path", ["/runs", "/login?code=wrong"])
+@pytest.mark.parametrize("path", nightly_but(("/login?code=wrong",), ("/runs", "/login?code=wrong")))
 def test_the_sign_in_pages_fit(stored: Service, browser: Browser, path: str) -> None:
     with visiting(browser, stored.url) as stranger:
         stranger.page.set_viewport_size(WINDOW)

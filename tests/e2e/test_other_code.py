@@ -38,6 +38,7 @@ def test_its_page_says_what_differs_and_offers_ways_on(
         expect(page.get_by_text("Other code began it")).to_have_count(0)
 
 
+@pytest.mark.nightly  # by day what is offered, above; that the service refuses it: tests/api/runs/test_onward.py
 def test_it_is_not_offered_to_continue_what_no_evaluation_can_be_used_of(tmp_path: Path, browser: Browser) -> None:
     with served(tmp_path) as service, visiting(browser, service.url) as visit:
         with service.signed_in() as client:

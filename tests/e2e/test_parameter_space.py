@@ -6,7 +6,7 @@ import csv
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 from playwright.sync_api import Browser, Locator, Page, Request, Response, expect
@@ -92,7 +92,7 @@ def test_all_evaluations_are_drawn(visit: Visit, card: Locator) -> None:
     expect(card).to_contain_text("Failed 100")
 
 
-@pytest.mark.parametrize("by", ["keys", "menu"])
+@pytest.mark.parametrize("by", ["keys", pytest.param("menu", marks=pytest.mark.nightly)])
 def test_evaluations_are_read_where_they_are_drawn_or_when_a_print_may_begin(visit: Visit, by: str) -> None:
     page = visit.page
     every: list[str] = []
@@ -155,15 +155,26 @@ def test_evaluations_that_cannot_be_read_can_be_read_again(visit: Visit) -> None
     visit.wrong = [wrong for wrong in visit.wrong if POINTS not in wrong]
 
 
-def test_it_fits_at_both_widths_in_both_themes(visit: Visit, card: Locator) -> None:
+@pytest.mark.parametrize(
+    ("width", "theme"),
+    [pytest.param(*look, marks=[] if look == LOOKS[-1] else [pytest.mark.nightly]) for look in LOOKS],
+)
+def test_it_fits_at_both_widths_in_both_themes(
+    visit: Visit, card: Locator, width: int, theme: Literal["light", "dark"]
+) -> None:
+    """By day at the narrower one, in the dark, as other pages."""
     page = visit.page
-    for width, theme in LOOKS:
-        page.set_viewport_size({"width": width, "height": 900})
-        page.emulate_media(color_scheme=theme)
-        expect(page.locator("html")).to_have_attribute("data-theme", theme, timeout=PATIENCE)
-        within(page, width)
-        # The card alone: the 3D view above it takes seconds to be drawn without a graphics card.
-        visit.shot(f"space-{width}-{theme}", of=card)
+    coverage = page.locator("#coverage")
+    page.set_viewport_size({"width": width, "height": 900})
+    page.emulate_media(color_scheme=theme)
+    expect(page.locator("html")).to_have_attribute("data-theme", theme, timeout=PATIENCE)
+    within(page, width)
+    # The card alone: the 3D view above it takes seconds to be drawn without a graphics card.
+    visit.shot(f"space-{width}-{theme}", of=card)
+    coverage.scroll_into_view_if_needed()
+    expect(coverage.get_by_test_id("radius")).to_be_visible(timeout=PATIENCE)
+    within(page, width)
+    visit.shot(f"coverage-{width}-{theme}", of=coverage)
     page.set_viewport_size({"width": 1440, "height": 900})
     page.emulate_media(color_scheme="light")
 
@@ -175,13 +186,6 @@ def test_the_coverage_is_below_and_is_no_proof(visit: Visit, card: Locator) -> N
     expect(coverage.get_by_test_id("radius")).to_have_text(str(found["ball"]["radius"]), timeout=PATIENCE)
     expect(coverage.get_by_test_id("least")).to_have_text(f"{found['pairs'][0]['touched']}\u202f%")
     expect(coverage.locator("p").last).to_have_text(words(NO_PROOF))
-    for width, theme in LOOKS:
-        visit.page.set_viewport_size({"width": width, "height": 900})
-        visit.page.emulate_media(color_scheme=theme)
-        within(visit.page, width)
-        visit.shot(f"coverage-{width}-{theme}", of=coverage)
-    visit.page.set_viewport_size({"width": 1440, "height": 900})
-    visit.page.emulate_media(color_scheme="light")
 
 
 def test_a_range_on_an_axis_filters_every_view(visit: Visit, card: Locator) -> None:

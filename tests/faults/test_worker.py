@@ -418,7 +418,6 @@ def frozen(bench: Bench, *family: int) -> Iterator[None]:
         kill(*family, number=signal.SIGCONT)
 
 
-@pytest.mark.nightly  # by day a worker that is killed: test_left_behind.py; what a silent one may not: test_queue.py
 def test_of_two_workers_one_continues_where_the_other_was_frozen_or_killed(bench: Bench, tmp_path: Path) -> None:
     """Frozen beyond its lease it can write nothing; killed it leaves no child."""
 

@@ -19,6 +19,7 @@ from campaigns.refusals import RefusalCode
 from clearance.cli import WRONG_INPUT, invoke
 from clearance.cli._skeleton import Kind
 from tests.faults.processes import REPOSITORY
+from tests.given.at_night import nightly_but
 from tests.given.case_campaigns import document
 from tests.given.guest_packages import package
 from tests.given.refused_commands import refused
@@ -83,11 +84,10 @@ def test_new_has_every_kind_of_the_catalogue() -> None:
     assert {str(kind) for kind in Kind} == set(naming.FOLDERS)
 
 
-# It compiles for seconds. By day a run replays one: tests/unit/clearance/cli/test_capsule_code.py.
-@pytest.mark.nightly
-@pytest.mark.parametrize("kind", Kind)
+# Each compiles for seconds.
+@pytest.mark.parametrize("kind", nightly_but((Kind.VEHICLE,), Kind))
 def test_the_campaign_of_a_new_component_ends_with_a_verdict(kind: Kind, folder: Path) -> None:
-    """By day test_examination.py tests that it can be used: `test_what_is_written_to_start_from_can_be_used`."""
+    """By day one kind; that each can be used, test_examination.py tests: `test_what_is_written_to_start_from_can_be_used`."""
     assert invoke(["component", "new", kind, "my_own"]) == 0
     command = [sys.executable, "-m", "clearance", "run", str(folder / "my_own.yaml")]
     environment = {

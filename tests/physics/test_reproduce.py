@@ -51,7 +51,7 @@ def held(asked: list[Result], flights: Flights) -> None:
     assert [(row.table, row.row, row.ours, row.model, row.note) for row in must if not row.agrees] == []
 
 
-# Case 2 is at night: by day its golden costs, its closed forms and its integrators are tested.
+# Case 2 is at night: by day its golden costs and an independent program are.
 @pytest.mark.parametrize("campaign", nightly(CAMPAIGNS, AT_NIGHT | {"pioneer_moving"}))
 def test_rows_that_must_agree_do(campaign: str, flights: Flights) -> None:
     held([r for r in RESULTS if r.campaign == campaign and not long(r)], flights)

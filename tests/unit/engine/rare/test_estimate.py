@@ -48,7 +48,7 @@ def test_known_modes_give_the_probability_and_their_shares() -> None:
 
 @pytest.mark.parametrize(("seeds", "least"), [(20, 17), pytest.param(60, 53, marks=pytest.mark.nightly)])
 def test_the_interval_holds_as_often_as_it_states(seeds: int, least: int) -> None:
-    """At least 95 % would be 57 of 60 on average; fewer than 53 has a probability of 1 %, fewer than 17 of 20 of 2 %."""
+    """95 % would be 57 of 60 on average; fewer than 53 has a probability of 1 %, fewer than 17 of 20 of 2 %."""
     intervals = [of(two_sides, [[6.0, 1.0], [-6.0, 0.0]], seed).interval for seed in range(seeds)]
     assert sum(i.low <= P_HIGH + P_LOW <= i.high for i in intervals) >= least
 

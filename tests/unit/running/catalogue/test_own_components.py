@@ -87,7 +87,7 @@ def test_new_has_every_kind_of_the_catalogue() -> None:
 # Each compiles for seconds.
 @pytest.mark.parametrize("kind", nightly_but((Kind.VEHICLE,), Kind))
 def test_the_campaign_of_a_new_component_ends_with_a_verdict(kind: Kind, folder: Path) -> None:
-    """By day one kind; that each can be used, test_examination.py tests: `test_what_is_written_to_start_from_can_be_used`."""
+    """By day one kind; `test_what_is_written_to_start_from_can_be_used` in test_examination.py has each."""
     assert invoke(["component", "new", kind, "my_own"]) == 0
     command = [sys.executable, "-m", "clearance", "run", str(folder / "my_own.yaml")]
     environment = {

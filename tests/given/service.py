@@ -7,14 +7,17 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 import httpx
 import sqlalchemy as sa
 import uvicorn.server
 from fastapi import FastAPI, routing
+from starlette.routing import compile_path
 
 from backend.__main__ import Server, _listen, server_config
+from backend.access import routes
 from backend.app import create
 from backend.db.access import create_login_code, create_token
 from backend.db.tables import Base, CatalogueDocument, Worker
@@ -45,8 +48,32 @@ class _Hasty:
 
 uvicorn.server.asyncio = _Hasty()  # type: ignore[attr-defined]
 
+# All applications have the same addresses.
+routes.compile_path = cache(compile_path)  # type: ignore[attr-defined]
+
 _ROUTERS: list[Any] = []
 _DOCUMENTS: list[Any] = []
+
+_CONTEXTS: dict[Any, Any] = {}
+_context = routing._extract_endpoint_context
+
+
+def _context_once(function: Any) -> Any:
+    """Where a function is written, for messages of errors: FastAPI reads its file again for each application."""
+    code = getattr(function, "__code__", function)
+    if code not in _CONTEXTS:
+        _CONTEXTS[code] = _context(function)
+    return _CONTEXTS[code]
+
+
+routing._extract_endpoint_context = _context_once  # type: ignore[assignment]
+
+
+@cache
+def _published() -> dict[str, Any]:
+    """The small catalogue, as a worker would publish it."""
+    document = CATALOGUE.model_dump(mode="json")
+    return {"code": parts(document).model_dump(mode="json"), **document}
 
 
 def share_routers(app: FastAPI) -> None:
@@ -104,8 +131,8 @@ class Service:
 
     def publish(self, document: dict[str, Any] | None = None) -> None:
         """Have a catalogue, as a worker would publish it."""
-        document = CATALOGUE.model_dump(mode="json") if document is None else document
-        document = {"code": parts(document).model_dump(mode="json"), **document}
+        code = None if document is None else parts(document).model_dump(mode="json")
+        document = _published() if document is None else {"code": code, **document}
         values = {"id": 1, "document": document, "published": time.time(), "code": CODE.digest}
         with self.engine.begin() as connection:
             connection.execute(sa.insert(CatalogueDocument).values(**values))

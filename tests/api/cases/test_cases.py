@@ -172,6 +172,8 @@ def drop(wind, trace=False):
 """
 
 
+# By day the process without a service, tests/unit/running/processes/test_cases.py, and a service with a stand-in.
+@pytest.mark.nightly
 def test_the_real_process_evaluates_the_operators_code(
     bare: Service, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

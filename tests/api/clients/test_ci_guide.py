@@ -42,8 +42,9 @@ def steps() -> dict[str, tuple[str, dict[str, str]]]:
 
 @pytest.mark.parametrize(
     ("template", "summary"),
-    [("github", "step.md"), pytest.param("gitlab", "clearance/summary.md", marks=pytest.mark.nightly)],
+    [("github", "step.md"), ("gitlab", "clearance/summary.md")],
 )
+@pytest.mark.nightly  # by day what they call: tests/api/runs/test_submit_ci.py, tests/api/runs/test_submit.py
 def test_the_commands_of_a_template_run(service: Service, tmp_path: Path, template: str, summary: str) -> None:
     script, given = steps()[template]
     folder, shim = tmp_path / "checkout", tmp_path / "bin" / "clearance"

@@ -75,7 +75,15 @@ def test_a_migration_that_fails_leaves_nothing(engine: sa.Engine, monkeypatch: p
 
 
 def test_two_processes_on_a_fresh_file_both_succeed(engine: sa.Engine, tmp_path: Path) -> None:
-    program = "import sys; from backend.db.engine import migrate; migrate(sys.argv[1])"
-    started = [subprocess.Popen([sys.executable, "-c", program, default_url(tmp_path)]) for _ in range(2)]
-    assert [process.wait(60) for process in started] == [0, 0]
+    """The other one is that of the tests."""
+    url = default_url(tmp_path)
+    program = "import sys; from backend.db.engine import migrate; print('ready'); input(); migrate(sys.argv[1])"
+    command = [sys.executable, "-u", "-c", program, url]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdin is not None
+        assert other.stdout is not None
+        assert other.stdout.readline() == "ready\n"
+        print(file=other.stdin, flush=True)
+        migrate(url)
+        assert other.wait(60) == 0
     assert difference(engine) == []

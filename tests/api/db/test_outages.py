@@ -51,7 +51,9 @@ def test_a_deleted_folder_takes_nothing_more(service: Service, client: httpx.Cli
     problem(client.get("/api/v1/health"), 503, "database-gone")
 
 
-@pytest.mark.parametrize("endings", [("-wal",), ("-shm",), ("-wal", "-shm")], ids=" ".join)
+@pytest.mark.parametrize(
+    "endings", [("-wal",), pytest.param(("-shm",), marks=pytest.mark.nightly), ("-wal", "-shm")], ids=" ".join
+)
 def test_deleted_files_beside_the_database_are_noticed_at_once_and_lose_nothing(
     endings: tuple[str, ...], service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:

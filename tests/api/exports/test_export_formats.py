@@ -13,6 +13,7 @@ import httpx
 import pytest
 
 from backend.exports.format import known, named
+from backend.scenes.recordings import recording
 from tests.faults.processes import REPOSITORY
 from tests.given.finished_runs import finish
 from tests.given.service import Service
@@ -43,6 +44,7 @@ print(json.dumps({
 """
 
 
+@pytest.mark.nightly  # by day what is listed of the formats that there are is served: the test below
 def test_one_file_is_listed_served_and_described(tmp_path: Path) -> None:
     source = tmp_path / "source"
     for folder in ("backend", "campaigns", "tools"):
@@ -58,7 +60,10 @@ def test_one_file_is_listed_served_and_described(tmp_path: Path) -> None:
     assert "name.txt" in found["client"]
 
 
-def test_what_a_run_lists_is_what_is_served(service: Service, client: httpx.Client) -> None:
+def test_what_a_run_lists_is_what_is_served(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording, "RATE", 0.2)  # few frames: making a recording takes a second otherwise
     submit(client)
     finish(service)
     listed = client.get("/api/v1/runs/R-0001/exports").json()

@@ -21,6 +21,7 @@ from backend.exports.formats.record_sqlite3 import PRIVATE, TABLES
 from backend.settings import Settings
 from campaigns.refusals import RefusalCode
 from clearance.cli import CODES, INTERNAL, VIOLATED, WRONG_INPUT, invoke
+from tests.given.at_night import nightly_but
 from tests.given.corrupted_records import stored
 from tests.given.databases import KINDS
 from tests.given.finished_runs import finish
@@ -123,7 +124,7 @@ def export(served: Service, *arguments: str) -> int:
     return invoke(["export", RUN, "--service", served.url, *arguments])
 
 
-@pytest.mark.parametrize("exported", [False, True], ids=["empty", "exported"])
+@pytest.mark.parametrize("exported", [pytest.param(False, marks=pytest.mark.nightly), True], ids=["empty", "exported"])
 def test_a_folder_without_a_run_is_not_taken_for_the_run_of_its_name(
     exported: bool, served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -197,13 +198,17 @@ def test_what_cannot_be_had_is_a_sentence(
     assert "CLEARANCE_TOKEN" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["audit", "replay"])
-@pytest.mark.parametrize("content", [b"", b"<html>" * 999, "a column", "an array"], ids=str)
+NONE = (b"", b"<html>" * 999, "a column", "an array")
+READ = [(command, content) for content in NONE for command in ("audit", "replay")]
+
+
+@pytest.mark.parametrize("read_as", nightly_but([READ[k] for k in (0, 3, 4, 7)], READ), ids=str)
 def test_a_record_that_is_none_is_a_sentence(
-    command: str, content: bytes | str, served: Service, capsys: pytest.CaptureFixture[str],
+    read_as: tuple[str, bytes | str], served: Service, capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     """Whatever a service sends."""
+    command, content = read_as
     record = b"".join(record_sqlite3.record(served.engine, 1)) if isinstance(content, str) else content
     if content == "a column":
         record = record.replace(b"campaign_digest", b"campaign_digesX")

@@ -152,6 +152,7 @@ def test_keys_of_every_kind(client: httpx.Client, key: str | bytes, status: int)
     assert status != 201 or found[0].json() == found[1].json()
 
 
+@pytest.mark.nightly  # by day a small file: `post /requirements/files` of `KEYED`
 def test_a_large_request_is_done_once(client: httpx.Client) -> None:
     content = b"id,text\n" + b"".join(b"BIG-%d,%s\n" % (i, b"x" * 100) for i in range(10_000))
     sent = Sent("/requirements/files", content=content, query={**FILE, "name": "big.csv"})

@@ -28,6 +28,7 @@ from campaigns.results import Finding, ValidateResult
 from campaigns.results.finding import Calls
 from campaigns.results.validate import SpotChecks
 from campaigns.runs import run_number
+from tests.given.at_night import nightly_but
 from tests.given.code_versions import CODE, OTHER, edited
 from tests.given.databases import AT_NIGHT
 from tests.given.joined_users import joined
@@ -325,6 +326,7 @@ def test_a_run_of_a_sweep_is_no_evidence_and_changes_nothing(service: Service, c
     assert (found["status"], found["sweeps"], found["total"]) == ("met", 2, 1)
 
 
+@pytest.mark.nightly  # by day texts that are changed one by one: tests/api/signoffs/test_standing.py
 def test_a_requirement_without_text_in_its_campaign_is_that_of_the_sign_off(
     service: Service, client: httpx.Client
 ) -> None:
@@ -409,20 +411,20 @@ def test_a_deleted_requirement_that_a_run_violates_stays_a_row(service: Service,
     assert (left["status"], left["registered"], left["text"]) == ("violated", False, "Keep 0.4 m.")
 
 
-@pytest.mark.parametrize(
-    ("content", "kind", "statement"),
-    [
-        (b"id,text\nA,x\nA,y\n", "csv", "the id 'A' occurs more than once"),
-        (b"id,text\n" + b"a" * 121 + b",x\n", "csv", "at most 120 characters"),
-        (b"id,text\nA," + b"x" * 20_001 + b"\n", "csv", "at most 20000 characters"),
-        (b"id,text\nA,x\x07\n", "csv", "without control characters"),
-        (b"<!DOCTYPE x><REQ-IF/>", "reqif", "document type declaration"),
-        (WRITTEN, "csv", "no column for the id"),
-    ],
-)
-def test_a_file_that_is_not_acceptable_changes_nothing(
-    guest: httpx.Client, content: bytes, kind: str, statement: str
-) -> None:
+UNACCEPTABLE = [
+    (b"id,text\nA,x\nA,y\n", "csv", "the id 'A' occurs more than once"),
+    (b"id,text\n" + b"a" * 121 + b",x\n", "csv", "at most 120 characters"),
+    (b"id,text\nA," + b"x" * 20_001 + b"\n", "csv", "at most 20000 characters"),
+    (b"id,text\nA,x\x07\n", "csv", "without control characters"),
+    (b"<!DOCTYPE x><REQ-IF/>", "reqif", "document type declaration"),
+    (WRITTEN, "csv", "no column for the id"),
+]
+"""By day one of each kind of file; what is acceptable in a file is tested with its readers."""
+
+
+@pytest.mark.parametrize("file", nightly_but(UNACCEPTABLE[3:5], UNACCEPTABLE), ids=lambda v: v[2])
+def test_a_file_that_is_not_acceptable_changes_nothing(guest: httpx.Client, file: tuple[bytes, str, str]) -> None:
+    content, kind, statement = file
     assert statement in str(problem(sent(guest, content, kind=kind), 422)["detail"])
     assert guest.get(f"{AT}/files").json() == []
 

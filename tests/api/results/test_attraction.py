@@ -43,6 +43,7 @@ def test_page_export_and_report_have_the_same_region(service: Service, client: h
     assert report.count(SECTION) == len(stated["sections"]) == 6
 
 
+@pytest.mark.nightly  # by day it states an estimate: test_estimate.py
 def test_clearance_run_states_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

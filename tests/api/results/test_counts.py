@@ -95,7 +95,13 @@ class Ran:
         return self.verdict.evaluations.model_dump()
 
 
-@pytest.fixture(scope="module", params=[{"samples": 140}, {"samples": 2500, "keep": "lowest"}], ids=["all", "lowest"])
+SAMPLES = [
+    pytest.param({"samples": 140}, id="all", marks=pytest.mark.nightly),  # by day all searches are stored whole
+    pytest.param({"samples": 2500, "keep": "lowest"}, id="lowest"),
+]
+
+
+@pytest.fixture(scope="module", params=SAMPLES)
 def ran(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Iterator[Ran]:
     asked = campaign(
         uncertain=FAILING | EXCLUDED,

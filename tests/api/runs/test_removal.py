@@ -131,7 +131,7 @@ READ = (
 )  # fmt: skip
 
 
-@BOTH
+@AT_NIGHT
 def test_a_purged_run_leaves_a_tombstone(service: Service, client: httpx.Client, run: str) -> None:
     submit(client, seed=2)
     digest = client.get(f"{run}/signoffs").json()["digest"]

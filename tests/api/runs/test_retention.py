@@ -90,7 +90,7 @@ def command(service: Service, size: int | str, *more: str) -> int:
     return invoke(["purge", "--size", limit, "--database", service.settings.database_url, *more])
 
 
-@BOTH
+@AT_NIGHT
 def test_the_oldest_that_nobody_keeps_go_first_and_nothing_else_ever(
     service: Service, client: httpx.Client, runs: list[int], capsys: pytest.CaptureFixture[str]
 ) -> None:

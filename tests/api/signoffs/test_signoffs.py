@@ -10,7 +10,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import Audit, Finding, Run, Stage, Trace
 from tests import results
-from tests.given.databases import AT_NIGHT, BOTH
+from tests.given.databases import AT_NIGHT
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
@@ -39,7 +39,7 @@ def given(client: httpx.Client, run: str, **changes: Any) -> dict[str, Any]:
     return {"name": "Grace Hopper", "role": "Independent review", "comment": "Read.", "digest": digest} | changes
 
 
-@BOTH
+@AT_NIGHT
 def test_a_reviewer_signs_off_what_was_reviewed(service: Service, client: httpx.Client, run: str) -> None:
     before = client.get(run).json()
     assert (before["items"], before["can_sign"]) == ([], True)

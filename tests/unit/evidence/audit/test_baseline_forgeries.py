@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.digest import EVIDENCE, current_digest
+from backend.db.engine import connect, default_url
 from backend.db.tables import Finding, Run, RunBaseline
 from campaigns.claims import wording
 from campaigns.claims.spans import words
@@ -29,7 +31,7 @@ from worker.running.runs.store import MemoryStore
 
 STAGE = 1
 """The position of the stage that evaluates the cases of the baseline."""
-EVERY = 12
+EVERY = 24
 """By day one of so many values is changed."""
 
 
@@ -122,14 +124,24 @@ def test_the_comparison_itself_is_accepted(folder: Folder) -> None:
     assert accepted(folder)
 
 
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Of that database, which the first test writes."""
+    return tmp_path_factory.mktemp("compared") / "written"
+
+
 @pytest.fixture
-def compared(tmp_path: Path) -> Iterator[sa.Engine]:
+def compared(quick: None, kept: Path, tmp_path: Path) -> Iterator[sa.Engine]:
     """A database with a run, and one that was launched with it as its baseline."""
-    engine = stored(tmp_path, "violated")
-    campaign, earlier = ran("violated")
-    later, store = with_baseline(campaign, "R-0001", campaign, earlier.findings), MemoryStore()
-    execute(later, store, threads=1)
-    enter(engine, later, store, baseline=1)
+    if not kept.exists():
+        kept.mkdir()
+        engine = stored(kept, "violated")
+        campaign, earlier = ran("violated")
+        later, store = with_baseline(campaign, "R-0001", campaign, earlier.findings), MemoryStore()
+        execute(later, store, threads=1)
+        enter(engine, later, store, baseline=1)
+        engine.dispose()
+    engine = connect(default_url(shutil.copytree(kept, tmp_path / "copied")))
     yield engine
     engine.dispose()
 

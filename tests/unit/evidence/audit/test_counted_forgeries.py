@@ -67,7 +67,7 @@ FALSE: dict[str, Callable[[Block], Block]] = {
 }
 
 
-BY_DAY = ("all costs in one bin", "costs in higher bins", "a higher lowest cost", "negative exclusions")
+BY_DAY = ("costs in higher bins", "a higher lowest cost", "negative exclusions")
 
 
 @pytest.mark.parametrize("name", nightly_but(BY_DAY, FALSE))

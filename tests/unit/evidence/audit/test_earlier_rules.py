@@ -3,7 +3,7 @@ digest; what they accept follows in every one."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,11 @@ from worker.running.runs.store import MemoryStore
 
 VERSIONS = (None, *range(WORDING + 1))
 """Of the sentences; None: before the evidence digest."""
+BY_DAY = (None, 0, 4, 8, WORDING - 1, WORDING)
+"""The first and the last ones and two between them."""
+every_version = pytest.mark.parametrize(
+    "versions", [pytest.param(BY_DAY, id="by day"), pytest.param(VERSIONS, id="all", marks=pytest.mark.nightly)]
+)
 THERE = SQP | {"starts": [{"vehicle.m": 6.0, "vehicle.J": 0.06}, *SQP["starts"]]}
 LATE = {
     "component": "moving_circle",
@@ -60,16 +65,17 @@ def follows(folder: Folder, version: int | None) -> bool:
     return closing(folder.items())[0]
 
 
-def copies(folder: Path) -> Iterator[tuple[int | None, Folder]]:
-    """The record for every version."""
+def copies(folder: Path, versions: Sequence[int | None]) -> Iterator[tuple[int | None, Folder]]:
+    """The record for each of these versions."""
     original = {str(file.relative_to(folder)): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
-    for version in VERSIONS:
+    for version in versions:
         yield version, Folder(copied(original, folder))
 
 
+@every_version
 @pytest.mark.parametrize("check", FORGERIES)
 def test_what_is_cleared_against_the_rules_of_today_follows_in_no_version(
-    check: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    check: str, versions: Sequence[int | None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked, module, name, replaced = FORGERIES[check]
     campaign, store = asked(), MemoryStore(sample_seed=DRAWN)
@@ -79,11 +85,14 @@ def test_what_is_cleared_against_the_rules_of_today_follows_in_no_version(
     assert execute(campaign, store, threads=1).verdict is VerdictWord.CLEARED
     folder = copied(made(campaign, store), tmp_path)
     monkeypatch.undo()
-    for version, record in copies(folder):
+    for version, record in copies(folder, versions):
         assert not follows(record, version), version
 
 
-def test_a_case_without_its_basin_is_fixed_in_no_version(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@every_version
+def test_a_case_without_its_basin_is_fixed_in_no_version(
+    versions: Sequence[int | None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Its descent ended nowhere, or violations were not compared: it is unresolved."""
     monkeypatch.setattr(validate, "_basins", lambda *_: [])
     campaign, store = since(threshold=0.9, there=0.9, costs=(0.85, 0.89)), MemoryStore(sample_seed=DRAWN)
@@ -91,11 +100,14 @@ def test_a_case_without_its_basin_is_fixed_in_no_version(tmp_path: Path, monkeyp
     assert conclusion.regression is not None
     assert "fixed" in [case.standing for case in conclusion.regression.cases]
     folder = copied(made(campaign, store), tmp_path)
-    for version, record in copies(folder):
+    for version, record in copies(folder, versions):
         assert not follows(record, version), version
 
 
-def test_a_simulator_that_was_called_once_is_cleared_in_no_version(tmp_path: Path) -> None:
+@every_version
+def test_a_simulator_that_was_called_once_is_cleared_in_no_version(
+    versions: Sequence[int | None], tmp_path: Path
+) -> None:
     folder = Folder(write_called(tmp_path, "alone"))
     assert folder.result["verdict"] == "cleared"
     folder.shorten(0, len(folder.arrays["status_0"]) - 1)
@@ -103,13 +115,16 @@ def test_a_simulator_that_was_called_once_is_cleared_in_no_version(tmp_path: Pat
     lost = [check for check in folder.result["checks"] if check["name"] == "noise of calls"]
     folder.result["checks"].remove(lost[0])
     folder.write()
-    for version, record in copies(tmp_path):
+    for version, record in copies(tmp_path, versions):
         assert not follows(record, version)
         wrong = {item.name.removeprefix(EARLIER) for item in record.items() if not item.agrees}
         assert "checks.noise of calls" in wrong, version
 
 
+@every_version
 @pytest.mark.parametrize("name", ["cleared", "violated"])
-def test_what_the_rules_of_today_accept_follows_in_every_version(name: str, tmp_path: Path) -> None:
-    for version, record in copies(written(tmp_path / "out", name)):
+def test_what_the_rules_of_today_accept_follows_in_every_version(
+    name: str, versions: Sequence[int | None], tmp_path: Path
+) -> None:
+    for version, record in copies(written(tmp_path / "out", name), versions):
         assert follows(record, version), version

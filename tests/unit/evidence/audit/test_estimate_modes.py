@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -100,11 +102,19 @@ def _another(stated: Any) -> None:
     stated["modes"]["findings"][0] = ["F1", "F2"]
 
 
+@cache
+def files() -> dict[str, bytes]:
+    """Of a record that follows."""
+    asked = campaign()
+    found = made(asked, ran(asked)[0])
+    with TemporaryDirectory() as folder:
+        assert closing(Folder(copied(found, Path(folder))).items())[0]
+    return found
+
+
 @pytest.mark.parametrize("change", [_exchanged, _removed, _another])
 def test_other_names_are_rejected(change: Callable[[Any], None], tmp_path: Path) -> None:
-    asked = campaign()
-    folder = Folder(copied(made(asked, ran(asked)[0]), tmp_path))
-    assert closing(folder.items())[0]
+    folder = Folder(copied(files(), tmp_path))
     change(folder.evidence["results"][-1])
     folder.reseal()
     assert not closing(folder.items())[0]

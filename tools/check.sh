@@ -14,6 +14,7 @@ SLOW=(
     tests/contract/test_method_options.py
     tests/contract/test_method_table.py
     tests/contract/test_methods.py
+    tests/contract/test_one_method.py
     tests/contract/test_pairs.py
     tests/unit/backend/db/test_cli_purge.py
     tests/unit/campaigns/asked/test_campaigns_effort.py
@@ -24,7 +25,9 @@ SLOW=(
     tests/unit/clearance/cli/test_cli.py
     tests/unit/clearance/cli/test_cli_run.py
     tests/unit/clearance/cli/test_explain.py
+    tests/unit/clearance/cli/test_known_regions.py
     tests/unit/clearance/cli/test_replay.py
+    tests/unit/clearance/cli/test_witness.py
     tests/unit/clearance/function/test_arguments.py
     tests/unit/clearance/function/test_functions.py
     tests/unit/clearance/function/test_notebook.py
@@ -35,6 +38,7 @@ SLOW=(
     tests/unit/engine/problem/test_problem.py
     tests/unit/engine/rare/test_bench.py
     tests/unit/engine/rare/test_estimate.py
+    tests/unit/engine/search/test_auto.py
     tests/unit/engine/search/test_callback.py
     tests/unit/engine/search/test_cma_es.py
     tests/unit/engine/search/test_contrast_racing.py
@@ -57,10 +61,12 @@ SLOW=(
     tests/unit/engine/stages/test_seeds.py
     tests/unit/engine/stages/test_sensitivity.py
     tests/unit/engine/stages/test_stages.py
+    tests/unit/engine/stages/test_warm.py
     tests/unit/engine/systems/test_field.py
     tests/unit/engine/systems/test_trace.py
     tests/unit/evidence/audit/test_audit.py
     tests/unit/evidence/audit/test_counted_forgeries.py
+    tests/unit/evidence/audit/test_earlier_rules.py
     tests/unit/evidence/audit/test_estimate_forgeries.py
     tests/unit/evidence/audit/test_forged_databases.py
     tests/unit/evidence/audit/test_forgeries.py
@@ -74,6 +80,8 @@ SLOW=(
     tests/unit/running/processes/test_live.py
     tests/unit/running/reproduce/test_reproduce.py
     tests/unit/running/runs/test_continuation.py
+    tests/unit/running/runs/test_files_that_change.py
+    tests/unit/running/runs/test_losses.py
     tests/unit/running/runs/test_resume.py
     tests/unit/running/runs/test_sources.py
 )

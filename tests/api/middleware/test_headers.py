@@ -25,7 +25,6 @@ from backend.runs.quota import Quota
 from backend.scenes.base.dress import OPENED_ALONE, SANDBOX
 from backend.scenes.endpoints import CSP as VIEW
 from tests.api.conftest import Fresh, running
-from tests.given.at_night import nightly_but
 from tests.given.busy_service import occupied
 from tests.given.openapi_document import filled
 from tests.given.problem_documents import problem
@@ -64,10 +63,10 @@ def guarded(headers: httpx.Headers, encrypted: bool = True) -> None:
 
 
 ROUTES = [rule for rule in RULES if rule[0] != "SOCKET"]
-"""Sockets are below. All have the same middleware: every third is asked by day."""
+"""Sockets are below."""
 
 
-@pytest.mark.parametrize("route", nightly_but(ROUTES[::3], ROUTES), ids=" ".join)
+@pytest.mark.parametrize("route", ROUTES, ids=" ".join)
 def test_every_route_has_the_headers(service: Service, client: httpx.Client, route: tuple[str, str]) -> None:
     """As anonymous, with a token, under another name, and with a method that it does not have."""
     method, path = route

@@ -1,7 +1,7 @@
 // Evaluations without a value are reported consistently next to every count, margin and check.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
-import { asCampaign, type Campaign } from '../api/campaign'
+import { asCampaign, type Campaign, type Json } from '../api/campaign'
 import * as fixtures from '../../tests/fixtures'
 import { boundsOf } from '../charts/outcomes'
 import type { Catalogue, DescribedCheck, Outcome, RunDetail, StageDetail, StageProgress } from '../client'
@@ -83,14 +83,17 @@ it.each(['certify', 'certify_stated', 'search'] as const)('states what a bound r
 })
 
 it('predicts what a bound will rest on before the launch', () => {
-  const search = [{ method: 'monte_carlo', evaluations: 300 }]
-  const methods = [{ name: 'monte_carlo', kind: 'random' }]
-  const predicted = (certify: { samples: number } | null) => {
+  const properties = { sampling: { default: 'plain' }, interval: { default: 0 } }
+  const methods = [{ name: 'monte_carlo', kind: 'random', options: { properties } }]
+  const predicted = (certify: { samples: number } | null, options?: Record<string, Json>) => {
+    const search = [{ method: 'monte_carlo', evaluations: 300, options }]
     const campaign = { ...asCampaign(RUN.campaign), stages: { search, certify } } as Campaign
-    return renderToStaticMarkup(<Estimate checked={undefined} campaign={campaign} catalogue={{ methods } as Catalogue} />)
+    return renderToStaticMarkup(<Estimate checked={undefined} campaign={campaign} catalogue={{ methods, components: [], version: '' } as unknown as Catalogue} />)
   }
   for (const html of [predicted(null), predicted({ samples: 300 })]) expect(text(html)).toContain('0.994 %')
-  expect(sourcesIn(predicted(null))).toEqual(SOURCES.search)
+  for (const [name, value] of [['sampling', 'sobol'], ['interval', 0.1]] as const)
+    expect(text(predicted(null, { [name]: value }))).not.toContain('%')
+  expect(sourcesIn(predicted(null, { sampling: 'plain' }))).toEqual(SOURCES.search)
   expect(sourcesIn(predicted({ samples: 300 }))).toEqual(SOURCES.certify)
 })
 

@@ -26,7 +26,8 @@ class Iterations:
 class Descents:
     """The method ends when the descents from all its starts have ended; an option states how many starts.
 
-    In gradients per descent: usually, at least, and at most per square of the number of parameters.
+    In gradients per descent: usually by central differences, at least by forward ones, and at most per square of the
+    number of parameters.
     """
 
     option: str

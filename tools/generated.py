@@ -65,7 +65,7 @@ def table_of_methods() -> str:
     """One row for each method: what it is, what it is for, when it ends and how many points it requests at a time."""
     rows = []
     for m in shipped():
-        ends = "budget" if m.whole_budget else "own rule"
+        ends = ("budget or option" if m.own_rule or m.effort else "budget") if m.whole_budget else "own rule"
         at_a_time = f"`{m.at_once}`" if m.at_once else m.parallel
         aim = f"{m.suits}. {m.drawback}" if m.drawback else m.suits
         rows.append((m.title, f"`{m.name}`", m.how, aim, m.family, ends, at_a_time, m.source))

@@ -20,6 +20,7 @@ from pydantic import TypeAdapter, ValidationError
 from campaigns import Campaign, Catalogue, check, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.catalogue import MethodEntry
+from campaigns.checked.expected import expected
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from clearance.testing.searching import (
     BUDGET,
@@ -231,19 +232,38 @@ def whatever_the_check_lets_pass_the_method_takes(method: Method) -> None:
 
 
 def any_option_that_passes_searches(method: Method) -> None:
-    described = _entry(method)
-    for name, rule in described.options.get("properties", {}).items():
-        limits = [rule.get(word) for word in ("minimum", "maximum")]
-        for value in [v for v in limits if v is not None] + rule.get("enum", []):
-            if isinstance(value, int | float) and value > 5000:
-                continue
-            found = run(method, rough, 2, at_most(method, 100), options={name: value})
-            assert len(found.batches) > 0, f"{name} = {value}"
+    for options in _at_their_limits(method):
+        found = run(method, rough, 2, at_most(method, 100), options=options)
+        assert len(found.batches) > 0, options
+
+
+def it_takes_at_least_what_is_announced(method: Method) -> None:
+    """The least number of evaluations that is stated before a run, for the limits of every option."""
+    described_here, budget = _catalogue(method), at_most(method, BUDGET)
+    for options in [{}, *_at_their_limits(method)]:
+        campaign = _searching({"method": method.name, "evaluations": budget, "options": options})
+        if check(campaign, described_here):
+            continue
+        (announced,) = [stage for stage in expected(campaign, described_here) if stage.kind == "search"]
+        for name in ("smooth", "rough"):
+            found = run(method, FUNCTIONS[name], len(campaign.uncertain), budget, options=options)
+            taken = sum(map(len, found.batches))
+            assert announced.least <= taken, f"{options} of a {name} cost: {announced.least} evaluations are announced"
 
 
 def the_same_seed_gives_the_same_points(method: Method) -> None:
     one, two = (run(method, rough, 3, at_most(method, BUDGET), seed=5).points for _ in range(2))
     assert one.tobytes() == two.tobytes(), "take randomness from space.random alone"
+
+
+def _at_their_limits(method: Method) -> list[dict[str, object]]:
+    """Each option at each of its limits and values, the others as they are by default."""
+    found: list[dict[str, object]] = []
+    for name, rule in _entry(method).options.get("properties", {}).items():
+        limits = [rule[word] for word in ("minimum", "maximum") if word in rule]
+        values = [*limits, *rule.get("enum", ()), *((True, False) if rule.get("type") == "boolean" else ())]
+        found += [{name: v} for v in values if isinstance(v, bool) or not isinstance(v, int | float) or v <= 5000]
+    return found
 
 
 def _module(method: Method) -> ModuleType:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from clearance.testing import methods as contract
 from tests.contract.searches import EACH
 from worker.engine.search.base import Method
@@ -30,3 +32,9 @@ def test_whatever_the_check_lets_pass_the_method_takes(method: Method) -> None:
 @EACH
 def test_any_option_that_passes_searches(method: Method) -> None:
     contract.any_option_that_passes_searches(method)
+
+
+@pytest.mark.nightly  # by day the methods that options end, in tests/unit/campaigns/checked/test_expected.py
+@EACH
+def test_it_takes_at_least_what_is_announced(method: Method) -> None:
+    contract.it_takes_at_least_what_is_announced(method)

@@ -18,7 +18,7 @@ export function MethodText({ method }: { method: MethodEntry }) {
         <dd>{method.source}</dd>
         <dt className="mut">Default budget</dt>
         <dd>
-          {count(method.evaluations)} evaluations{method.whole_budget ? ', always used in full' : ' at most; its own rule may end it earlier'}
+          {count(method.evaluations)} evaluations{endsOf(method)}
         </dd>
         {FACTS.map(([field, title]) => method[field] && <Fact key={field} title={title} text={method[field]} />)}
         {method.starts && (
@@ -73,4 +73,10 @@ function meaning(rule: Schema): string {
         ? of.enum.map(written).join(', ')
         : ''
   return [rule.description, limits].filter(Boolean).join(' · ')
+}
+
+/** When a search ends: at its budget, by its own rule, or by a rule that an option sets. */
+function endsOf({ whole_budget, own_rule, effort }: MethodEntry): string {
+  if (!whole_budget) return ' at most; its own rule may end it earlier'
+  return own_rule || effort ? ', used in full unless its options end it earlier' : ', always used in full'
 }

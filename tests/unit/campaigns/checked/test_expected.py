@@ -40,7 +40,8 @@ KNOWN = catalogue()
 def measured() -> Catalogue:
     """The catalogue with the methods' efforts as in the first half."""
     methods = [
-        m.model_copy(update={"effort": replace(m.effort, **EFFORTS[m.name])}) if m.effort else m for m in KNOWN.methods
+        m.model_copy(update={"effort": replace(m.effort, **EFFORTS[m.name])}) if m.effort and m.name in EFFORTS else m
+        for m in KNOWN.methods
     ]
     return KNOWN.model_copy(update={"methods": methods})
 
@@ -110,6 +111,7 @@ def test_a_method_that_may_end_by_its_own_rule_has_a_range() -> None:
         *(("differential_evolution", given, False) for given in ({"restarts": 0}, {"as_published": True})),
         *(("global_clustering", given, False) for given in ({"minima": 1}, {"as_published": True})),
         ("differential_evolution", {"restarts": 1_000_000, "as_published": False}, True),
+        ("nsga2", {"generations": 2}, False), ("nsga2", {}, True), ("nlopt_global", {}, False),
         ("cma_es", {}, True), ("monte_carlo", {}, True), ("monte_carlo", {"interval": 0.01}, False),
     ):  # fmt: skip
         search = {"method": method, "evaluations": 4000, "options": options}

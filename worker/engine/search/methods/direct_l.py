@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from campaigns.effort import Iterations
 from worker.engine.search.base import Method, MethodLook, Search, Space
 from worker.engine.search.methods import direct
 from worker.engine.search.methods.direct import Options, extend
@@ -33,6 +34,7 @@ method = Method(
     extend=extend,
     family="division of the box",
     whole_budget=True,
+    effort=Iterations("iterations", each=2.5, growth=0.1, spread=(0.2, 18.0)),  # of 1 to 300, on up to 8 parameters
     parallel="an iteration",
     suits="few valleys, few parameters",
     divide=divide,

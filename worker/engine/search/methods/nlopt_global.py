@@ -76,7 +76,6 @@ method = Method(
     search=search,
     family="library",
     families={"algorithm": {**FAMILIES, **dict.fromkeys(DIVIDES, "division of the box")}},
-    whole_budget=True,
     parallel="one point",
     suits="comparison with published results",
     drawback="Of the targets of BBOB in 5 dimensions it reaches 0.55 at 1,000 n, CMA-ES 0.68",

@@ -153,6 +153,7 @@ method = Method(
     extend=extend,
     family="population",
     whole_budget=True,
+    own_rule="generations population",
     parallel="a generation",
     suits="the trade-off between criteria",
     look=MethodLook(colour="#9c1257", dark="#e8589b", marker="bow"),

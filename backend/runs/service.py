@@ -33,6 +33,7 @@ from campaigns.asked.distributions import Normal
 from campaigns.claims import earlier
 from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
 from campaigns.densities.joint import joint
+from campaigns.limits import DRAWS
 from campaigns.results import Verdict, verdicts
 from campaigns.results.remedies import Ran, bound
 from campaigns.results.sample import SoFar
@@ -249,7 +250,8 @@ def _outside(reader: sa.Connection, run_id: int, campaign: Campaign) -> float | 
 
 def _shown(row: Any, confidence: float, outside: float | None, seed: str) -> SoFar:
     samples = row.counted - row.excluded
-    whole, beyond = max(row.planned, samples), outside or 0.0
+    drawn_at_most = DRAWS * row.planned * samples // row.counted  # if as many of the others are excluded
+    whole, beyond = max(min(row.planned, drawn_at_most), samples), outside or 0.0
     now, end = (min(1.0, bound(row.violations, size, confidence) + beyond) for size in (samples, whole))
     drawn = Drawn(row.violations, samples, confidence, outside, row.excluded, seed)
     return SoFar(

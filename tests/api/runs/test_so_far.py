@@ -32,7 +32,7 @@ def sentence(outside: float | None) -> str:
     return words(claims.so_far(claims.Drawn(VIOLATIONS, DRAWN, 0.95, outside), now, SAMPLES - DRAWN, end))
 
 
-def drawing(service: Service, client: httpx.Client, **campaign: Any) -> Any:
+def drawing(service: Service, client: httpx.Client, excluded: int = 0, **campaign: Any) -> Any:
     """What a run shows of a sample that is being drawn."""
     stages = {
         "sensitivity": None,
@@ -41,7 +41,7 @@ def drawing(service: Service, client: httpx.Client, **campaign: Any) -> Any:
     }
     run = submit(client, stages=stages, **campaign)
     Work(service, [*PLAN, StagePlan("certify", None, SAMPLES)]).store.begin(len(PLAN))
-    values = {"state": StageState.RUNNING, "counted": DRAWN, "violations": VIOLATIONS}
+    values = {"state": StageState.RUNNING, "counted": DRAWN + excluded, "violations": VIOLATIONS, "excluded": excluded}
     with service.engine.begin() as connection:
         connection.execute(sa.update(Stage).where(Stage.kind == "certify").values(values))
     (shown,) = (stage for stage in client.get(f"/api/v1/runs/{run}").json()["stages"] if stage["kind"] == "certify")
@@ -60,6 +60,17 @@ def test_without_tails_nothing_is_added(service: Service, client: httpx.Client) 
     found = drawing(service, client)
     assert found["upper_bound"] == bound(VIOLATIONS, DRAWN, 0.95)
     assert found["text"] == sentence(0.0)
+
+
+@pytest.mark.parametrize(("excluded", "whole"), [(DRAWN // 2, SAMPLES), (3 * DRAWN, SAMPLES // 2)])
+def test_no_more_is_promised_than_the_draws_can_give(
+    service: Service, client: httpx.Client, excluded: int, whole: int
+) -> None:
+    """A sample ends at twice its draws, whatever is excluded of them."""
+    found = drawing(service, client, excluded)
+    assert found["samples"] == DRAWN
+    assert found["at_end"] == bound(VIOLATIONS, whole, 0.95)
+    assert f"none of the other {whole - DRAWN:,} does".replace(",", " ") in found["text"].replace("\u202f", " ")
 
 
 def test_where_the_bounds_are_not_known_the_sentence_says_so(service: Service, client: httpx.Client) -> None:

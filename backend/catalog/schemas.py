@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from pydantic import Field
+
 from backend.http.errors import ProblemError
 from backend.http.schema import Schema
 from campaigns.catalogue import ParameterEntry
@@ -74,15 +76,19 @@ class Estimate(Schema):
     statement: str
     """Where the number of evaluations is known from, a sentence."""
     seconds: float | None
-    """Working time of the usual number [s]; None if nothing was measured yet."""
+    """Working time of the usual number, about [s]; None if nothing was measured yet."""
     seconds_least: float | None
-    """That of the low end [s]."""
+    """That of the low end, about [s]."""
     seconds_most: float | None
-    """That of the high end [s]."""
+    """That of the high end, about [s]: at the speed that was measured, which bounds no time. None if a stage is not
+    part of it (`untimed`)."""
+    untimed: list[str] = Field(default_factory=list)
+    """The titles of stages whose time is unknown and not part of it: they compute without evaluations."""
     time_statement: str
     """Where the time is known from, or how to measure it, a sentence."""
     run: str | None
-    """The finished run of the same campaign whose numbers these are, R-0001; None for a usual number."""
+    """The finished run of the same campaign whose numbers these are, but for the most; R-0001; None for a usual
+    number."""
 
 
 class Checked(Schema):
@@ -98,6 +104,7 @@ class Checked(Schema):
     evaluations: int | None
     """The bound of the run; `estimate` states what it usually takes."""
     seconds: float | None
-    """For these, from the speed of earlier runs with the same components; None if there are none."""
+    """About what these take at the mean speed of earlier runs with the same components, with the stages that compute
+    without evaluations [s]; None if it is not known."""
     estimate: Estimate | None
     """None if the campaign cannot be run."""

@@ -13,15 +13,16 @@ from pydantic import ValidationError
 
 from backend.catalog.estimate import estimate
 from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, ProblemOut
+from backend.catalog.speed import Pace
 from backend.db import snapshots
-from backend.db.tables import CampaignRow, CatalogueDocument, Run, Stage
+from backend.db.tables import CatalogueDocument
 from backend.http.errors import RefusedError, not_found
 from backend.http.versions import readable
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
 from campaigns.asked.text import readable_yaml
 from campaigns.checked.check import parameters
 from campaigns.results.drawn import library_flights
-from campaigns.runs import RunState, StageState, run_name
+from campaigns.runs import run_name
 from campaigns.stages.plan import most
 from campaigns.version import VERSION
 
@@ -31,8 +32,6 @@ NO_CATALOGUE = (
     "no worker has published its components yet, so campaigns cannot be checked: start a worker with `clearance worker`"
     " and try again in a few seconds"
 )
-RECENT_RUNS = 300
-"""Number of recent runs searched for the speed of the same components."""
 
 
 def published(reader: sa.Connection) -> Catalogue | None:
@@ -157,7 +156,7 @@ def checked(reader: sa.Connection, campaign: Campaign | CampaignError) -> Checke
             estimate=None,
         )
     catalogue = required(reader)
-    problems = check(campaign, catalogue)
+    problems, pace = check(campaign, catalogue), Pace.of(reader, campaign)
     evaluations = most(campaign)
     return Checked(
         ok=not problems,
@@ -167,8 +166,8 @@ def checked(reader: sa.Connection, campaign: Campaign | CampaignError) -> Checke
         yaml=readable_yaml(campaign),
         parameters=_parameters(campaign, catalogue),
         evaluations=evaluations,
-        seconds=_seconds(reader, campaign, evaluations),
-        estimate=None if problems else estimate(reader, campaign, catalogue, lambda n: _seconds(reader, campaign, n)),
+        seconds=pace.whole(evaluations),
+        estimate=None if problems else estimate(reader, campaign, catalogue, pace),
     )
 
 
@@ -199,31 +198,3 @@ def bounds(campaign: Campaign, catalogue: Catalogue | None) -> dict[str, tuple[f
             nominal = known[path][1]
             found[path] = (nominal, *uncertain.interval(nominal))
     return found
-
-
-def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> float | None:
-    """Estimated working time of the evaluations at the speed of earlier runs with the same components [s].
-
-    Evaluation time is proportional to the number of steps, so the speed is in steps per second; unknown for simulators.
-    """
-    if campaign.scenario is None:
-        return None
-    recent = sa.select(Run.id, Run.campaign_digest).where(Run.state == RunState.DONE).order_by(Run.id.desc())
-    runs = recent.limit(RECENT_RUNS).subquery()
-    document, scenario = CampaignRow.document, campaign.given_scenario
-    same = [
-        document["scenario"][role]["component"].as_string() == getattr(scenario, role).component
-        for role in ("vehicle", "controller", "avoider")
-    ]
-    steps = document["scenario"]["horizon"].as_float() / document["scenario"]["step"].as_float()
-    totals = (
-        sa.select(sa.func.sum((Stage.evaluations + Stage.counted) * steps), sa.func.sum(Stage.seconds))
-        .select_from(runs)
-        .join(CampaignRow, CampaignRow.digest == runs.c.campaign_digest)
-        .join(Stage, Stage.run_id == runs.c.id)
-        .where(Stage.state == StageState.DONE, Stage.evaluations > 0, *same)
-    )
-    evaluated, seconds = reader.execute(totals).one()
-    if not evaluated or not seconds:
-        return None
-    return float(evaluations * (scenario.horizon / scenario.step) * seconds / evaluated)

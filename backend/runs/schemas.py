@@ -259,6 +259,8 @@ class RunDetail(RunSummary):
     """Evaluations per second of the running stage."""
     remaining: float | None
     """Estimated time left [s]; None while it cannot be estimated."""
+    untimed: list[str] = Field(default_factory=list)
+    """The titles of stages that have not ended whose time is not part of it: they compute without evaluations."""
 
 
 class RunComponents(Schema):

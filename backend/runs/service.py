@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import sqlalchemy as sa
 from pydantic import ValidationError
@@ -30,6 +30,7 @@ from backend.runs.tombstones import refuse_purged
 from backend.runs.traces import no_trace
 from campaigns import Campaign
 from campaigns.asked.distributions import Normal
+from campaigns.checked.expected import computing
 from campaigns.claims import earlier
 from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
 from campaigns.densities.joint import joint
@@ -73,7 +74,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     if not base.quantity and stated:  # the installed catalogue no longer has the criterion, the stored one has
         base = base.model_copy(update={"quantity": stated[0].quantity, "unit": stated[0].unit})
     stages = progress(reader, run_id)
-    rate, remaining = _pace(stages) if base.state == RunState.RUNNING else (None, None)
+    pace = _pace(stages, computing(campaign)) if base.state == RunState.RUNNING else NO_PACE
     return RunDetail(
         **dict(base),
         not_continuable=_not_continuable(reader, run_id, base, campaign),
@@ -97,8 +98,9 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         stages=stages,
         summary=_verdict(reader, run_id, campaign, parts, base.failed_evaluations),
         untraced="" if campaign.simulator is None else no_trace(reader, run_id),
-        rate=rate,
-        remaining=remaining,
+        rate=pace.rate,
+        remaining=pace.remaining,
+        untimed=pace.untimed,
     )
 
 
@@ -198,20 +200,34 @@ FEWEST = 8
 """With fewer evaluations than this no speed is reported."""
 
 
-def _pace(stages: Sequence[StageProgress]) -> tuple[float | None, float | None]:
-    """Evaluations per second of the running stage, and the time left [s] if every stage uses its whole budget.
+class _Pace(NamedTuple):
+    """Evaluations per second of the running stage, the time left [s] if every stage uses its whole budget, and the
+    titles of stages whose time is not part of it."""
+
+    rate: float | None
+    remaining: float | None
+    untimed: list[str]
+
+
+NO_PACE = _Pace(None, None, [])
+
+
+def _pace(stages: Sequence[StageProgress], computing: Sequence[str]) -> _Pace:
+    """The pace of a running run; computing: the kinds of stages that compute without evaluations.
 
     A stage that has just started is assumed to be as fast as the run so far. Stages that end by their own rule finish
     earlier.
     """
-    running = next((s for s in stages if s.state == StageState.RUNNING), None)
+    left = [s for s in stages if s.state != StageState.DONE]
+    running = next((s for s in left if s.state == StageState.RUNNING), None)
     if running is None:
-        return None, None
-    speed = _speed([running]) or _speed([s for s in stages if s.position])
+        return NO_PACE
+    untimed = [s.title for s in left if s.kind in computing]
+    speed = _speed([running]) or _speed([s for s in stages if s.position and s.kind not in computing])
     if speed is None:
-        return None, None
-    left = sum(max(0, s.planned - s.evaluations) for s in stages if s.state != StageState.DONE)
-    return speed, left / speed
+        return _Pace(None, None, untimed)
+    seconds = sum(max(0, s.planned - s.evaluations) for s in left) / speed
+    return _Pace(None if running.kind in computing else speed, seconds, untimed)
 
 
 def _speed(stages: Sequence[StageProgress]) -> float | None:

@@ -105,11 +105,12 @@ class Cost:
         turns, at_once = self._turns(calls)
         return math.ceil(evaluations / busy(at_once)) * (self.seconds + self.start) * turns
 
-    def bounds(self, least: int, most: int, calls: int = 1) -> tuple[float, float]:
+    def bounds(self, least: int, most: int, calls: int = 1, retries: int = 0) -> tuple[float, float]:
         """Time that between `least` and `most` evaluations take at this speed [s]: those with all slots busy, these one
-        after the other, each in a fresh process. A search may request one point at a time."""
+        after the other, each call in a fresh process and tried again `retries` times. A search may request one point at
+        a time. No run is bound to this speed: a call that times out takes longer."""
         each, at_once = self.of(calls)
-        alone = (self.seconds + self.start) * self._turns(calls)[0]
+        alone = (self.seconds + self.start) * self._turns(calls)[0] * (1 + retries)
         return self.start + math.ceil(least / at_once) * each, self.start + most * alone
 
     def _turns(self, calls: int) -> tuple[int, int]:
@@ -117,15 +118,17 @@ class Cost:
         at_once = max(self.slots // calls, 1)
         return math.ceil(calls * at_once / self.slots), at_once
 
-    def lasts(self, evaluations: int, calls: int = 1, again: int = 0) -> tuple[float, str]:
-        """Time of so many evaluations on the slots of the measurement [s], and where it is known from.
+    def lasts(self, evaluations: int, calls: int = 1, again: int = 0, retries: int = 0) -> tuple[float, str]:
+        """Time of so many evaluations on the slots of the measurement [s], without retries, and where it is known from.
 
-        again: evaluations in fresh processes that confirm results, in addition.
+        again: evaluations in fresh processes that confirm results, in addition; retries: how often a call may be tried
+        again, which only the time of the most evaluations counts (`bounds`).
         """
         each, at_once = self.of(calls)
         seconds = self.start + math.ceil(evaluations / busy(at_once)) * each + self.again(again, calls)
         more = f"; {again:,} more{self.fresh} confirm results" if again else ""
-        longest = " The most is the time of one evaluation after the other." if at_once > 1 else ""
+        ways = ["of one evaluation after the other"] * (at_once > 1) + ["with every retry"] * (retries > 0)
+        longest = f" The time for the most evaluations is that {', '.join(ways)}." if ways else ""
         return seconds, f"{self.sentence(calls)}, on {self._on}{_counted(at_once)}{more}.{longest}"
 
     @property

@@ -17,8 +17,10 @@ from campaigns.asked.stages import Search
 from campaigns.catalogue import Catalogue, MethodEntry
 from campaigns.effort import Descents, Iterations
 from campaigns.limits import SPOT_CHECKS
+from campaigns.results.stage import StageResult
 from campaigns.stages.found import declared
 from campaigns.stages.plan import bound, plan
+from campaigns.stored.blocks import size
 
 FEWEST = 8
 """Evaluations per parameter, and as many more, after which a method may end by its own rule: 60, 200 and 219
@@ -39,6 +41,13 @@ class Expected(NamedTuple):
     evaluations: int
     least: int
     most: int
+
+
+class Fewer(NamedTuple):
+    """Of a kind of stage that may have fewer evaluations than its budget: how many at least, and when, a clause."""
+
+    least: int
+    when: str
 
 
 class Total(NamedTuple):
@@ -66,7 +75,8 @@ def expected(campaign: Campaign, catalogue: Catalogue) -> list[Expected]:
     totals: dict[str, tuple[int, int, int]] = {}
     searches = iter(campaign.stages.search)
     for stage, limit in zip(plan(campaign), bound(campaign), strict=True):
-        found = (stage.planned, stage.planned)
+        shorter = fewer(campaign, stage.kind)
+        found = (stage.planned if shorter is None else min(shorter.least, stage.planned), stage.planned)
         if stage.method is not None:
             found = _search(campaign, next(searches), catalogue)
         elif declared()[stage.kind].of_findings:
@@ -74,6 +84,24 @@ def expected(campaign: Campaign, catalogue: Catalogue) -> list[Expected]:
         least, usual, most = totals.get(stage.kind, (0, 0, 0))
         totals[stage.kind] = (least + found[0], usual + found[1], most + limit.evaluations)
     return [Expected(kind, declared()[kind].title, usual, least, most) for kind, (least, usual, most) in totals.items()]
+
+
+def fewer(campaign: Campaign, kind: str) -> Fewer | None:
+    """When stages of this kind have fewer evaluations than their budget, by what their options and results may state;
+    None if never, or by the rule of a search. Their usual number is the budget."""
+    result, options = declared()[kind].result, getattr(campaign.stages, kind, None)
+    if result.estimation is not StageResult.estimation:
+        return Fewer(0, "none if no evaluation before it violates")
+    if result.reevaluated is not StageResult.reevaluated:
+        return Fewer(0, "fewer if this campaign cannot evaluate some of the findings")
+    if options is not None and getattr(options, "until", None) == "target":
+        return Fewer(size(options.samples), "fewer if so many samples violate that the target cannot be met")
+    return None
+
+
+def computing(campaign: Campaign) -> list[str]:
+    """The kinds of stages that compute without evaluations: no number of them tells how long these take."""
+    return [stage.kind for stage in bound(campaign) if stage.evaluations == 0]
 
 
 def total(stages: list[Expected]) -> Total:
@@ -98,9 +126,12 @@ def again(campaign: Campaign, catalogue: Catalogue, noisy: bool, halved: bool) -
 
 
 def called(campaign: Campaign, evaluations: int) -> str:
-    """How many calls so many evaluations are, as a clause; empty if each is one."""
-    calls = 1 if campaign.simulator is None else campaign.simulator.calls
-    return "" if calls == 1 else f", {calls * evaluations:,} calls"
+    """How many calls so many evaluations are at most, as a clause; empty if each is one."""
+    if campaign.simulator is None:
+        return ""
+    calls, retries = campaign.simulator.calls, campaign.simulator.retries
+    retried = " with every retry" if retries else ""
+    return "" if calls * (1 + retries) == 1 else f", {calls * (1 + retries) * evaluations:,} calls{retried}"
 
 
 def confirmation(cost: Cost, calls: int = 1) -> str:

@@ -29,11 +29,12 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
     if found is None or campaign.simulator is None:
         return
     cost, halved, installed = found
-    evaluations, calls = total(expected(campaign, installed)), campaign.simulator.calls
+    evaluations = total(expected(campaign, installed))
+    calls, retries = campaign.simulator.calls, campaign.simulator.retries
     more = again(campaign, installed, cost.noisy, halved)
-    seconds, known = cost.lasts(evaluations.usual, calls, more)
-    longest = lasting(cost.bounds(evaluations.least, evaluations.most, calls)[1])
-    taken = f"about {lasting(seconds)}, at most {longest}"
+    seconds, known = cost.lasts(evaluations.usual, calls, more, retries)
+    longest = lasting(cost.bounds(evaluations.least, evaluations.most, calls, retries)[1])
+    taken = f"about {lasting(seconds)}, about {longest} for the most evaluations"
     again_called = called(campaign, evaluations.most)
     typer.echo(f"{evaluations.text} evaluations{again_called}; {taken} at this speed. {known}", err=True)
 

@@ -99,12 +99,16 @@ def _by_service(file: Path, service: str, token_file: str, patience: float) -> N
 
 
 def _print_usable(file: Path, campaign: Campaign, where: str) -> None:
+    from campaigns.checked.expected import called, computing, fewer
     from campaigns.stages.plan import bound, most
 
     typer.echo(f"{file}: {campaign.name} can be run {where}. Digest {campaign.digest[:16]}")
     named = "uncertain parameter" if len(campaign.uncertain) == 1 else "uncertain parameters"
-    typer.echo(f"{len(campaign.uncertain)} {named}, at most {most(campaign):,} evaluations:")
+    limit, computes = most(campaign), computing(campaign)
+    typer.echo(f"{len(campaign.uncertain)} {named}, at most {limit:,} evaluations{called(campaign, limit)}:")
     for stage in bound(campaign):
         # Certify draws excluded samples again; traces and confirmations are made again without being stored.
         again = f", and {stage.again:,} that are not stored" if stage.again else ""
-        typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {stage.stored:,}{again}")
+        shorter = fewer(campaign, stage.kind)
+        when = ", which computes without them" if stage.kind in computes else f"; {shorter.when}" if shorter else ""
+        typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {stage.stored:,}{again}{when}")

@@ -38,7 +38,9 @@ class Checked(Answer):
     evaluations: int | None = None
     """The bound of the run; `estimate` states what it usually takes."""
     seconds: float | None = None
-    """For these, from the speed of earlier runs with the same components; None if there are none."""
+    """About what these take at the mean speed of earlier runs with the same components, with the stages that compute
+    without evaluations [s]; None if it is not known.
+    """
 
 
 class ExportFile(Answer):
@@ -270,6 +272,8 @@ class RunDetail(Run):
     """Evaluations per second of the running stage."""
     remaining: float | None = None
     """Estimated time left [s]; None while it cannot be estimated."""
+    untimed: list[str] = []
+    """The titles of stages that have not ended whose time is not part of it: they compute without evaluations."""
 
 
 class RunPage(Answer):

@@ -11,6 +11,7 @@ import pytest
 from campaigns import Catalogue, check, library, load_file
 from campaigns.asked.load import CampaignError, load_document
 from campaigns.asked.spec import Repeats, Simulator
+from campaigns.checked import expected
 from campaigns.checked.snapshot import changes, snapshot
 from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
 from clearance.testing import SystemContract
@@ -150,6 +151,23 @@ def test_a_fresh_form_of_a_system_without_one_does_not_close_it() -> None:
     assert closed == []
     called.close()
     assert closed == ["closed"]
+
+
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("retries", [0, 2])
+def test_evaluations_that_all_fail_take_the_calls_that_are_announced_as_the_most(count: int, retries: int) -> None:
+    made: list[int] = []
+
+    class Failing(two_basins.TwoBasins):
+        def evaluate(self, vectors: Any, seeds: Any = None) -> Any:
+            made.append(len(vectors))
+            return Batch(np.full((len(vectors), 1), np.nan), np.full(len(vectors), FAILED, dtype=np.uint8)), {}
+
+    request = Simulator(name="two_basins", repeats=Repeats(count=count), retries=retries)
+    Called(Failing(two_basins.ENTRY, BASINS), request).evaluate(np.array([[0.1, 0.2], [0.3, 0.4]]))
+    campaign = load_document(package.campaign(), "the test").model_copy(update={"simulator": request})
+    stated = expected.called(campaign, 2)
+    assert f", {sum(made)} calls" in stated if stated else sum(made) == 2
 
 
 @pytest.mark.parametrize(

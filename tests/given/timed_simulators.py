@@ -13,6 +13,7 @@ from campaigns.results.measured import Measured
 from campaigns.stored.records import StagePlan
 from campaigns.versions import Code, Versions
 from tests import results
+from tests.given import finished_runs
 from tests.given.service import Service
 from tests.simulators import package, two_basins
 from worker.running.catalogue.installed import catalogue
@@ -35,8 +36,8 @@ def measured(**values: Any) -> Measured:
     return Measured.model_validate({**known, "seconds": 0.21, "call_seconds": 0.42, "slots": 2, **values})
 
 
-def run(service: Service, digest: str, told: Measured | None) -> None:
-    """A run whose first stage has ended."""
+def run(service: Service, digest: str, told: Measured | None, evaluations: int = 0) -> None:
+    """A run whose first stage has ended, with so many evaluations stored."""
     with service.engine.begin() as connection:
         used = Catalogue(version="1", components=[], methods=[], simulators=[ENTRY])
         asked = load_document(package.campaign())
@@ -47,5 +48,7 @@ def run(service: Service, digest: str, told: Measured | None) -> None:
     store.plan([StagePlan("nominal", None, 15)])
     store.record_versions(Versions(simulator=digest), Code("c", {}))
     store.begin(0)
+    if evaluations:
+        store.append(0, 0, finished_runs.search(0, evaluations))
     store.finish(0, results.nominal().model_copy(update={"measured": told}), 1.0)
     store.conclude(results.verdict("inconclusive", "Over.", 0.9, 0.3))

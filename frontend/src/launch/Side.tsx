@@ -15,7 +15,7 @@ import { numberOf } from './campaign/parameters'
 import { FieldErrors, idOf } from './fields/problems'
 import type { SetValue } from './fields/props'
 import type { Regression } from './regression/regression'
-import { amountOf, timeOf } from './estimate'
+import { amountOf, stageAmountOf, timeOf } from './estimate'
 import { RegressionFields } from './regression/RegressionFields'
 import { fields, lists } from '../ui/styles'
 
@@ -92,7 +92,7 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
         {estimate?.stages.map((stage) => (
           <Fragment key={stage.title}>
             <dt className="mut">· {stage.title}</dt>
-            <dd className="mut">{amountOf(stage)}</dd>
+            <dd className="mut">{stageAmountOf(stage, estimate.run)}</dd>
           </Fragment>
         ))}
         <dt>Time</dt>

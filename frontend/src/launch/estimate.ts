@@ -1,12 +1,22 @@
-// The estimated effort of a run in words: the bound that no run exceeds, and the time.
+// The estimated effort of a run in words: the bound that no run exceeds, what an earlier run of it took, and the time.
 import type { Estimate } from '../client'
 import { count, duration } from '../format/numbers'
 
-/** At most 24 044: of a run or of a stage. */
-export const amountOf = ({ most }: { most: number }): string => `at most ${count(most)}`
+type Amount = Pick<Estimate, 'evaluations' | 'most'>
 
-/** About 12 s, at most 24 s; undefined if it is not known. */
-export function timeOf({ seconds, seconds_most }: Estimate): string | undefined {
+/** At most 24 044; after an earlier run of the same campaign 14 515 in R-0001, at most 24 044. */
+export const amountOf = ({ run, evaluations, most }: Amount & Pick<Estimate, 'run'>): string =>
+  run === null ? atMost(most) : `${count(evaluations)} in ${run}, ${atMost(most)}`
+
+/** The same of one of its stages, without the name of the earlier run. */
+export const stageAmountOf = ({ evaluations, most }: Amount, run: string | null): string =>
+  run === null ? atMost(most) : `${count(evaluations)}, ${atMost(most)}`
+
+const atMost = (evaluations: number): string => `at most ${count(evaluations)}`
+
+/** About 12 s, about 24 s for the most evaluations; about 12 s without Attraction; undefined if it is not known. */
+export function timeOf({ seconds, seconds_most, untimed }: Estimate): string | undefined {
   if (seconds === null) return undefined
-  return seconds_most === null ? `about ${duration(seconds)}` : `about ${duration(seconds)}, at most ${duration(seconds_most)}`
+  const usual = `about ${duration(seconds)}${untimed.length > 0 ? ` without ${untimed.join(', ')}` : ''}`
+  return seconds_most === null ? usual : `${usual}, about ${duration(seconds_most)} for the most evaluations`
 }

@@ -148,12 +148,16 @@ function Figures({ data }: { data: RunData }) {
         <Stat
           name="Time left"
           value={run.remaining === null ? NONE : duration(run.remaining)}
-          note={`if all budgets are used; ${duration(elapsed(run, now))} elapsed`}
+          note={`if all budgets are used${withoutOf(run)}; ${duration(elapsed(run, now))} elapsed`}
         />
       </div>
     </div>
   )
 }
+
+/** What the time left leaves out: stages that compute without evaluations. */
+const withoutOf = ({ remaining, untimed }: RunDetail): string =>
+  remaining === null || untimed.length === 0 ? '' : `, without ${untimed.join(', ')}`
 
 const elapsed = (run: RunDetail, now: number): number | null =>
   run.started === null ? null : Math.max(0, now - run.started)

@@ -7,13 +7,20 @@ from typing import Any
 import httpx
 import pytest
 
-from backend.catalog.estimate import FEW, UNKNOWN, USUAL, bounded
+from backend.catalog.estimate import AFTERWARDS, FEW, UNKNOWN, bounded
+from backend.catalog.speed import UNTIMED
+from backend.db.queue import Queue
+from backend.db.store import RunStore
 from campaigns.asked.allowance import validation
 from campaigns.asked.load import load_document
 from campaigns.asked.proposal import Cost
 from campaigns.checked.expected import expected, total
+from campaigns.stages.attraction import AttractionResult
+from campaigns.stages.found import declared
 from campaigns.stages.plan import most
-from tests.given.finished_runs import finish
+from campaigns.stored.records import StagePlan
+from tests import results
+from tests.given.finished_runs import finish, search
 from tests.given.openapi_document import conforms
 from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE, campaign
@@ -36,9 +43,10 @@ def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: ht
     assert (told["least"], told["evaluations"], told["most"]) == total(found)
     assert told["least"] < told["evaluations"] < told["most"]
     assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
-    assert told["statement"] == USUAL.format(
-        most=f"{told['most']:,}", called="", validation=f"{validation(load_document(campaign())).total:,}"
-    )
+    promise = bounded(load_document(campaign()), told["most"])
+    assert f"No run takes more than {told['most']:,} evaluations, " in promise
+    assert promise.endswith(f" validation takes at most {validation(load_document(campaign())).total:,}.")
+    assert told["statement"] == f"{AFTERWARDS} {promise}"
     assert told["time_statement"] == UNKNOWN
 
 
@@ -62,8 +70,9 @@ def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, cl
     assert (told["run"], told["evaluations"]) == (name, found["evaluations"])
     assert told["least"] == found["evaluations"] < told["most"] == most(load_document(campaign())) == found["planned"]
     assert told["seconds"] == told["seconds_least"] > 0
-    assert told["seconds_most"] is None
-    assert name in told["statement"]
+    assert told["seconds_most"] == pytest.approx(told["seconds"] * told["most"] / told["evaluations"])
+    took = f"{name}, an earlier run of this campaign, took {told['evaluations']:,} evaluations."
+    assert told["statement"] == f"{took} {bounded(load_document(campaign()), told['most'])}"
     assert name in told["time_statement"]
     other = estimate(client, campaign(seed=7))
     assert other["run"] is None, "of another campaign it is an estimate"
@@ -88,14 +97,114 @@ def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
         run(bare, "aa", measured(call_seconds=0.5, slots=2))
         told = estimate(client, package.campaign(seed=99))
         assert told["time_statement"] == (
-            "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 202 more confirm results. The most "
-            "is the time of one evaluation after the other."
+            "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 202 more confirm results. The time for "
+            "the most evaluations is that of one evaluation after the other."
         )
         assert told["seconds"] == 0.5 * (-(-told["evaluations"] // 2) + 101)
         assert told["seconds_least"] == 0.5 * -(-told["least"] // 2), "with all slots busy"
         assert told["seconds_most"] == 0.5 * told["most"], "those made again are among them"
+        retried = package.campaign(seed=97)
+        retried["simulator"] |= {"retries": 3}
+        again = estimate(client, retried)
+        assert [again[name] for name in ("seconds", "seconds_least")] == [told["seconds"], told["seconds_least"]]
+        assert again["seconds_most"] == 4 * told["seconds_most"], "each call and three retries"
+        assert f", {4 * told['most']:,} calls with every retry, " in again["statement"]
+        assert again["time_statement"].endswith(", with every retry.")
         run(bare, "aa", measured(call_seconds=0.5, slots=2, start_seconds=4.0, recycle=8))
         slow = estimate(client, package.campaign(seed=98))
         cost = Cost("R-0002", 0.5, 2, 15, start=4.0, recycle=8)
         assert slow["time_statement"] == cost.lasts(told["evaluations"], again=202)[1]
         assert slow["seconds"] == 4.0 + 1.0 * -(-told["evaluations"] // 2) + 4.5 * 101
+
+
+def test_after_an_earlier_run_of_a_simulator_the_longest_time_is_that_of_any_run(
+    bare: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("backend.catalog.service.check", lambda campaign, catalogue: [])  # it has no methods
+    publish(bare)
+    with bare.signed_in() as client:
+        run(bare, "aa", measured(call_seconds=0.5, slots=2), evaluations=15)
+        other, told = estimate(client, package.campaign(seed=99)), estimate(client, package.campaign())
+        assert (told["run"], told["evaluations"], told["seconds"]) == ("R-0001", 15, 1.0)
+        assert told["seconds_most"] == other["seconds_most"] == 0.5 * told["most"]
+        assert told["time_statement"] == f"The time is that of R-0001. {other['time_statement']}"
+
+
+@pytest.fixture
+def unchecked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The small catalogue has no component with noise, and none with a polynomial model."""
+    for module in ("catalog.service", "runs.submission"):
+        monkeypatch.setattr(f"backend.{module}.check", lambda campaign, catalogue: [])
+
+
+@pytest.mark.usefixtures("unchecked")
+@pytest.mark.parametrize("before", [1, 2, 40])
+def test_the_time_is_in_proportion_to_the_realisations(service: Service, client: httpx.Client, before: int) -> None:
+    submit(client, **noisy_scenario(before))
+    evaluate(service, seconds=2.0)
+    for after in (1, 2, 40):
+        told = estimate(client, campaign(**noisy_scenario(after), seed=7))
+        assert told["run"] is None
+        for name, number in (("seconds", "evaluations"), ("seconds_least", "least"), ("seconds_most", "most")):
+            assert told[name] == pytest.approx(2.0 / 1000 * told[number] * after / before)
+
+
+def noisy_scenario(realisations: int) -> dict[str, Any]:
+    return {"scenario": campaign()["scenario"] | {"realisations": {"seeds": list(range(realisations))}}}
+
+
+def evaluate(service: Service, seconds: float, computing: dict[str, float] | None = None) -> None:
+    """Work off the next run: a search of 1000 evaluations, and stages without any."""
+    claim = Queue(service.engine).claim("w1")
+    assert claim is not None
+    store = RunStore(service.engine, claim)
+    others = computing or {}
+    store.plan([StagePlan("search", "direct", 1000), *(StagePlan(kind, None, 0) for kind in others)])
+    store.append(0, 0, search(0, 1000))
+    store.finish(0, results.searched(), seconds)
+    for position, (kind, spent) in enumerate(others.items(), 1):
+        store.finish(position, COMPUTED[kind], spent)
+    store.conclude(results.verdict("cleared", "", 1.0, 1.0))
+
+
+COMPUTED = {"attraction": AttractionResult(states=[], held=[], flow=[])}
+"""A result of each kind of stage that computes without evaluations."""
+
+
+@pytest.mark.usefixtures("unchecked")
+@pytest.mark.parametrize("kind", COMPUTED)
+def test_a_stage_without_evaluations_is_part_of_the_time_or_named(
+    service: Service, client: httpx.Client, kind: str
+) -> None:
+    stages, title = {**campaign()["stages"], kind: {}}, declared()[kind].title
+    submit(client)
+    evaluate(service, 2.0)
+    untimed = UNTIMED.format(title=title)
+    told = estimate(client, campaign(stages=stages))
+    assert (told["untimed"], told["seconds_most"]) == ([title], None)
+    assert told["seconds"] == pytest.approx(told["evaluations"] * 2.0 / 1000)
+    assert told["time_statement"].endswith(untimed)
+    check = client.post("/api/v1/campaigns/check", json={"campaign": campaign(stages=stages)}).json()
+    assert check["seconds"] is None
+
+    submit(client, stages=stages)
+    evaluate(service, 2.0, {kind: 40.0})
+    same = estimate(client, campaign(stages=stages))
+    assert (same["run"], same["seconds"], same["untimed"]) == ("R-0002", 42.0, [])
+    assert same["seconds_most"] == pytest.approx(40.0 + 2.0 * same["most"] / 1000)
+    known = estimate(client, campaign(stages=stages, seed=7))
+    assert (known["run"], known["untimed"]) == (None, [])
+    for name, number in (("seconds", "evaluations"), ("seconds_least", "least"), ("seconds_most", "most")):
+        assert known[name] == pytest.approx(40.0 + 2.0 / 1000 * known[number])
+    assert f"{title}, which computes without evaluations, took 40 s in R-0002" in known["time_statement"]
+    moved = campaign(stages=stages)
+    moved["scenario"] = moved["scenario"] | {"goal": {"x": 5, "y": 7}}
+    assert estimate(client, moved)["untimed"] == [title], "of another scenario it is not known"
+
+
+def test_a_stage_that_may_take_fewer_evaluations_is_named(service: Service, client: httpx.Client) -> None:
+    stages = {**campaign()["stages"], "estimate": {"evaluations": 1000}}
+    told, usual = estimate(client, campaign(stages=stages)), estimate(client, campaign())
+    assert told["evaluations"] - usual["evaluations"] == told["most"] - usual["most"] == 1000
+    assert told["least"] == usual["least"], "a run without a violation"
+    assert " Estimate takes none if no evaluation before it violates. " in told["statement"]

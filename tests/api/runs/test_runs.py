@@ -15,6 +15,7 @@ from backend.db.tables import CampaignRow, Run
 from backend.runs.texts import with_schema
 from campaigns import Campaign
 from campaigns.asked.load import load_text
+from campaigns.stages.attraction import AttractionResult
 from campaigns.stages.plan import most
 from campaigns.stored.records import StagePlan
 from tests import results
@@ -169,6 +170,29 @@ def test_a_queued_run_is_cancelled_at_once(client: httpx.Client) -> None:
     run = submit(client)
     assert client.post(f"/api/v1/runs/{run}/cancel").json()["state"] == "cancelled"
     assert client.post(f"/api/v1/runs/{run}/cancel").json()["state"] == "cancelled"
+
+
+def test_the_time_left_names_the_stages_that_it_leaves_out(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A stage that computes without evaluations has no speed, and lends none to others."""
+    monkeypatch.setattr("backend.runs.service.computing", lambda campaign: ["attraction"])
+    run, claim = submit(client), Queue(service.engine).claim("w1")
+    assert claim is not None
+    store = RunStore(service.engine, claim)
+    plans = [StagePlan(kind, None, planned) for kind, planned in (("nominal", 1), ("search", 20), ("attraction", 0))]
+    store.plan([*plans, StagePlan("validate", None, 50)])
+    for position in (0, 1):
+        store.begin(position)
+        store.append(position, 0, columns(0, plans[position].planned))
+        store.finish(position, [results.nominal(), results.searched()][position], 0.2)
+    store.begin(2)
+    shown = client.get(f"/api/v1/runs/{run}").json()
+    assert (shown["rate"], shown["remaining"], shown["untimed"]) == (None, pytest.approx(50 / 100.0), ["Attraction"])
+    store.finish(2, AttractionResult(states=[], held=[], flow=[]), 40.0)
+    store.begin(3)
+    shown = client.get(f"/api/v1/runs/{run}").json()
+    assert (shown["rate"], shown["remaining"], shown["untimed"]) == (pytest.approx(100.0), pytest.approx(0.5), [])
 
 
 def test_a_running_run_shows_its_stage_pace_and_cancelling(service: Service, client: httpx.Client) -> None:

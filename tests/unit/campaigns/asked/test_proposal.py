@@ -135,6 +135,20 @@ def test_between_its_bounds_is_whatever_number_of_slots_a_search_keeps_busy(
     assert 1000 * (cost.seconds + cost.start) <= most
 
 
+@pytest.mark.parametrize(("slots", "calls"), [(1, 1), (1, 3), (4, 1), (4, 3)])
+@pytest.mark.parametrize("retries", [1, 10])
+def test_the_longest_time_counts_every_retry_and_the_usual_one_none(slots: int, calls: int, retries: int) -> None:
+    cost = Cost("R-0001", 1.0, slots, 15, start=0.5)
+    (least, most), (least_once, most_once) = cost.bounds(50, 100, calls, retries), cost.bounds(50, 100, calls)
+    assert most - cost.start == pytest.approx((1 + retries) * (most_once - cost.start))
+    assert least == least_once
+    seconds, statement = cost.lasts(100, calls, retries=retries)
+    assert seconds == cost.lasts(100, calls)[0]
+    assert "The time for the most evaluations is that " in statement
+    assert statement.endswith("with every retry.")
+    assert ("one evaluation after the other" in statement) == (cost.of(calls)[1] > 1)
+
+
 def test_the_slots_that_count_are_those_that_auto_keeps_busy() -> None:
     assert BUSY == auto.PENDING
 
@@ -174,10 +188,10 @@ def test_every_outcome_has_its_sentence() -> None:
         "One call took 2 s (R-0001, 15 evaluations) and the start of a process 3 s; an evaluation of 5 calls takes "
         "about 6 s, on 4 slots; 2 more, each in a fresh process, confirm results.",
         "One evaluation took 2 s (R-0001, 15 evaluations, of which 3 failed), on 1 slot.",
-        "One evaluation took 2 s (R-0001, 15 evaluations), on 8 slots. The most is the time of one "
-        "evaluation after the other.",
+        "One evaluation took 2 s (R-0001, 15 evaluations), on 8 slots. The time for the most "
+        "evaluations is that of one evaluation after the other.",
         "One evaluation took 2 s (R-0001, 15 evaluations), on 40 slots (counted as 16 evaluations side by side). The "
-        "most is the time of one evaluation after the other.",
+        "time for the most evaluations is that of one evaluation after the other.",
         "In 10 min on 4 slots: about 800 evaluations. Proposed: Auto with 796, about 10 min in all",
         "In 10 min on 8 slots: at most about 2,400 evaluations. Proposed: Auto with 2,400, at least 10 min in all",
         "In 10 min on 40 slots (counted as 16 evaluations side by side): about 4,800 evaluations. Proposed: Auto with "

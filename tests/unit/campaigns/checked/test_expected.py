@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -18,14 +19,19 @@ from campaigns.checked.expected import (
     Expected,
     Total,
     again,
+    called,
+    computing,
     expected,
+    fewer,
     total,
 )
-from campaigns.stages.plan import most
-from tests.given.case_campaigns import document
+from campaigns.stages.plan import bound, most, plan
+from tests.given.case_campaigns import campaign, document
 from tests.simulators import package
-from tools.library_verdicts import FILE
+from tools.library_verdicts import FILE, evaluated
 from worker.running.catalogue.installed import catalogue
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 ALL_CHECKS = True
 FLOWN: dict[str, dict[str, int]] = {
@@ -149,3 +155,57 @@ def test_what_is_made_again_in_fresh_processes(
     campaign = load_document(given)
     assert (len(campaign.stages.search), len(campaign.uncertain)) == (2, 2)
     assert again(campaign, KNOWN, noisy, halved) == expected_again
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+@pytest.mark.parametrize("retries", [0, 1, 10])
+def test_the_calls_of_evaluations_are_stated_with_every_retry(count: int, retries: int) -> None:
+    given = package.campaign()
+    given["simulator"] |= {"repeats": {"count": count, "combine": "worst"}, "retries": retries}
+    stated, calls = called(load_document(given), 234), 234 * count * (1 + retries)
+    assert (f", {calls:,} calls" in stated) == (calls > 234)
+    assert bool(stated) == (calls > 234)
+    assert stated.endswith(" with every retry") == (retries > 0)
+    assert called(load_document(document()), 234) == ""
+
+
+LOST = {"label": "F1", "parameters": {"vehicle.no_such": 6.0}, "cost": 0.94}
+BASELINE = {"run": "R-0001", "digest": "0" * 64, "threshold": 0.5, "cases": [LOST]}
+TARGET = {"samples": 20_000, "keep": "lowest", "until": "target"}
+SHORTER: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "estimate": ({"estimate": {"evaluations": 1000}}, {"criterion__threshold": -5.0}),
+    "certify": ({"certify": TARGET}, {"criterion__threshold": 5.0, "target_probability": 0.05}),
+    "baseline": ({}, {"baseline": BASELINE}),
+}
+"""By kind of stage, stages and further changes of a campaign whose run has fewer evaluations of it than its budget."""
+
+
+@pytest.mark.parametrize("kind", SHORTER)
+def test_a_stage_that_takes_nothing_or_ends_early_is_within_its_range(kind: str) -> None:
+    stages, changes = SHORTER[kind]
+    short = {"sensitivity": {"points": 3}, "search": [{"method": "monte_carlo", "evaluations": 20}], "certify": None}
+    asked = campaign(stages=short | stages, **changes)
+    execute(asked, store := MemoryStore())
+    taken = evaluated(store)
+    for position, blocks in store.counted.items():
+        taken[store.stages[position].plan.kind] = sum(block.draws for block in blocks)
+    told = {stage.kind: stage for stage in expected(asked, KNOWN)}
+    assert told[kind].least <= taken[kind] < told[kind].evaluations <= told[kind].most
+    shorter = fewer(asked, kind)
+    assert shorter is not None
+    assert shorter.least == told[kind].least
+
+
+def test_every_other_stage_has_its_budget() -> None:
+    others = {stage.kind for stage in plan(campaign())} - {"search", "validate"}
+    assert others
+    for kind in others:
+        (told,) = [stage for stage in expected(campaign(), KNOWN) if stage.kind == kind]
+        assert fewer(campaign(), kind) is None
+        assert told.least == told.evaluations
+
+
+def test_a_stage_computes_if_no_number_of_evaluations_bounds_its_time() -> None:
+    assert computing(campaign()) == []
+    asked = campaign(stages__attraction={})
+    assert computing(asked) == [stage.kind for stage in bound(asked) if stage.evaluations == 0] == ["attraction"]

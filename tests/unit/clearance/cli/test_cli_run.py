@@ -18,13 +18,18 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign, load_file
+from campaigns.asked.load import load_document
+from campaigns.checked.expected import fewer
 from campaigns.claims.numbers import count
 from campaigns.refusals import RefusalCode
+from campaigns.stages.plan import most
 from clearance.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, NOT_A_RESULT, VIOLATED, WRONG_INPUT, invoke
+from clearance.cli.validate import _print_usable
 from tests.audited import audited_summary
 from tests.faults.processes import until
 from tests.given.case_campaigns import campaign, document, searching
 from tests.given.refused_commands import refusal
+from tests.simulators import package
 from worker.engine.problem.problem import Problem
 from worker.running.opening import opened
 
@@ -115,6 +120,25 @@ def test_validate_names_every_file_that_can_be_used(
     assert invoke(["validate", *map(str, files)]) == 0
     printed = capsys.readouterr().out
     assert all(f"{each}: " in printed for each in files)
+
+
+def test_validate_states_calls_with_retries_and_stages_that_take_fewer_or_no_evaluations(
+    file: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sample = {"samples": 20_000, "keep": "lowest", "until": "target"}
+    stages = {"certify": sample, "estimate": {"evaluations": 1000}, "attraction": {}}
+    made = campaign(stages=document()["stages"] | stages, target_probability=0.05)
+    assert invoke(["validate", file(made)]) == 0
+    shown = {line.split(":")[0].strip(): line for line in capsys.readouterr().out.splitlines()}
+    assert shown["attraction"].endswith(": 0, which computes without them")
+    for kind in ("certify", "estimate"):
+        shorter = fewer(made, kind)
+        assert shorter is not None
+        assert shown[kind].endswith(f"; {shorter.when}")
+    given = package.campaign()
+    given["simulator"] |= {"repeats": {"count": 2}, "retries": 5}
+    _print_usable(tmp_path, load_document(given), "here")
+    assert f" evaluations, {most(load_document(given)) * 12:,} calls with every retry:\n" in capsys.readouterr().out
 
 
 def violating() -> Campaign:

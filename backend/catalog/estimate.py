@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import sqlalchemy as sa
 
+from backend.catalog.pace import Pace
 from backend.catalog.schemas import Estimate, EstimatedStage
-from backend.catalog.speed import Pace
 from backend.db import costs
 from backend.db.tables import Run, Stage
 from campaigns import Campaign, Catalogue

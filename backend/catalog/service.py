@@ -12,8 +12,8 @@ import sqlalchemy as sa
 from pydantic import ValidationError
 
 from backend.catalog.estimate import estimate
+from backend.catalog.pace import Pace
 from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, ProblemOut
-from backend.catalog.speed import Pace
 from backend.db import snapshots
 from backend.db.tables import CatalogueDocument
 from backend.http.errors import RefusedError, not_found

@@ -28,6 +28,9 @@ other: on 8 it took 1.2 times as long, on 16 up to 1.9 times."""
 NOTABLE = 0.1
 """Fraction of the time of a call above which a sentence names that of starting a process."""
 
+LONGEST = "The time for the most evaluations is that {}."
+ALONE, RETRIED = "of one evaluation after the other", "with every retry"
+
 
 @dataclass(frozen=True)
 class Budget:
@@ -127,8 +130,8 @@ class Cost:
         each, at_once = self.of(calls)
         seconds = self.start + math.ceil(evaluations / busy(at_once)) * each + self.again(again, calls)
         more = f"; {again:,} more{self.fresh} confirm results" if again else ""
-        ways = ["of one evaluation after the other"] * (at_once > 1) + ["with every retry"] * (retries > 0)
-        longest = f" The time for the most evaluations is that {', '.join(ways)}." if ways else ""
+        ways = [ALONE] * (at_once > 1) + [RETRIED] * (retries > 0)
+        longest = f" {LONGEST.format(', '.join(ways))}" if ways else ""
         return seconds, f"{self.sentence(calls)}, on {self._on}{_counted(at_once)}{more}.{longest}"
 
     @property

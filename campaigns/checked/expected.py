@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 from campaigns.asked.allowance import SLICE, USUAL, validation
-from campaigns.asked.proposal import Cost, lasting
+from campaigns.asked.proposal import RETRIED, Cost, lasting
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Search
 from campaigns.catalogue import Catalogue, MethodEntry
@@ -130,7 +130,7 @@ def called(campaign: Campaign, evaluations: int) -> str:
     if campaign.simulator is None:
         return ""
     calls, retries = campaign.simulator.calls, campaign.simulator.retries
-    retried = " with every retry" if retries else ""
+    retried = f" {RETRIED}" if retries else ""
     return "" if calls * (1 + retries) == 1 else f", {calls * (1 + retries) * evaluations:,} calls{retried}"
 
 

@@ -7,14 +7,14 @@ from typing import Any
 import httpx
 import pytest
 
-from backend.catalog.estimate import AFTERWARDS, FEW, UNKNOWN, bounded
-from backend.catalog.speed import UNTIMED
+from backend.catalog.estimate import AFTERWARDS, AS_BEFORE, FEW, PROMISE, TIME_AS_BEFORE, UNKNOWN, bounded
+from backend.catalog.pace import COMPUTED, UNTIMED
 from backend.db.queue import Queue
 from backend.db.store import RunStore
 from campaigns.asked.allowance import validation
 from campaigns.asked.load import load_document
-from campaigns.asked.proposal import Cost
-from campaigns.checked.expected import expected, total
+from campaigns.asked.proposal import RETRIED, Cost
+from campaigns.checked.expected import expected, fewer, total
 from campaigns.stages.attraction import AttractionResult
 from campaigns.stages.found import declared
 from campaigns.stages.plan import most
@@ -44,8 +44,8 @@ def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: ht
     assert told["least"] < told["evaluations"] < told["most"]
     assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
     promise = bounded(load_document(campaign()), told["most"])
-    assert f"No run takes more than {told['most']:,} evaluations, " in promise
-    assert promise.endswith(f" validation takes at most {validation(load_document(campaign())).total:,}.")
+    allowed = f"{validation(load_document(campaign())).total:,}"
+    assert promise == PROMISE.format(most=f"{told['most']:,}", called="", validation=allowed)
     assert told["statement"] == f"{AFTERWARDS} {promise}"
     assert told["time_statement"] == UNKNOWN
 
@@ -71,7 +71,7 @@ def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, cl
     assert told["least"] == found["evaluations"] < told["most"] == most(load_document(campaign())) == found["planned"]
     assert told["seconds"] == told["seconds_least"] > 0
     assert told["seconds_most"] == pytest.approx(told["seconds"] * told["most"] / told["evaluations"])
-    took = f"{name}, an earlier run of this campaign, took {told['evaluations']:,} evaluations."
+    took = AS_BEFORE.format(run=name, evaluations=f"{told['evaluations']:,}")
     assert told["statement"] == f"{took} {bounded(load_document(campaign()), told['most'])}"
     assert name in told["time_statement"]
     other = estimate(client, campaign(seed=7))
@@ -108,8 +108,8 @@ def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
         again = estimate(client, retried)
         assert [again[name] for name in ("seconds", "seconds_least")] == [told["seconds"], told["seconds_least"]]
         assert again["seconds_most"] == 4 * told["seconds_most"], "each call and three retries"
-        assert f", {4 * told['most']:,} calls with every retry, " in again["statement"]
-        assert again["time_statement"].endswith(", with every retry.")
+        assert f", {4 * told['most']:,} calls {RETRIED}, " in again["statement"]
+        assert again["time_statement"].endswith(f", {RETRIED}.")
         run(bare, "aa", measured(call_seconds=0.5, slots=2, start_seconds=4.0, recycle=8))
         slow = estimate(client, package.campaign(seed=98))
         cost = Cost("R-0002", 0.5, 2, 15, start=4.0, recycle=8)
@@ -127,7 +127,8 @@ def test_after_an_earlier_run_of_a_simulator_the_longest_time_is_that_of_any_run
         other, told = estimate(client, package.campaign(seed=99)), estimate(client, package.campaign())
         assert (told["run"], told["evaluations"], told["seconds"]) == ("R-0001", 15, 1.0)
         assert told["seconds_most"] == other["seconds_most"] == 0.5 * told["most"]
-        assert told["time_statement"] == f"The time is that of R-0001. {other['time_statement']}"
+        before = TIME_AS_BEFORE.format(run="R-0001", scaled="")
+        assert told["time_statement"] == f"{before} {other['time_statement']}"
 
 
 @pytest.fixture
@@ -163,16 +164,16 @@ def evaluate(service: Service, seconds: float, computing: dict[str, float] | Non
     store.append(0, 0, search(0, 1000))
     store.finish(0, results.searched(), seconds)
     for position, (kind, spent) in enumerate(others.items(), 1):
-        store.finish(position, COMPUTED[kind], spent)
+        store.finish(position, RESULTS[kind], spent)
     store.conclude(results.verdict("cleared", "", 1.0, 1.0))
 
 
-COMPUTED = {"attraction": AttractionResult(states=[], held=[], flow=[])}
+RESULTS = {"attraction": AttractionResult(states=[], held=[], flow=[])}
 """A result of each kind of stage that computes without evaluations."""
 
 
 @pytest.mark.usefixtures("unchecked")
-@pytest.mark.parametrize("kind", COMPUTED)
+@pytest.mark.parametrize("kind", RESULTS)
 def test_a_stage_without_evaluations_is_part_of_the_time_or_named(
     service: Service, client: httpx.Client, kind: str
 ) -> None:
@@ -196,7 +197,7 @@ def test_a_stage_without_evaluations_is_part_of_the_time_or_named(
     assert (known["run"], known["untimed"]) == (None, [])
     for name, number in (("seconds", "evaluations"), ("seconds_least", "least"), ("seconds_most", "most")):
         assert known[name] == pytest.approx(40.0 + 2.0 / 1000 * known[number])
-    assert f"{title}, which computes without evaluations, took 40 s in R-0002" in known["time_statement"]
+    assert known["time_statement"].endswith(COMPUTED.format(title=title, time="40 s", run="R-0002"))
     moved = campaign(stages=stages)
     moved["scenario"] = moved["scenario"] | {"goal": {"x": 5, "y": 7}}
     assert estimate(client, moved)["untimed"] == [title], "of another scenario it is not known"
@@ -207,4 +208,6 @@ def test_a_stage_that_may_take_fewer_evaluations_is_named(service: Service, clie
     told, usual = estimate(client, campaign(stages=stages)), estimate(client, campaign())
     assert told["evaluations"] - usual["evaluations"] == told["most"] - usual["most"] == 1000
     assert told["least"] == usual["least"], "a run without a violation"
-    assert " Estimate takes none if no evaluation before it violates. " in told["statement"]
+    shorter = fewer(load_document(campaign(stages=stages)), "estimate")
+    assert shorter is not None
+    assert shorter.when in told["statement"]

@@ -15,6 +15,7 @@ import pytest
 from campaigns import Catalogue, library, load_file
 from campaigns.asked.allowance import RAY, SLICE
 from campaigns.asked.load import load_document
+from campaigns.asked.proposal import RETRIED
 from campaigns.checked.expected import (
     Expected,
     Total,
@@ -165,7 +166,7 @@ def test_the_calls_of_evaluations_are_stated_with_every_retry(count: int, retrie
     stated, calls = called(load_document(given), 234), 234 * count * (1 + retries)
     assert (f", {calls:,} calls" in stated) == (calls > 234)
     assert bool(stated) == (calls > 234)
-    assert stated.endswith(" with every retry") == (retries > 0)
+    assert stated.endswith(RETRIED) == (retries > 0)
     assert called(load_document(document()), 234) == ""
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sqlalchemy as sa
 
@@ -64,7 +63,7 @@ def _evaluation(reader: sa.Connection, campaign: Campaign) -> float | None:
     steps; None for simulators."""
     if campaign.scenario is None:
         return None
-    document = CampaignRow.document
+    stored = CampaignRow.document["scenario"]
     totals = (
         sa.select(Run.campaign_digest, sa.func.sum(Stage.evaluations + Stage.counted), sa.func.sum(Stage.seconds))
         .join(Stage, Stage.run_id == Run.id)
@@ -73,42 +72,38 @@ def _evaluation(reader: sa.Connection, campaign: Campaign) -> float | None:
         .subquery()
     )
     digest, evaluations, spent = totals.c
-    rows = sa.select(evaluations, spent, document["scenario"]).join(CampaignRow, CampaignRow.digest == digest)
+    timing = (stored["horizon"].as_float(), stored["step"].as_float(), stored["realisations"]["seeds"])
+    rows = sa.select(evaluations, spent, *timing).join(CampaignRow, CampaignRow.digest == digest)
     steps = seconds = 0.0
-    for count, time, scenario in reader.execute(rows.where(*_same_components(campaign))):
-        steps += float(count) * effort.steps(_with_steps_of(campaign, scenario))
+    for count, time, horizon, step, seeds in reader.execute(rows.where(*_same_components(campaign))):
+        steps += float(count) * effort.steps(_with_steps_of(campaign, horizon, step, seeds))
         seconds += time
     return effort.steps(campaign) * seconds / steps if steps and seconds else None
 
 
-def _with_steps_of(campaign: Campaign, stored: dict[str, Any]) -> Campaign:
-    """The campaign with as many steps in an evaluation as a stored scenario; other fields of it may be of another
-    version."""
-    realisations = Realisations.model_construct(**stored.get("realisations", {}))
-    steps = {"horizon": stored["horizon"], "step": stored["step"], "realisations": realisations}
+def _with_steps_of(campaign: Campaign, horizon: float, step: float, seeds: list[int] | None) -> Campaign:
+    """The campaign with as many steps in an evaluation as a stored scenario, which may be of an earlier version."""
+    realisations = Realisations() if seeds is None else Realisations.model_construct(seeds=seeds)
+    steps = {"horizon": horizon, "step": step, "realisations": realisations}
     return campaign.model_copy(update={"scenario": campaign.given_scenario.model_copy(update=steps)})
 
 
 def _computed(reader: sa.Connection, campaign: Campaign, kind: str) -> tuple[int, float] | None:
-    """The newest run that had this stage with the same options on the same scenario, and what it took there [s]."""
-    mine = _subject(campaign.document(), kind)
+    """The newest run that had this stage with the same options on the same system, and what it took there [s]."""
+    stored, own = CampaignRow.document, campaign.document()
+    mine = [own.get("scenario"), own.get("simulator"), own["stages"].get(kind)]
     rows = (
-        sa.select(Run.id, Stage.seconds, CampaignRow.document)
+        sa.select(Run.id, Stage.seconds, stored["scenario"], stored["simulator"], stored["stages"][kind])
         .join(Stage, Stage.run_id == Run.id)
         .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         .where(Run.id.in_(_recent()), Stage.kind == kind, Stage.state == StageState.DONE, Run.removed.is_(None))
         .where(*_same_components(campaign))
         .order_by(Run.id.desc())
     )
-    for run_id, seconds, document in reader.execute(rows):
-        if _subject(document, kind) == mine:
+    for run_id, seconds, *computed_from in reader.execute(rows):
+        if computed_from == mine:
             return run_id, float(seconds)
     return None
-
-
-def _subject(document: dict[str, Any], kind: str) -> list[Any]:
-    """What a stage without evaluations computes from: the system and the options of the stage."""
-    return [document.get("scenario"), document.get("simulator"), document["stages"].get(kind)]
 
 
 def _recent() -> sa.ScalarSelect[int]:

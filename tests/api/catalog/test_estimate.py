@@ -20,6 +20,7 @@ from campaigns.stages.found import declared
 from campaigns.stages.plan import most
 from campaigns.stored.records import StagePlan
 from tests import results
+from tests.given.databases import AT_NIGHT
 from tests.given.finished_runs import finish, search
 from tests.given.openapi_document import conforms
 from tests.given.service import Service
@@ -138,6 +139,7 @@ def unchecked(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(f"backend.{module}.check", lambda campaign, catalogue: [])
 
 
+@AT_NIGHT
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("before", [1, 2, 40])
 def test_the_time_is_in_proportion_to_the_realisations(service: Service, client: httpx.Client, before: int) -> None:
@@ -172,6 +174,7 @@ RESULTS = {"attraction": AttractionResult(states=[], held=[], flow=[])}
 """A result of each kind of stage that computes without evaluations."""
 
 
+@AT_NIGHT
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("kind", RESULTS)
 def test_a_stage_without_evaluations_is_part_of_the_time_or_named(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import inspect
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from functools import cache
 from types import ModuleType
@@ -232,19 +232,19 @@ def whatever_the_check_lets_pass_the_method_takes(method: Method) -> None:
 
 
 def any_option_that_passes_searches(method: Method) -> None:
-    for options in _at_their_limits(method):
-        found = run(method, rough, 2, at_most(method, 100), options=options)
-        assert len(found.batches) > 0, options
+    for name, value in _at_their_limits(method):
+        found = run(method, rough, 2, at_most(method, 100), options={name: value})
+        assert len(found.batches) > 0, f"{name} = {value}"
 
 
 def it_takes_at_least_what_is_announced(method: Method) -> None:
     """The least number of evaluations that is stated before a run, for the limits of every option."""
     described_here, budget = _catalogue(method), at_most(method, BUDGET)
-    for options in [{}, *_at_their_limits(method)]:
+    for options in [{}, *({name: value} for name, value in _at_their_limits(method))]:
         campaign = _searching({"method": method.name, "evaluations": budget, "options": options})
         if check(campaign, described_here):
             continue
-        (announced,) = [stage for stage in expected(campaign, described_here) if stage.kind == "search"]
+        announced = {stage.kind: stage for stage in expected(campaign, described_here)}["search"]
         for name in ("smooth", "rough"):
             found = run(method, FUNCTIONS[name], len(campaign.uncertain), budget, options=options)
             taken = sum(map(len, found.batches))
@@ -256,14 +256,13 @@ def the_same_seed_gives_the_same_points(method: Method) -> None:
     assert one.tobytes() == two.tobytes(), "take randomness from space.random alone"
 
 
-def _at_their_limits(method: Method) -> list[dict[str, object]]:
+def _at_their_limits(method: Method) -> Iterator[tuple[str, object]]:
     """Each option at each of its limits and values, the others as they are by default."""
-    found: list[dict[str, object]] = []
     for name, rule in _entry(method).options.get("properties", {}).items():
         limits = [rule[word] for word in ("minimum", "maximum") if word in rule]
-        values = [*limits, *rule.get("enum", ()), *((True, False) if rule.get("type") == "boolean" else ())]
-        found += [{name: v} for v in values if isinstance(v, bool) or not isinstance(v, int | float) or v <= 5000]
-    return found
+        for value in [*limits, *rule.get("enum", ()), *((True, False) if rule.get("type") == "boolean" else ())]:
+            if isinstance(value, bool) or not isinstance(value, int | float) or value <= 5000:
+                yield name, value
 
 
 def _module(method: Method) -> ModuleType:

@@ -15,6 +15,7 @@ from campaigns.asked.proposal import Cost, lasting
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Search
 from campaigns.catalogue import Catalogue, MethodEntry
+from campaigns.checked.options import changed
 from campaigns.effort import Descents, Iterations
 from campaigns.limits import SPOT_CHECKS
 from campaigns.results.stage import StageResult
@@ -160,8 +161,7 @@ def _search(campaign: Campaign, search: Search, catalogue: Catalogue) -> Range:
 
 def _own_rule(search: Search, entry: MethodEntry) -> bool:
     """Whether an option that lets the method end by its own rule has another value than its default."""
-    usual = {name: entry.options["properties"][name]["default"] for name in entry.own_rule.split()}
-    return any(search.options.get(name, value) != value for name, value in usual.items())
+    return changed(search, entry, entry.own_rule.split())
 
 
 def _iterations(effort: Iterations, stated: object, dimension: int) -> Range | None:

@@ -41,6 +41,8 @@ from worker.running.catalogue.entries import method_entry
 from worker.running.catalogue.installed import catalogue
 
 STATUSES = (FAILED, TIMEOUT, EXCLUDED)
+MANY = 40
+"""Parameters of a large campaign."""
 PARTLY = ("half of it fails", "what is best fails", "the middle fails")
 
 
@@ -233,8 +235,11 @@ def whatever_the_check_lets_pass_the_method_takes(method: Method) -> None:
 
 def any_option_that_passes_searches(method: Method) -> None:
     for options in _at_their_limits(method):
-        found = run(method, rough, 2, at_most(method, 100), options=options)
-        assert len(found.batches) > 0, options
+        limits = [method.most_parameters.get(name, {}).get(str(value), MANY) for name, value in options.items()]
+        for parameters in (2, min([MANY, *limits])):
+            found = run(method, rough, parameters, at_most(method, 100), options=options)
+            text = f"{options} with {parameters} parameters: {found.text}; declare most_parameters"
+            assert len(found.batches) > 0, text
 
 
 def it_takes_at_least_what_is_announced(method: Method) -> None:

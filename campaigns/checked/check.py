@@ -14,6 +14,7 @@ from campaigns.asked.spec import Campaign, Part
 from campaigns.asked.values import MAX_EVALUATIONS
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.checked import (
+    attained,
     attracted,
     delays,
     effort,
@@ -37,7 +38,9 @@ RANDOM = ("environment", "fault")
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
     """The problems of the campaign under this catalogue, the first `MOST`; an empty list means that it is valid."""
-    return _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
+    found = _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
+    # Of a campaign with other problems its distributions may have no probabilities.
+    return found or attained.unattainable(campaign, ranges(campaign, catalogue))
 
 
 def simulation_problems(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
@@ -98,6 +101,12 @@ def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[Para
     return found
 
 
+def ranges(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[float, float]]:
+    """The lowest and the highest value of every parameter by path, equal where it is fixed, in its own unit."""
+    known = parameters(campaign, catalogue)
+    return {path: campaign.interval(path, nominal) for path, (_, nominal) in known.items()}
+
+
 def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
     """The paths of the seeds: one for every part of the scenario that is random."""
     random = ((prefix, entry) for prefix, _, entry, _ in installed(campaign, catalogue) if entry.role in RANDOM)
@@ -153,7 +162,7 @@ def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from extents.centres(campaign, catalogue, known)
     found = list(installed(campaign, catalogue))
     yield from frames.mismatched(campaign, catalogue, [(field, entry) for _, field, entry, _ in found])
-    bounds = {path: campaign.interval(path, nominal) for path, (_, nominal) in known.items()}
+    bounds = ranges(campaign, catalogue)
     yield from orders.broken(found, bounds)
     yield from delays.excessive(found, bounds)
 

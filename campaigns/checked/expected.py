@@ -58,11 +58,6 @@ class Total(NamedTuple):
     usual: int
     most: int
 
-    @property
-    def text(self) -> str:
-        """The words for the number that bounds the run: At most 22,314."""
-        return f"At most {self.most:,}"
-
 
 Range = tuple[int, int]
 """At least, usually."""
@@ -124,6 +119,11 @@ def again(campaign: Campaign, catalogue: Catalogue, noisy: bool, halved: bool) -
         return min(most, random + cases * (1 + halved))
     called = (cases + len(campaign.stages.search)) * campaign.stages.validate_.repeats
     return min(most, random + math.ceil(called / campaign.simulator.calls))
+
+
+def at_most(campaign: Campaign, evaluations: int) -> str:
+    """The words for the number that bounds a run: At most 22,314 evaluations, 44,628 calls."""
+    return f"At most {evaluations:,} evaluations{called(campaign, evaluations)}"
 
 
 def called(campaign: Campaign, evaluations: int) -> str:

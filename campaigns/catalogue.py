@@ -176,6 +176,8 @@ class MethodEntry(Entry):
     own_rule: Annotated[str, UNSTATED] = ""
     """The options, separated by spaces, with which it may end by its own rule all the same, unless they have their
     defaults; omitted if it has none."""
+    most_parameters: Annotated[dict[str, dict[str, int]], UNSTATED] = {}
+    """The largest number of uncertain parameters by option and value, where a value limits it; omitted if none does."""
     effort: Annotated[Iterations | Descents | None, UNSTATED] = None
     """How many evaluations it takes until its own rule ends it; omitted if not declared."""
     parallel: Annotated[str, UNSTATED] = ""

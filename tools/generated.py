@@ -161,6 +161,7 @@ class Class(NamedTuple):
 CLASSES = (
     Class("Health", "Health", "status"),
     Class("ProblemOut", "FieldProblem", "field given message"),
+    Class("PredictedBound", "PredictedBound", "statement warning"),
     Class("Checked", "Checked", "ok digest problems"),
     Class("ExportFile", "ExportFile", "name title media_type href unavailable"),
     Class("StageProgress", "StageProgress", "position kind method state planned evaluations failed best seconds"),

@@ -91,6 +91,21 @@ class Estimate(Schema):
     number."""
 
 
+class PredictedBound(Schema):
+    """The bound on P(violation) that a run can show at best: if none of its samples violates, fails or is excluded."""
+
+    source: Literal["certify", "search"]
+    """The sample of the bound: that of the certify stage, else of a random search, by which nothing is cleared."""
+    samples: int
+    outside: float
+    """The probability of draws outside the bounds, which is part of the bound."""
+    upper_bound: float
+    statement: str
+    """The bound and its condition, a sentence."""
+    warning: str | None
+    """That it is above what the campaign requires, and what to do, a sentence; null if it is not."""
+
+
 class Checked(Schema):
     """A checked campaign: its parsed form, or its errors."""
 
@@ -108,3 +123,5 @@ class Checked(Schema):
     without evaluations [s]; None if it is not known."""
     estimate: Estimate | None
     """None if the campaign cannot be run."""
+    predicted_bound: PredictedBound | None = None
+    """Null if the campaign cannot be run, or has no sample that is known to give one."""

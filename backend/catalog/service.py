@@ -13,14 +13,15 @@ from pydantic import ValidationError
 
 from backend.catalog.estimate import estimate
 from backend.catalog.pace import Pace
-from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, ProblemOut
+from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, PredictedBound, ProblemOut
 from backend.db import snapshots
 from backend.db.tables import CatalogueDocument
 from backend.http.errors import RefusedError, not_found
 from backend.http.versions import readable
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
 from campaigns.asked.text import readable_yaml
-from campaigns.checked.check import parameters
+from campaigns.checked import attained
+from campaigns.checked.check import parameters, ranges
 from campaigns.results.drawn import library_flights
 from campaigns.runs import run_name
 from campaigns.stages.plan import most
@@ -168,6 +169,23 @@ def checked(reader: sa.Connection, campaign: Campaign | CampaignError) -> Checke
         evaluations=evaluations,
         seconds=pace.whole(evaluations),
         estimate=None if problems else estimate(reader, campaign, catalogue, pace),
+        predicted_bound=None if problems else _predicted(campaign, catalogue),
+    )
+
+
+def _predicted(campaign: Campaign, catalogue: Catalogue) -> PredictedBound | None:
+    """What the sample can show at best."""
+    found = attained.best(campaign, catalogue, ranges(campaign, catalogue))
+    if found is None:
+        return None
+    warning = attained.warning(found, campaign)
+    return PredictedBound(
+        source=found.source,
+        samples=found.samples,
+        outside=found.outside,
+        upper_bound=found.upper_bound,
+        statement=found.statement,
+        warning=warning,
     )
 
 

@@ -29,11 +29,10 @@ from backend.runs.schemas import (
 from backend.runs.tombstones import refuse_purged
 from backend.runs.traces import no_trace
 from campaigns import Campaign
-from campaigns.asked.distributions import Normal
+from campaigns.checked import attained
 from campaigns.checked.expected import computing
 from campaigns.claims import earlier
 from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
-from campaigns.densities.joint import joint
 from campaigns.limits import DRAWS
 from campaigns.results import Verdict, verdicts
 from campaigns.results.remedies import Ran, bound
@@ -258,10 +257,8 @@ def _so_far(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
 
 def _outside(reader: sa.Connection, run_id: int, campaign: Campaign) -> float | None:
     """The probability beyond the bounds, which is part of the bound; None if the bounds are not known here."""
-    if not any(isinstance(one.distribution, Normal) for one in campaign.uncertain.values()):
-        return 0.0
-    known = {path: (low, high) for path, (_, low, high) in bounds(campaign, described(reader, run_id)).items()}
-    return joint(campaign, known).outside if known.keys() >= campaign.uncertain.keys() else None
+    known = bounds(campaign, described(reader, run_id)) if attained.tailed(campaign) else {}
+    return attained.outside(campaign, {path: (low, high) for path, (_, low, high) in known.items()})
 
 
 def _shown(row: Any, confidence: float, outside: float | None, seed: str) -> SoFar:

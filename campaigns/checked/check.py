@@ -6,9 +6,7 @@ Used by command line and API alike; the catalogue is data, so no physics is impo
 from __future__ import annotations
 
 import itertools
-import operator
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 from campaigns.asked.criteria import criteria
 from campaigns.asked.problem import MOST, Problem
@@ -16,6 +14,7 @@ from campaigns.asked.spec import Campaign, Part
 from campaigns.asked.values import MAX_EVALUATIONS
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.checked import (
+    attained,
     attracted,
     delays,
     effort,
@@ -23,6 +22,7 @@ from campaigns.checked import (
     extents,
     frames,
     limits,
+    options,
     orders,
     simulated,
     texts,
@@ -38,7 +38,9 @@ RANDOM = ("environment", "fault")
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
     """The problems of the campaign under this catalogue, the first `MOST`; an empty list means that it is valid."""
-    return _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
+    found = _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
+    # Of a campaign with other problems its distributions may have no probabilities.
+    return found or attained.unattainable(campaign, ranges(campaign, catalogue))
 
 
 def simulation_problems(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
@@ -99,6 +101,12 @@ def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[Para
     return found
 
 
+def ranges(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[float, float]]:
+    """The lowest and the highest value of every parameter by path, equal where it is fixed, in its own unit."""
+    known = parameters(campaign, catalogue)
+    return {path: campaign.interval(path, nominal) for path, (_, nominal) in known.items()}
+
+
 def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
     """The paths of the seeds: one for every part of the scenario that is random."""
     random = ((prefix, entry) for prefix, _, entry, _ in installed(campaign, catalogue) if entry.role in RANDOM)
@@ -144,6 +152,7 @@ def _composed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 
 def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from effort.excessive(campaign)
+    yield from options.unsuited(campaign, catalogue)
     if campaign.confidence < CONFIDENCE_AT_LEAST:
         text = f"the confidence is too low to support a claim; give at least {CONFIDENCE_AT_LEAST:g}"
         yield Problem("confidence", f"{campaign.confidence!r}", text)
@@ -153,7 +162,7 @@ def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from extents.centres(campaign, catalogue, known)
     found = list(installed(campaign, catalogue))
     yield from frames.mismatched(campaign, catalogue, [(field, entry) for _, field, entry, _ in found])
-    bounds = {path: campaign.interval(path, nominal) for path, (_, nominal) in known.items()}
+    bounds = ranges(campaign, catalogue)
     yield from orders.broken(found, bounds)
     yield from delays.excessive(found, bounds)
 
@@ -249,7 +258,7 @@ def _searches(
             text = f"no such method; {texts.known(search.method, names)}"
             yield Problem(f"{field}.method", search.method, catalogue.why_not("method", search.method, text))
             continue
-        yield from _options(f"{field}.options", search.options, entry.options)
+        yield from options.refused(f"{field}.options", search.options, entry.options)
         if search.starts and not entry.starts:
             yield Problem(
                 f"{field}.starts", f"{len(search.starts)} starts", f"{entry.title} takes no start points; remove them"
@@ -277,37 +286,3 @@ def _started(
         low, high = campaign.uncertain[path].interval(known[path][1])
         if not texts.within(value, low, high):
             yield Problem(field, texts.number(value), f"a start must be within the bounds {low:g} to {high:g}")
-
-
-def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Problem]:
-    """Validates the JSON Schema keywords that an options dataclass yields: type, enum, minimum, maximum."""
-    properties = schema.get("properties", {})
-    for name, value in options.items():
-        if name not in properties:
-            yield Problem(f"{field}.{name}", str(value), f"no such option; {texts.known(name, properties)}")
-        elif (reason := _misfit(value, properties[name])) is not None:
-            yield Problem(f"{field}.{name}", repr(value), reason)
-
-
-_TYPES = {"integer": (int,), "number": (int, float), "string": (str,), "boolean": (bool,), "null": (type(None),)}
-
-
-def _misfit(value: Any, rule: Mapping[str, Any]) -> str | None:
-    if "anyOf" in rule:
-        reasons = [_misfit(value, r) for r in rule["anyOf"]]
-        return None if None in reasons else next(r for r in reasons if r is not None)
-    kind = rule.get("type")
-    if kind in _TYPES and (not isinstance(value, _TYPES[kind]) or (isinstance(value, bool) and kind != "boolean")):
-        return f"expected a value of type {kind}"
-    if "enum" in rule and value not in rule["enum"]:
-        return f"expected one of {', '.join(map(str, rule['enum']))}"
-    limits: tuple[tuple[str, Callable[[Any, Any], bool], str], ...] = (
-        ("minimum", operator.lt, "at least"),
-        ("maximum", operator.gt, "at most"),
-        ("exclusiveMinimum", operator.le, "above"),
-        ("exclusiveMaximum", operator.ge, "below"),
-    )
-    for word, outside, text in limits:
-        if word in rule and (value != value or outside(value, rule[word])):
-            return f"expected {text} {rule[word]}"
-    return None

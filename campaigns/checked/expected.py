@@ -15,6 +15,7 @@ from campaigns.asked.proposal import RETRIED, Cost, lasting
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Search
 from campaigns.catalogue import Catalogue, MethodEntry
+from campaigns.checked.options import changed
 from campaigns.effort import Descents, Iterations
 from campaigns.limits import SPOT_CHECKS
 from campaigns.results.stage import StageResult
@@ -56,11 +57,6 @@ class Total(NamedTuple):
     least: int
     usual: int
     most: int
-
-    @property
-    def text(self) -> str:
-        """The words for the number that bounds the run: At most 22,314."""
-        return f"At most {self.most:,}"
 
 
 Range = tuple[int, int]
@@ -125,6 +121,11 @@ def again(campaign: Campaign, catalogue: Catalogue, noisy: bool, halved: bool) -
     return min(most, random + math.ceil(called / campaign.simulator.calls))
 
 
+def at_most(campaign: Campaign, evaluations: int) -> str:
+    """The words for the number that bounds a run: At most 22,314 evaluations, 44,628 calls."""
+    return f"At most {evaluations:,} evaluations{called(campaign, evaluations)}"
+
+
 def called(campaign: Campaign, evaluations: int) -> str:
     """How many calls so many evaluations are at most, as a clause; empty if each is one."""
     if campaign.simulator is None:
@@ -160,8 +161,7 @@ def _search(campaign: Campaign, search: Search, catalogue: Catalogue) -> Range:
 
 def _own_rule(search: Search, entry: MethodEntry) -> bool:
     """Whether an option that lets the method end by its own rule has another value than its default."""
-    usual = {name: entry.options["properties"][name]["default"] for name in entry.own_rule.split()}
-    return any(search.options.get(name, value) != value for name, value in usual.items())
+    return changed(search, entry, entry.own_rule.split())
 
 
 def _iterations(effort: Iterations, stated: object, dimension: int) -> Range | None:

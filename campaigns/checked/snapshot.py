@@ -44,8 +44,9 @@ _WORDS = {
 }
 _ADVICE = (
     "whole_budget", "own_rule", "effort", "parallel", "at_once", "takes", "suits", "drawback", "proposed", "confirms",
+    "most_parameters",
 )  # fmt: skip
-"""What a method states for its choice and for estimates; it changes no result."""
+"""What a method states for its choice, for estimates and for the check of a campaign; it changes no result."""
 _GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}
 
 

@@ -61,9 +61,11 @@ class Joint:
 
     @property
     def outside(self) -> float:
-        """The probability of a draw outside the bounds; with correlations an upper bound, the sum of the tails."""
+        """The probability of a draw outside the bounds; an upper bound, the sum of the tails, if correlated parameters
+        have any."""
         tails = [one.outside for one in self.shapes.values()]
-        return min(1.0, sum(tails)) if self.mixed else 1.0 - math.prod(1.0 - tail for tail in tails)
+        correlated = any(tails[k] > 0.0 for k in self.mixed)
+        return min(1.0, sum(tails)) if correlated else 1.0 - math.prod(1.0 - tail for tail in tails)
 
     def point(self, values: Mapping[str, float]) -> Floats:
         """Values by path as a point (n,) of the unit cube."""

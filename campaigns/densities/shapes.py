@@ -60,6 +60,13 @@ class Shape:
 
 
 @dataclass(frozen=True)
+class Flat(Shape):
+    """A normal distribution that is so wide that it is uniform within the bounds."""
+
+    outside: float
+
+
+@dataclass(frozen=True)
 class Bell(Shape):
     """A normal distribution of this mean and deviation, in fractions of the range; bounded: cut off at the bounds."""
 
@@ -187,7 +194,8 @@ def shape(distribution: Distribution, low: float, high: float) -> Shape:
         case Normal() | TruncatedNormal():
             deviation = max(distribution.deviation / (high - low), LEAST)
             mean = (distribution.mean - low) / (high - low)
-            return Shape() if deviation > FLAT else Bell(mean, deviation, isinstance(distribution, TruncatedNormal))
+            bell = Bell(mean, deviation, isinstance(distribution, TruncatedNormal))
+            return Flat(bell.outside) if deviation > FLAT else bell
         case Triangular():
             return Triangle(min(max((distribution.mode - low) / (high - low), 0.0), 1.0))
         case Beta():

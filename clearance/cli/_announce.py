@@ -1,4 +1,4 @@
-"""What a run of a simulator is expected to take, announced by `clearance run` where an evaluation has been measured."""
+"""What a run takes at most, announced by `clearance run`; of a measured simulator the expected time as well."""
 
 from __future__ import annotations
 
@@ -18,25 +18,30 @@ PATIENCE = "2"
 
 
 def announce(campaign: Campaign, data: Path, database: str) -> None:
-    """Print the number of evaluations and their time on standard error, and where the time is known from.
+    """Print the bound of the run on standard error.
 
-    Nothing is printed of a scenario, or if the database has no measurement of the simulator as it is now.
+    Of a simulator of which the database has a measurement as it is now, the time as well, and where it is known from.
     """
-    from campaigns.asked.proposal import lasting
-    from campaigns.checked.expected import again, called, expected, total
+    from campaigns.checked.expected import at_most
+    from campaigns.stages.plan import most
 
-    found = _measured(campaign, data, database)
-    if found is None or campaign.simulator is None:
-        return
-    cost, halved, installed = found
+    bound, found = at_most(campaign, most(campaign)), _measured(campaign, data, database)
+    time = "." if found is None else f"; {_time(campaign, *found)}"
+    typer.echo(f"{bound}{time}", err=True)
+
+
+def _time(campaign: Campaign, cost: Cost, halved: bool, installed: Catalogue) -> str:
+    """The expected time and where it is known from."""
+    from campaigns.asked.proposal import lasting
+    from campaigns.checked.expected import again, expected, total
+
+    assert campaign.simulator is not None
     evaluations = total(expected(campaign, installed))
     calls, retries = campaign.simulator.calls, campaign.simulator.retries
     more = again(campaign, installed, cost.noisy, halved)
     seconds, known = cost.lasts(evaluations.usual, calls, more, retries)
     longest = lasting(cost.bounds(evaluations.least, evaluations.most, calls, retries)[1])
-    taken = f"about {lasting(seconds)}, about {longest} for the most evaluations"
-    again_called = called(campaign, evaluations.most)
-    typer.echo(f"{evaluations.text} evaluations{again_called}; {taken} at this speed. {known}", err=True)
+    return f"about {lasting(seconds)}, about {longest} for the most evaluations at this speed. {known}"
 
 
 def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool, Catalogue] | None:

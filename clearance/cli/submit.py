@@ -62,6 +62,8 @@ def submit(
 ) -> None:  # fmt: skip
     """Submit a campaign to a service and wait for its verdict, which is the exit code."""
     from campaigns.asked.load import load_text, read_text
+    from campaigns.checked.expected import at_most
+    from campaigns.stages.plan import most
     from clearance.cli._campaign import found
     from clearance.cli._ended import Source
     from clearance.cli._out import writable
@@ -78,10 +80,13 @@ def submit(
         parsed(sweep)  # before anything is sent
     path = found(file)
     text = read_text(path)
-    document = load_text(text, str(file)).document()
+    campaign = load_text(text, str(file))
+    document = campaign.document()
     called, tags, compared = name or None, tag or None, options.baseline or None
     with opened(service, token_file, patience, str(file)) as client:
         if sweep:
+            if wait:
+                typer.echo(f"{at_most(campaign, most(campaign))} for each run.", err=True)
             made = partial(client.sweep, document, name=called, tags=tags, labels=options.labels, priority=priority)
             raise typer.Exit(launched(client, made, sweep, wait, out, as_json))
         with terminated() if cancel_on_exit else nullcontext():
@@ -105,6 +110,8 @@ def submit(
                 typer.echo(run)  # on standard output, alone on its line, for programs
                 return
             typer.echo(f"{run} is at {client.link(run)}", err=True)
+            if not reused:
+                typer.echo(f"{at_most(campaign, queued.planned)}.", err=True)
             source, cancel = Source(str(path), text), cancel_on_exit and not reused
             raise typer.Exit(follow_to_the_end(client, run, out, as_json, options, reused, cancel, source))
 

@@ -66,10 +66,12 @@ def validate(
 
 def _here(file: Path, normal: bool, allow_code: bool) -> None:
     from campaigns import CampaignError, check
+    from campaigns.checked import attained
+    from campaigns.checked.check import ranges
     from worker.running.catalogue.installed import catalogue
 
-    campaign = code.read(file, allow_code)
-    problems = check(campaign, catalogue())
+    campaign, known = code.read(file, allow_code), catalogue()
+    problems = check(campaign, known)
     if problems:
         if campaign.simulator is not None:
             code.report_unusable()
@@ -78,6 +80,9 @@ def _here(file: Path, normal: bool, allow_code: bool) -> None:
         typer.echo(json.dumps(campaign.document(), indent=2))
         return
     _print_usable(file, campaign, "here")
+    best = attained.best(campaign, known, ranges(campaign, known))
+    if best is not None:
+        _print_bound(best.statement, attained.warning(best, campaign))
 
 
 def _by_service(file: Path, service: str, token_file: str, patience: float) -> None:
@@ -96,6 +101,8 @@ def _by_service(file: Path, service: str, token_file: str, patience: float) -> N
             f"{campaign.digest[:16]}): it is of another version; use the command line of its version"
         )
     _print_usable(file, campaign, f"by {service}")
+    if found.predicted_bound is not None:
+        _print_bound(found.predicted_bound.statement, found.predicted_bound.warning)
 
 
 def _print_usable(file: Path, campaign: Campaign, where: str) -> None:
@@ -112,3 +119,9 @@ def _print_usable(file: Path, campaign: Campaign, where: str) -> None:
         shorter = fewer(campaign, stage.kind)
         when = ", which computes without them" if stage.kind in computes else f"; {shorter.when}" if shorter else ""
         typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {stage.stored:,}{again}{when}")
+
+
+def _print_bound(statement: str, warning: str | None) -> None:
+    typer.echo(statement)
+    if warning is not None:
+        typer.echo(f"Warning: {warning}", err=True)

@@ -27,6 +27,21 @@ class FieldProblem(Answer):
     message: str
 
 
+class PredictedBound(Answer):
+    """The bound on P(violation) that a run can show at best: if none of its samples violates, fails or is excluded."""
+
+    source: str | None = None
+    """The sample of the bound: that of the certify stage, else of a random search, by which nothing is cleared."""
+    samples: int | None = None
+    outside: float | None = None
+    """The probability of draws outside the bounds, which is part of the bound."""
+    upper_bound: float | None = None
+    statement: str
+    """The bound and its condition, a sentence."""
+    warning: str | None
+    """That it is above what the campaign requires, and what to do, a sentence; None if it is not."""
+
+
 class Checked(Answer):
     """A checked campaign: its parsed form, or its errors."""
 
@@ -41,6 +56,8 @@ class Checked(Answer):
     """About what these take at the mean speed of earlier runs with the same components, with the stages that compute
     without evaluations [s]; None if it is not known.
     """
+    predicted_bound: PredictedBound | None = None
+    """None if the campaign cannot be run, or has no sample that is known to give one."""
 
 
 class ExportFile(Answer):

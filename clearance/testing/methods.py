@@ -41,6 +41,8 @@ from worker.running.catalogue.entries import method_entry
 from worker.running.catalogue.installed import catalogue
 
 STATUSES = (FAILED, TIMEOUT, EXCLUDED)
+MANY = 40
+"""Parameters of a large campaign."""
 PARTLY = ("half of it fails", "what is best fails", "the middle fails")
 
 
@@ -233,8 +235,11 @@ def whatever_the_check_lets_pass_the_method_takes(method: Method) -> None:
 
 def any_option_that_passes_searches(method: Method) -> None:
     for name, value in _at_their_limits(method):
-        found = run(method, rough, 2, at_most(method, 100), options={name: value})
-        assert len(found.batches) > 0, f"{name} = {value}"
+        limit = method.most_parameters.get(name, {}).get(str(value), MANY)
+        for parameters in (2, min(MANY, limit)):
+            found = run(method, rough, parameters, at_most(method, 100), options={name: value})
+            text = f"{name} = {value} with {parameters} parameters: {found.text}; declare most_parameters"
+            assert len(found.batches) > 0, text
 
 
 def it_takes_at_least_what_is_announced(method: Method) -> None:

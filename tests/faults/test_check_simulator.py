@@ -13,10 +13,12 @@ import sqlalchemy as sa
 from backend.db.engine import connect, default_url, read
 from backend.db.tables import SimulatorMeasurement
 from campaigns.asked.load import load_file
+from campaigns.checked.expected import at_most
 from campaigns.claims.spans import words
 from campaigns.claims.stages import calls
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.measured import Measured
+from campaigns.stages.plan import most
 from clearance.cli import WRONG_INPUT, invoke
 from clearance.cli._announce import announce
 from clearance.cli.check_simulator import NOT_AS_IT_IS
@@ -126,12 +128,13 @@ def stored(folder: Path) -> list[Any]:
 
 
 def test_with_data_the_measurement_is_stored_and_announced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A run without the database announces nothing, and creates none."""
+    """A run without the database announces its bound alone, and creates none."""
     data = tmp_path / "new" / "data"
     campaign = tmp_path / "campaign.yaml"
     campaign.write_text(json.dumps(CAMPAIGN), encoding="utf-8")
+    of = load_file(campaign)
     with adversary("noise"):
-        assert announced(campaign, data, capsys) == ""
+        assert announced(campaign, data, capsys) == f"{at_most(of, most(of))}.\n"
         assert not data.exists()
         assert invoke(["check-simulator", "adversary", "--data", str(data)]) == NOT_AS_IT_IS
         assert f": {data / 'clearance.sqlite3'}\n" in capsys.readouterr().out

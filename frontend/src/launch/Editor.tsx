@@ -217,7 +217,7 @@ export function Editor(props: EditorProps) {
                 live={live}
               />
             )}
-            {draft.readable && <Estimate checked={draft.checked} campaign={draft.campaign} catalogue={catalogue} />}
+            {draft.readable && <Estimate checked={draft.checked} campaign={draft.campaign} />}
             <DraftBar
               saved={saved}
               dirty={current !== seen}

@@ -1,12 +1,12 @@
 // The side panel: name, tags and criterion of the run, and its estimated effort.
-import { DEFAULTS } from '../api/rules'
 import { TagsInput } from '@mantine/core'
+import { IconAlertTriangle } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import { Fragment } from 'react'
 import type { Campaign } from '../api/campaign'
-import { optionsOf } from '../api/schema'
-import type { Catalogue, Checked, ComponentEntry, ResultEntry } from '../client'
+import type { Checked, ComponentEntry, ResultEntry } from '../client'
 import { boundText } from '../format/counts'
-import { confidenceText, count, goal, thinned, NONE } from '../format/numbers'
+import { goal, thinned, NONE } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
@@ -17,7 +17,7 @@ import type { SetValue } from './fields/props'
 import type { Regression } from './regression/regression'
 import { amountOf, stageAmountOf, timeOf } from './estimate'
 import { RegressionFields } from './regression/RegressionFields'
-import { fields, lists } from '../ui/styles'
+import { cards, fields, lists } from '../ui/styles'
 
 interface RunCardProps {
   name: string
@@ -73,17 +73,12 @@ export function RunCard({ name, tags, campaign, readable, criterion, regression,
 interface EstimateProps {
   checked: Checked | undefined
   campaign: Campaign
-  catalogue: Catalogue
 }
 
-export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
-  const samples = samplesOf(campaign, catalogue)
-  const unbounded = Object.values(campaign.uncertain).some((u) => u.distribution?.kind === 'normal')
-  const confidence = numberOf(campaign.confidence) ?? DEFAULTS.confidence
+export function Estimate({ checked, campaign }: EstimateProps) {
   const target = numberOf(campaign.target_probability)
-  // With no violation among n independent samples, the Clopper-Pearson bound is 1 - (1 - confidence)^(1/n).
-  const bound = samples && samples >= 1 ? 1 - (1 - confidence) ** (1 / samples) : null
   const estimate = checked?.estimate
+  const bound = checked?.predicted_bound
   return (
     <Card title="Estimate">
       <dl className={lists.kv}>
@@ -97,10 +92,10 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
         ))}
         <dt>Time</dt>
         <dd>{estimate ? (timeOf(estimate) ?? 'not known') : NONE}</dd>
-        {bound !== null && (
+        {bound && (
           <>
             <dt>Bound on P(violation)</dt>
-            <dd>{boundText(bound, campaign.stages.certify ? 'certify' : 'search')}</dd>
+            <dd>{boundText(bound.upper_bound, bound.source)}</dd>
           </>
         )}
         {target !== null && (
@@ -112,21 +107,14 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
       </dl>
       <p className="small mut" style={{ marginTop: 8 }}>
         {estimate && thinned(`${estimate.statement} ${estimate.time_statement} `)}
-        {bound !== null &&
-          `The bound holds with ${confidenceText(confidence)} confidence if none of the ${count(samples)} random samples violates.`}
-        {bound !== null && unbounded && ' The probability beyond the bounds of normal distributions is added to it.'}
+        {bound && thinned(bound.statement)}
       </p>
+      {bound?.warning && (
+        <p className={clsx(cards.note, cards.warn)} role="note">
+          <IconAlertTriangle className="i" aria-hidden />
+          <span>{thinned(bound.warning)}</span>
+        </p>
+      )}
     </Card>
   )
-}
-
-/** The size of the sample for the statistical statement: that of certify, else of a random search with its own options. */
-function samplesOf({ stages }: Campaign, { methods }: Catalogue): number | null {
-  if (stages.certify) return numberOf(stages.certify.samples ?? DEFAULTS.samples)
-  const random = new Map(methods.filter(({ kind }) => kind === 'random').map((method) => [method.name, optionsOf(method)]))
-  const independent = stages.search.find(({ method, options = {} }) => {
-    const usual = random.get(method)
-    return usual && Object.entries(options).every(([name, value]) => value === usual[name]?.default)
-  })
-  return numberOf(independent?.evaluations)
 }

@@ -1,10 +1,10 @@
 // Evaluations without a value are reported consistently next to every count, margin and check.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
-import { asCampaign, type Campaign, type Json } from '../api/campaign'
+import { asCampaign } from '../api/campaign'
 import * as fixtures from '../../tests/fixtures'
 import { boundsOf } from '../charts/outcomes'
-import type { Catalogue, DescribedCheck, Outcome, RunDetail, StageDetail, StageProgress } from '../client'
+import type { Checked, DescribedCheck, Outcome, RunDetail, StageDetail, StageProgress } from '../client'
 import type { Compared } from '../compare/data'
 import { Results } from '../compare/Results'
 import { withoutValue } from '../format/counts'
@@ -82,19 +82,19 @@ it.each(['certify', 'certify_stated', 'search'] as const)('states what a bound r
   for (const [place, html] of Object.entries(places)) expect([place, sourcesIn(html)]).toEqual([place, SOURCES[bound_source]])
 })
 
-it('predicts what a bound will rest on before the launch', () => {
-  const properties = { sampling: { default: 'plain' }, interval: { default: 0 } }
-  const methods = [{ name: 'monte_carlo', kind: 'random', options: { properties } }]
-  const predicted = (certify: { samples: number } | null, options?: Record<string, Json>) => {
-    const search = [{ method: 'monte_carlo', evaluations: 300, options }]
-    const campaign = { ...asCampaign(RUN.campaign), stages: { search, certify } } as Campaign
-    return renderToStaticMarkup(<Estimate checked={undefined} campaign={campaign} catalogue={{ methods, components: [], version: '' } as unknown as Catalogue} />)
+it('predicts the bound, what it rests on and what is out of reach before the launch, as the check answers', () => {
+  const predicted = (predicted_bound: Checked['predicted_bound']) =>
+    renderToStaticMarkup(<Estimate checked={{ estimate: null, predicted_bound } as Checked} campaign={asCampaign(RUN.campaign)} />)
+  const of = { samples: 1300, outside: 0, upper_bound: 0.00994, statement: 'None of the 1,300 samples violates.', warning: null }
+  for (const source of ['certify', 'search'] as const) {
+    const html = predicted({ ...of, source })
+    expect(sourcesIn(html)).toEqual(SOURCES[source])
+    for (const words of ['0.994 %', '1 300 samples']) expect(text(html).replaceAll('\u202f', ' ')).toContain(words)
+    expect(html).not.toContain('role="note"')
   }
-  for (const html of [predicted(null), predicted({ samples: 300 })]) expect(text(html)).toContain('0.994 %')
-  for (const [name, value] of [['sampling', 'sobol'], ['interval', 0.1]] as const)
-    expect(text(predicted(null, { [name]: value }))).not.toContain('%')
-  expect(sourcesIn(predicted(null, { sampling: 'plain' }))).toEqual(SOURCES.search)
-  expect(sourcesIn(predicted({ samples: 300 }))).toEqual(SOURCES.certify)
+  const warned = predicted({ ...of, source: 'certify', warning: 'The target cannot be met.' })
+  expect(warned).toMatch(/role="note".*The target cannot be met\./)
+  expect(text(predicted(null))).not.toContain('Bound')
 })
 
 it.each([[true, false], [false, true]])('names what drew a case that no search found: seed drawn %s', (drawn_at_launch, named) => {

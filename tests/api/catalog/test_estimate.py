@@ -14,6 +14,8 @@ from backend.db.store import RunStore
 from campaigns.asked.allowance import validation
 from campaigns.asked.load import load_document
 from campaigns.asked.proposal import RETRIED, Cost
+from campaigns.checked import attained
+from campaigns.checked.check import ranges
 from campaigns.checked.expected import expected, fewer, total
 from campaigns.stages.attraction import AttractionResult
 from campaigns.stages.found import declared
@@ -84,6 +86,48 @@ def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, cl
 def test_a_campaign_with_problems_has_none(service: Service, client: httpx.Client) -> None:
     wrong = campaign(criterion={"component": "unknown", "threshold": 1})
     assert client.post("/api/v1/campaigns/check", json={"campaign": wrong}).json()["estimate"] is None
+
+
+def predicted(client: httpx.Client, **changes: Any) -> tuple[list[str], dict[str, Any] | None]:
+    """The fields of the problems of a campaign, and its predicted bound."""
+    document = campaign(**changes)
+    checked = client.post("/api/v1/campaigns/check", json={"campaign": document}).json()
+    found = checked["predicted_bound"]
+    if found is not None:
+        conforms(found, {"$ref": "#/components/schemas/PredictedBound"})
+        made = load_document(document)
+        best = attained.best(made, CATALOGUE, ranges(made, CATALOGUE))
+        assert best is not None
+        assert (found["statement"], found["warning"]) == (best.statement, attained.warning(best, made))
+        assert tuple(found[k] for k in ("source", "samples", "outside", "upper_bound")) == (
+            best.source, best.samples, best.outside, best.upper_bound,
+        )  # fmt: skip
+    return [problem["field"] for problem in checked["problems"]], found
+
+
+def test_the_bound_that_the_sample_can_show_is_predicted(service: Service, client: httpx.Client) -> None:
+    def stages(**certify: Any) -> dict[str, Any]:
+        return {"search": [{"method": "direct", "evaluations": 10}], "certify": certify or None}
+
+    problems, found = predicted(client, stages=stages(samples=300))
+    assert (problems, found and found["warning"]) == ([], None)
+    problems, found = predicted(client, stages=stages(samples=59), target_probability=0.001)
+    assert problems == []
+    assert found is not None
+    assert "draw 3,000 samples or more" in found["warning"]
+    assert predicted(client, stages=stages()) == ([], None)
+    tails = {"kind": "normal", "mean": 5.0, "deviation": 1.0}
+    uncertain = {"vehicle.m": {"low": 4.0, "high": 6.0, "distribution": tails}}
+    of = {"uncertain": uncertain, "target_probability": 0.05}
+    problems, found = predicted(client, stages=stages(samples=20_000), **of)
+    assert problems == []
+    assert found is not None
+    assert found["upper_bound"] > found["outside"] > 0.317
+    assert "widen the bounds" in found["warning"]
+    counted = stages(samples=20_000, keep="lowest", until="target")
+    assert predicted(client, stages=counted, **of) == (["stages.certify.samples"], None)
+    refused = client.post("/api/v1/runs", json={"campaign": campaign(stages=counted, **of)})
+    assert refused.status_code == 422
 
 
 def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(

@@ -57,6 +57,7 @@ def test_the_verdict_is_the_exit_code(
     with service.signed_in() as client:
         run = client.get("/api/v1/runs/R-0001").json()
     assert (run["name"], run["tags"], run["owner"], run["token"]) == ("Nightly", ["ci", "main"], "local", "ci")
+    assert shown.splitlines()[1] == f"At most {run['planned']:,} evaluations."
 
 
 def test_the_files_are_those_of_the_service(service: Service, command: Command, file: Path, tmp_path: Path) -> None:

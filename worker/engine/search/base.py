@@ -165,6 +165,8 @@ class Method:
     reaches, it confirms.
     `whole_budget`: it uses its whole budget; others may end by their own rule, after their `effort` if it is known.
     `own_rule`: the options with which it may end by its own rule all the same, at other values than their defaults.
+    `most_parameters`: by option and value, the largest number of uncertain parameters with which it can begin, where a
+    value limits it; campaigns with more are refused.
     `parallel`, `at_once`: how many points it requests at a time, in a few words; the option that states this number.
     `takes`: the option that states the time of an evaluation [s].
     `suits`: what it is for, in a few words.
@@ -195,6 +197,7 @@ class Method:
     apart: Mapping[str, str] = field(default_factory=dict, hash=False)
     whole_budget: bool = False
     own_rule: str = ""
+    most_parameters: Mapping[str, Mapping[str, int]] = field(default_factory=dict, hash=False)
     effort: Iterations | Descents | None = None
     parallel: str = ""
     at_once: str = ""

@@ -13,7 +13,7 @@ import numpy as np
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Certify
-from campaigns.claims.numbers import Format, written
+from campaigns.checked import attained
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as sentences
@@ -129,23 +129,19 @@ def assist(context: Context, position: int) -> None:
 
 
 def _allowed(campaign: Campaign, problem: Problem) -> int | None:
-    """The violations that the target allows among all samples, -1 if it cannot be met; None of a sample that does not
-    end by it."""
+    """The violations that the target allows among all samples; None of a sample that does not end by it.
+
+    A campaign whose target allows none, not even no violation, is refused before (`unattainable`).
+    """
     request, target = campaign.stages.certify, campaign.target_probability
     if request is None or request.until == "samples" or target is None:
         return None
-    return claims.allowed(request.samples, target - problem.distributions.outside, campaign.confidence)
+    return max(0, claims.allowed(request.samples, target - problem.distributions.outside, campaign.confidence))
 
 
 def unattainable(problem: Problem) -> list[Wrong]:
-    """The error if so much of the distributions is beyond the bounds that no sample of this size meets the target."""
-    allowed, request = _allowed(problem.campaign, problem), problem.campaign.stages.certify
-    if allowed is None or allowed >= 0 or request is None:
-        return []
-    most = written(problem.distributions.outside, form=Format.PROBABILITY, digits=3)
-    why = f"{most} of the draws lie outside the bounds, which is part of the bound on P(violation)"
-    advice = "no sample of this size can meet the target; widen the bounds, or draw more samples"
-    return [Wrong("stages.certify.samples", f"{request.samples:,}", f"{why}: {advice}")]
+    """The error if no sample of this size meets the target by which it ends, as the check of campaigns states it."""
+    return attained.unattainable(problem.campaign, {r.path: (r.low, r.high) for r in problem.ranges})
 
 
 def _whole(sample: Sample, context: Context, request: Certify) -> tuple[Statement, Spans]:

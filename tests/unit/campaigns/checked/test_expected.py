@@ -18,8 +18,8 @@ from campaigns.asked.load import load_document
 from campaigns.asked.proposal import RETRIED
 from campaigns.checked.expected import (
     Expected,
-    Total,
     again,
+    at_most,
     called,
     computing,
     expected,
@@ -28,7 +28,7 @@ from campaigns.checked.expected import (
 )
 from campaigns.stages.plan import bound, most, plan
 from tests.given.case_campaigns import campaign, document
-from tests.simulators import package
+from tests.simulators import noisy, package
 from tools.library_verdicts import FILE, evaluated
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.runner import execute
@@ -90,7 +90,9 @@ def test_ranges_measured_on_half_of_the_library_hold_in_the_other() -> None:
 
 
 def test_the_usual_number_and_the_bound_are_announced() -> None:
-    assert Total(9_000, 10_000, 12_034).text == "At most 12,034"
+    assert at_most(campaign(), 12_034) == "At most 12,034 evaluations"
+    several = noisy.campaign(1.0, 20, **noisy.REPEATS)
+    assert at_most(several, 1_000).startswith("At most 1,000 evaluations, ")
     stages = [Expected("search", "", 15_000, 12_691, 22_234), Expected("nominal", "", 1, 1, 2)]
     assert total(stages) == (12_692, 15_001, 22_236)
 

@@ -20,6 +20,8 @@ import pytest
 from campaigns import Campaign, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.proposal import RETRIED
+from campaigns.checked import attained
+from campaigns.checked.check import ranges
 from campaigns.checked.expected import fewer
 from campaigns.claims.numbers import count
 from campaigns.refusals import RefusalCode
@@ -32,6 +34,7 @@ from tests.given.case_campaigns import campaign, document, searching
 from tests.given.refused_commands import refusal
 from tests.simulators import package
 from worker.engine.problem.problem import Problem
+from worker.running.catalogue.installed import catalogue
 from worker.running.opening import opened
 
 PATIENCE = 120.0
@@ -68,8 +71,10 @@ Write = Callable[[Campaign | dict[str, Any] | str], str]
 
 
 def test_cleared_is_0(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
-    assert invoke(["run", file(searching(DIRECT, SQP, SAMPLE, **SHORT))]) == CLEARED == 0
-    out = capsys.readouterr().out
+    made = searching(DIRECT, SQP, SAMPLE, **SHORT)
+    assert invoke(["run", file(made)]) == CLEARED == 0
+    out, err = capsys.readouterr()
+    assert err.splitlines()[0] == f"At most {most(made):,} evaluations."
     assert "✓ Cleared" in out
     assert "search: DIRECT" in out
     assert "d_min stayed above 0.5 m" in out
@@ -140,6 +145,19 @@ def test_validate_states_calls_with_retries_and_stages_that_take_fewer_or_no_eva
     given["simulator"] |= {"repeats": {"count": 2}, "retries": 5}
     _print_usable(tmp_path, load_document(given), "here")
     assert f" evaluations, {most(load_document(given)) * 12:,} calls {RETRIED}:\n" in capsys.readouterr().out
+
+
+def test_validate_states_the_bound_that_the_sample_can_show_and_warns_where_that_is_too_high(
+    file: Write, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for target, warns in ((0.05, False), (0.001, True)):
+        made = campaign(stages__certify={"samples": 59}, target_probability=target)
+        best = attained.best(made, catalogue(), ranges(made, catalogue()))
+        assert best is not None
+        assert invoke(["validate", file(made)]) == 0
+        out, err = capsys.readouterr()
+        assert out.splitlines()[-1] == best.statement
+        assert err == (f"Warning: {attained.warning(best, made)}\n" if warns else "")
 
 
 def violating() -> Campaign:

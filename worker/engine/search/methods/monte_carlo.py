@@ -3,7 +3,8 @@
 Metropolis and Ulam, The Monte Carlo method (1949); Latin hypercubes: McKay, Beckman, Conover (Technometrics 21, 1979);
 scrambled Sobol points: Owen (1998). No guarantee about the worst case. Plain points are an independent sample and
 support a bound on P(violation) (Clopper and Pearson 1934); the other two fill the space more evenly and support none.
-An excluded point is drawn again and counted; a failed one is counted and never replaced.
+Every draw counts in the budget: an excluded one is not replaced, so that the sample is smaller, and a failed one is a
+violation.
 
 Early stopping, when the interval is narrow enough, needs interim analyses: an interval for a fixed size would hold too
 rarely. Analysis k may therefore spend a fraction 1 / (k (k + 1)) of the permitted error (alpha spending), which adds up

@@ -76,6 +76,7 @@ method = Method(
     search=search,
     family="library",
     families={"algorithm": {**FAMILIES, **dict.fromkeys(DIVIDES, "division of the box")}},
+    most_parameters={"algorithm": {"ags": AGS_PARAMETERS}},
     parallel="one point",
     suits="comparison with published results",
     drawback="Of the targets of BBOB in 5 dimensions it reaches 0.55 at 1,000 n, CMA-ES 0.68",

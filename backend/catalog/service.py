@@ -20,8 +20,8 @@ from backend.http.errors import RefusedError, not_found
 from backend.http.versions import readable
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
 from campaigns.asked.text import readable_yaml
-from campaigns.checked import attained
-from campaigns.checked.check import parameters, ranges
+from campaigns.checked import prediction
+from campaigns.checked.check import parameters
 from campaigns.results.drawn import library_flights
 from campaigns.runs import run_name
 from campaigns.stages.plan import most
@@ -175,10 +175,10 @@ def checked(reader: sa.Connection, campaign: Campaign | CampaignError) -> Checke
 
 def _predicted(campaign: Campaign, catalogue: Catalogue) -> PredictedBound | None:
     """What the sample can show at best."""
-    found = attained.best(campaign, catalogue, ranges(campaign, catalogue))
+    found = prediction.predicted(campaign, catalogue)
     if found is None:
         return None
-    warning = attained.warning(found, campaign)
+    warning = prediction.warning(found, campaign)
     return PredictedBound(
         source=found.source,
         samples=found.samples,

@@ -29,13 +29,14 @@ from backend.runs.schemas import (
 from backend.runs.tombstones import refuse_purged
 from backend.runs.traces import no_trace
 from campaigns import Campaign
-from campaigns.checked import attained
+from campaigns.asked.sample_bound import bound
+from campaigns.checked import best_bound
 from campaigns.checked.expected import computing
 from campaigns.claims import earlier
 from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
 from campaigns.limits import DRAWS
 from campaigns.results import Verdict, verdicts
-from campaigns.results.remedies import Ran, bound
+from campaigns.results.remedies import Ran
 from campaigns.results.sample import SoFar
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, StageState, run_name, run_number
@@ -257,8 +258,8 @@ def _so_far(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
 
 def _outside(reader: sa.Connection, run_id: int, campaign: Campaign) -> float | None:
     """The probability beyond the bounds, which is part of the bound; None if the bounds are not known here."""
-    known = bounds(campaign, described(reader, run_id)) if attained.tailed(campaign) else {}
-    return attained.outside(campaign, {path: (low, high) for path, (_, low, high) in known.items()})
+    known = bounds(campaign, described(reader, run_id)) if best_bound.tailed(campaign) else {}
+    return best_bound.outside(campaign, {path: (low, high) for path, (_, low, high) in known.items()})
 
 
 def _shown(row: Any, confidence: float, outside: float | None, seed: str) -> SoFar:

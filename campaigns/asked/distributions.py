@@ -5,6 +5,7 @@ Distributions and correlations apply to random samples only; searches use only t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -103,3 +104,13 @@ class Correlation(Strict):
 
     between: Annotated[list[Path], Field(min_length=2, max_length=2), AfterValidator(sorted)]
     value: Annotated[float, Field(gt=-1, lt=1), AS_NUMBER]
+
+
+def matrix(correlations: Sequence[Correlation], paths: Sequence[str]) -> list[list[float]]:
+    """The correlations as a matrix over these paths."""
+    place = {path: k for k, path in enumerate(paths)}
+    rows = [[float(i == k) for k in range(len(paths))] for i in range(len(paths))]
+    for correlation in correlations:
+        i, k = (place[path] for path in correlation.between)
+        rows[i][k] = rows[k][i] = correlation.value
+    return rows

@@ -14,8 +14,8 @@ from campaigns.asked.spec import Campaign, Part
 from campaigns.asked.values import MAX_EVALUATIONS
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.checked import (
-    attained,
     attracted,
+    best_bound,
     delays,
     effort,
     estimated,
@@ -40,7 +40,7 @@ def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
     """The problems of the campaign under this catalogue, the first `MOST`; an empty list means that it is valid."""
     found = _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
     # Of a campaign with other problems its distributions may have no probabilities.
-    return found or attained.unattainable(campaign, ranges(campaign, catalogue))
+    return found or best_bound.unattainable(campaign, ranges(campaign, catalogue))
 
 
 def simulation_problems(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from campaigns.asked.distributions import Correlation, Normal, Triangular, TruncatedNormal, Uncertain
+from campaigns.asked.distributions import Normal, Triangular, TruncatedNormal, Uncertain
+from campaigns.asked.distributions import matrix as matrix
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import ParameterEntry
@@ -78,16 +79,6 @@ def correlated(campaign: Campaign) -> Iterator[Problem]:
     if not found and not positive_definite(matrix(campaign.correlations, list(campaign.uncertain))):
         text = "the correlation matrix is not positive definite; reduce the magnitude of some correlations"
         yield Problem("correlations", f"{len(campaign.correlations)} pairs", text)
-
-
-def matrix(correlations: Sequence[Correlation], paths: Sequence[str]) -> list[list[float]]:
-    """The correlations as a matrix over these paths."""
-    place = {path: k for k, path in enumerate(paths)}
-    rows = [[float(i == k) for k in range(len(paths))] for i in range(len(paths))]
-    for correlation in correlations:
-        i, k = (place[path] for path in correlation.between)
-        rows[i][k] = rows[k][i] = correlation.value
-    return rows
 
 
 def positive_definite(rows: Sequence[Sequence[float]]) -> bool:

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from campaigns import cube, special
-from campaigns.asked.distributions import Correlation, Distribution
+from campaigns.asked.distributions import Correlation, Distribution, matrix
 from campaigns.asked.spec import Campaign
-from campaigns.checked.uncertainty import matrix
 from campaigns.densities.shapes import Shape, shape
 from campaigns.special import Floats
 

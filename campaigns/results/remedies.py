@@ -17,9 +17,9 @@ from pydantic import JsonValue, ValidationError
 from campaigns import rules
 from campaigns.asked.allowance import validation
 from campaigns.asked.proposal import ranked
+from campaigns.asked.sample_bound import bound, needed
 from campaigns.asked.spec import MAX_EVALUATIONS, Campaign
 from campaigns.asked.stages import Certify, Search
-from campaigns.asked.values import MAX_COUNTED
 from campaigns.catalogue import MethodEntry
 from campaigns.claims.say import Part, count, listed, method, number, say
 from campaigns.codes import CheckCode
@@ -29,7 +29,6 @@ from campaigns.results.search import SearchResult
 from campaigns.results.stage import StageResult
 from campaigns.results.verdict import Check, Statistics
 from campaigns.rules import RemedyKind
-from campaigns.special import beta_quantile
 
 MORE = 4
 """Factor on a budget that was used up."""
@@ -271,30 +270,3 @@ _OF: dict[RemedyKind, Callable[[Check, Ran], Iterator[Remedy]]] = {
     RemedyKind.SAMPLE: _larger_sample,
 }
 """By the remedy that the rule of a check names."""
-
-
-def needed(violations: int, samples: int, goal: float, confidence: float) -> int | None:
-    """The samples at which the bound is at most `goal` if the fraction of violations stays the same, rounded up to two
-    digits; None if no sample that a campaign may ask for is large enough."""
-    if goal * MAX_COUNTED < 0.5 or (samples and violations / samples >= goal):
-        return None
-    size = _rounded(max(math.ceil(math.log1p(-confidence) / math.log1p(-goal)), samples, 1))
-    while size <= MAX_COUNTED:
-        expected = math.ceil(violations * size / samples) if samples else 0
-        if bound(expected, size, confidence) <= goal:
-            return size
-        size = _rounded(math.ceil(1.1 * size) + 1)
-    return None
-
-
-def _rounded(size: int) -> int:
-    """Up to two digits."""
-    grain: int = 10 ** max(0, len(str(size)) - 2)
-    return -(-size // grain) * grain
-
-
-def bound(violations: int, samples: int, confidence: float) -> float:
-    """The one-sided upper Clopper-Pearson bound on a probability."""
-    if samples == 0 or violations >= samples:
-        return 1.0
-    return beta_quantile(confidence, violations + 1, samples - violations)

@@ -66,8 +66,7 @@ def validate(
 
 def _here(file: Path, normal: bool, allow_code: bool) -> None:
     from campaigns import CampaignError, check
-    from campaigns.checked import attained
-    from campaigns.checked.check import ranges
+    from campaigns.checked import prediction
     from worker.running.catalogue.installed import catalogue
 
     campaign, known = code.read(file, allow_code), catalogue()
@@ -80,9 +79,9 @@ def _here(file: Path, normal: bool, allow_code: bool) -> None:
         typer.echo(json.dumps(campaign.document(), indent=2))
         return
     _print_usable(file, campaign, "here")
-    best = attained.best(campaign, known, ranges(campaign, known))
+    best = prediction.predicted(campaign, known)
     if best is not None:
-        _print_bound(best.statement, attained.warning(best, campaign))
+        _print_bound(best.statement, prediction.warning(best, campaign))
 
 
 def _by_service(file: Path, service: str, token_file: str, patience: float) -> None:

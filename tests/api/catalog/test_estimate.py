@@ -14,8 +14,7 @@ from backend.db.store import RunStore
 from campaigns.asked.allowance import validation
 from campaigns.asked.load import load_document
 from campaigns.asked.proposal import RETRIED, Cost
-from campaigns.checked import attained
-from campaigns.checked.check import ranges
+from campaigns.checked import prediction
 from campaigns.checked.expected import expected, fewer, total
 from campaigns.stages.attraction import AttractionResult
 from campaigns.stages.found import declared
@@ -96,9 +95,9 @@ def predicted(client: httpx.Client, **changes: Any) -> tuple[list[str], dict[str
     if found is not None:
         conforms(found, {"$ref": "#/components/schemas/PredictedBound"})
         made = load_document(document)
-        best = attained.best(made, CATALOGUE, ranges(made, CATALOGUE))
+        best = prediction.predicted(made, CATALOGUE)
         assert best is not None
-        assert (found["statement"], found["warning"]) == (best.statement, attained.warning(best, made))
+        assert (found["statement"], found["warning"]) == (best.statement, prediction.warning(best, made))
         assert tuple(found[k] for k in ("source", "samples", "outside", "upper_bound")) == (
             best.source, best.samples, best.outside, best.upper_bound,
         )  # fmt: skip
@@ -114,7 +113,7 @@ def test_the_bound_that_the_sample_can_show_is_predicted(service: Service, clien
     problems, found = predicted(client, stages=stages(samples=59), target_probability=0.001)
     assert problems == []
     assert found is not None
-    assert "draw 3,000 samples or more" in found["warning"]
+    assert " 3,000 samples" in found["warning"]
     assert predicted(client, stages=stages()) == ([], None)
     tails = {"kind": "normal", "mean": 5.0, "deviation": 1.0}
     uncertain = {"vehicle.m": {"low": 4.0, "high": 6.0, "distribution": tails}}

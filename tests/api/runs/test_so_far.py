@@ -10,9 +10,9 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import CatalogueDocument, Run, Stage
+from campaigns.asked.sample_bound import bound
 from campaigns.claims.spans import words
 from campaigns.claims.stages import sample as claims
-from campaigns.results.remedies import bound
 from campaigns.runs import StageState
 from campaigns.stored.records import StagePlan
 from tests.given.finished_runs import PLAN, Work

@@ -13,7 +13,7 @@ import numpy as np
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Certify
-from campaigns.checked import attained
+from campaigns.checked import best_bound
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as sentences
@@ -141,7 +141,7 @@ def _allowed(campaign: Campaign, problem: Problem) -> int | None:
 
 def unattainable(problem: Problem) -> list[Wrong]:
     """The error if no sample of this size meets the target by which it ends, as the check of campaigns states it."""
-    return attained.unattainable(problem.campaign, {r.path: (r.low, r.high) for r in problem.ranges})
+    return best_bound.unattainable(problem.campaign, {r.path: (r.low, r.high) for r in problem.ranges})
 
 
 def _whole(sample: Sample, context: Context, request: Certify) -> tuple[Statement, Spans]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
@@ -33,7 +34,7 @@ def test_a_search_that_could_not_begin_is_refused(method: str, option: str, valu
     assert check(varied(most, method, **{option: value}), catalogue()) == []
     (problem,) = check(varied(most + 1, method, **{option: value}), catalogue())
     assert (problem.field, problem.given) == (f"stages.search.0.options.{option}", value)
-    assert f"at most {most} uncertain parameters, this campaign has {most + 1}" in problem.message
+    assert re.findall(r"\d+", problem.message) == [f"{most}", f"{most + 1}"]
 
 
 def limited(name: str, most: dict[str, dict[str, int]]) -> Catalogue:

@@ -8,12 +8,13 @@ from typing import Any
 import pytest
 
 from campaigns import Campaign
+from campaigns.asked.sample_bound import bound, needed
 from campaigns.catalogue import MethodEntry
 from campaigns.claims.say import number, say
 from campaigns.codes import CheckCode
 from campaigns.results import SearchResult
 from campaigns.results.base import Stop
-from campaigns.results.remedies import Ran, Remedy, applied, bound, needed, remedies
+from campaigns.results.remedies import Ran, Remedy, applied, remedies
 from campaigns.results.verdict import Check, Statistics, VerdictWord
 from campaigns.results.verdicts import described
 from tests.given.case_campaigns import campaign

@@ -20,8 +20,7 @@ import pytest
 from campaigns import Campaign, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.proposal import RETRIED
-from campaigns.checked import attained
-from campaigns.checked.check import ranges
+from campaigns.checked import prediction
 from campaigns.checked.expected import fewer
 from campaigns.claims.numbers import count
 from campaigns.refusals import RefusalCode
@@ -152,12 +151,12 @@ def test_validate_states_the_bound_that_the_sample_can_show_and_warns_where_that
 ) -> None:
     for target, warns in ((0.05, False), (0.001, True)):
         made = campaign(stages__certify={"samples": 59}, target_probability=target)
-        best = attained.best(made, catalogue(), ranges(made, catalogue()))
+        best = prediction.predicted(made, catalogue())
         assert best is not None
         assert invoke(["validate", file(made)]) == 0
         out, err = capsys.readouterr()
         assert out.splitlines()[-1] == best.statement
-        assert err == (f"Warning: {attained.warning(best, made)}\n" if warns else "")
+        assert err == (f"Warning: {prediction.warning(best, made)}\n" if warns else "")
 
 
 def violating() -> Campaign:

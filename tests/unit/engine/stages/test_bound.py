@@ -9,10 +9,10 @@ import pytest
 from scipy import stats
 
 from campaigns import CampaignError
+from campaigns.asked import sample_bound
 from campaigns.asked.load import load_document
 from campaigns.asked.values import MAX_COUNTED
 from campaigns.claims.spans import values
-from campaigns.results import remedies
 from tests.given.case_campaigns import searching
 from worker.engine.stages.parts.claims import band, bound, confidence_of, needed, order
 from worker.engine.stages.parts.sample import Sample
@@ -101,9 +101,9 @@ def test_every_fraction_has_a_size_or_none_in_engine_and_audit(fraction: float, 
         r = order(samples, fraction, confidence)
         assert (r > 0) == (size is not None and samples >= size)
         assert r == (recompute._of_quantile(samples, fraction, confidence).order or 0)
-    wanted = remedies.needed(0, 0, fraction, confidence)
+    wanted = sample_bound.needed(0, 0, fraction, confidence)
     assert wanted is None or bound(0, wanted, confidence) <= fraction
-    assert (wanted is None) == (size is None or remedies._rounded(size) > MAX_COUNTED)
+    assert (wanted is None) == (size is None or sample_bound._rounded(size) > MAX_COUNTED)
 
 
 @pytest.mark.parametrize("outside", [0.05 - 2**-56, 0.05, 0.06, 1.0])

@@ -12,7 +12,6 @@ import atexit
 import contextlib
 import gc
 import os
-import signal
 import sys
 import traceback
 import warnings
@@ -22,8 +21,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-
-from worker.running.processes.lifeline import die_with_parent
 
 SHOWING = ("terminalreporter", "terminalprogress", "junitxml", "lfplugin", "nfplugin", "stepwiseplugin")
 """Plugins that show or store reports. They stay with the process that all reports come to."""
@@ -131,14 +128,13 @@ class Parent:
         ours, theirs = Pipe()
         sys.stdout.flush()
         sys.stderr.flush()
-        parent, pid = os.getpid(), os.fork()
+        pid = os.fork()
         if pid:
             theirs.close()
             self.forks[ours] = Fork(number, pid, ours)
             return
         for connection in (ours, *self.forks):
             connection.close()
-        die_with_parent(parent, signal.SIGINT)  # its fixtures end what they started
         _run_as_fork(self.session, theirs)
 
     def receive(self, fork: Fork) -> None:

@@ -10,8 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.faults.processes import alive, until
-
 ODD = """
 import os, time, warnings
 import pytest
@@ -43,19 +41,13 @@ def test_passes(number): assert os.getpid() != int(os.environ["PARENT"])
 """
 
 
-def pytest_in(folder: Path, *arguments: str) -> tuple[list[str], dict[str, str]]:
-    """The command and the environment of a run of its own in a folder."""
+def in_folder(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     plugins = ["-p", "pytest_timeout", "-p", "tests.side_by_side"]
     command = [sys.executable, "-m", "pytest", *plugins, "-c", "empty.ini", "-ra", *arguments]
     (folder / "empty.ini").write_text("[pytest]\n", encoding="utf-8")
     # To load all installed plugins takes longer than the tests.
     paths = {"PYTHONPATH": str(Path(__file__).parents[3]), "PYTEST_ADDOPTS": "", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    return command, os.environ | paths
-
-
-def in_folder(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command, environment = pytest_in(folder, *arguments)
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+    return subprocess.run(command, cwd=folder, env=os.environ | paths, capture_output=True, text=True, timeout=120)
 
 
 def test_every_outcome_is_reported_and_a_process_that_dies_takes_no_test_with_it(tmp_path: Path) -> None:
@@ -77,36 +69,6 @@ def test_every_outcome_is_reported_and_a_process_that_dies_takes_no_test_with_it
     )
     assert [text for text in texts if text not in result.stdout] == []
     assert result.returncode == 1, result.stderr
-
-
-ENDLESS = """
-import os, subprocess, sys, time
-from pathlib import Path
-import pytest
-
-@pytest.fixture
-def service():
-    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"]) as started:
-        yield started.pid
-        started.kill()
-
-def test_waits(service):
-    Path(f"begun-{os.getpid()}-{service}").touch()
-    time.sleep(600)
-"""
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process that its parent has ended")
-def test_processes_end_with_the_one_that_started_them_and_end_what_they_started(tmp_path: Path) -> None:
-    for name in ("test_a", "test_b"):
-        (tmp_path / f"{name}.py").write_text(ENDLESS, encoding="utf-8")
-    command, environment = pytest_in(tmp_path, "--processes", "2")
-    with subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.DEVNULL) as parent:
-        until(lambda: len(list(tmp_path.glob("begun-*"))) == 2, "both are under way")
-        parent.kill()
-    pids = [int(pid) for file in tmp_path.glob("begun-*") for pid in file.name.split("-")[1:]]
-    assert len(pids) == 4
-    until(lambda: not any(map(alive, pids)), "all have ended", 20)
 
 
 WAITING = """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from typing import get_args, get_type_hints
 
 import numpy as np
@@ -59,6 +61,26 @@ def test_a_seed_gives_its_points_whoever_else_searches(algorithm: str) -> None:
     assert not np.array_equal(*alone)
     for one, other in zip(alone, interleaved(algorithm, [1, 2]), strict=True):
         assert np.array_equal(one, other)
+
+
+ABANDONED = """
+from clearance.testing.searching import batch, plain, space
+from worker.engine.search.methods.nlopt_global import Options, method
+for algorithm in {algorithms}:
+    for points in (1, 2) * 3:
+        search = plain(method.search(space(64, 1000), Options(algorithm=algorithm)))
+        point = next(search)
+        for _ in range(points - 1):
+            point = search.send(batch(point[:, 0]))
+        search.close()
+"""
+
+
+def test_none_crashes_the_process_when_it_is_abandoned_at_its_first_points() -> None:
+    """As at the end of a budget, or when a run is cancelled."""
+    script = ABANDONED.format(algorithms=[a for a in ALGORITHMS if a not in method.most_parameters["algorithm"]])
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
 
 
 def test_too_many_parameters_for_ags_is_a_sentence() -> None:

@@ -16,7 +16,7 @@ import numpy as np
 
 from campaigns.results.base import OK
 from worker.engine.search.base import Batch, Ended, Floats, Search, Space
-from worker.engine.search.parts.callback import Ask, called_back, called_back_in_thread
+from worker.engine.search.parts.callback import Abandoned, Ask, called_back, called_back_in_thread
 from worker.engine.search.parts.descent import End
 from worker.engine.search.parts.lowest import Lowest, Reported
 
@@ -64,16 +64,22 @@ def local(start: Floats, cost: float, build: Callable[[], Any]) -> Generator[Flo
 
 def _run(ask: Ask, start: Floats, build: Callable[[], Any], best: Lowest, seed: int | None) -> str:
     highest = -np.inf if best.point is None else best.cost
-    known = best.cost
+    known, begun = best.cost, False
 
     def cost(x: Floats, gradient: Floats) -> float:
-        nonlocal highest
+        nonlocal highest, begun
         point = x.clip(0.0, 1.0)
         if not math.isfinite(point.dot(point)):  # a model degraded by rounding may request NaN: use the centre instead
             point = np.where(np.isfinite(x), point, 0.5)
         if known < np.inf and best.evaluations == 0 and (point == start).all():
             return known
-        batch = ask(point[None, :].copy())
+        first, begun = not begun, True
+        try:
+            batch = ask(point[None, :].copy())
+        except Abandoned:
+            if first:  # where it raises, NLopt's orig_direct crashes the process: its next evaluation raises again
+                return 0.0
+            raise
         best.evaluations += 1
         value = float(batch.costs[0, 0]) if batch.status[0] == OK else np.inf
         if not math.isfinite(value):

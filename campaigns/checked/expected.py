@@ -152,16 +152,11 @@ def _search(campaign: Campaign, search: Search, catalogue: Catalogue) -> Range:
     elif isinstance(effort, Descents):
         dimension, starts = len(campaign.uncertain), _starts(search, effort.option, entry)
         ends = effort.least * (dimension + 1) * starts, effort.usual * (2 * dimension + 1) * starts
-    elif entry is None or not entry.whole_budget or _own_rule(search, entry):
+    elif entry is None or not entry.whole_budget or changed(search, entry, entry.own_rule.split()):
         least = FEWEST * (len(campaign.uncertain) + 1)
         ends = least, round(math.sqrt(min(least, limit) * limit))
     least, usual = (max(1, min(limit, end)) for end in ends)
     return least, usual
-
-
-def _own_rule(search: Search, entry: MethodEntry) -> bool:
-    """Whether an option that lets the method end by its own rule has another value than its default."""
-    return changed(search, entry, entry.own_rule.split())
 
 
 def _iterations(effort: Iterations, stated: object, dimension: int) -> Range | None:

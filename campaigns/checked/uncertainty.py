@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from campaigns.asked.distributions import Normal, Triangular, TruncatedNormal, Uncertain
-from campaigns.asked.distributions import matrix as matrix
+from campaigns.asked.distributions import Normal, Triangular, TruncatedNormal, Uncertain, matrix
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import ParameterEntry

@@ -5,22 +5,21 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.given.source_texts import texts
 
 ROOT = Path(__file__).parents[3]
 PRODUCT = ("backend", "campaigns", "clearance", "worker")
 METHODS = {file.stem for file in (ROOT / "worker/engine/search/methods").glob("*.py")} - {"__init__"}
 
 
-@cache
 def sources(*folders: str) -> list[tuple[str, str]]:
     """Path and text of every module."""
-    files = [file for folder in folders for file in sorted((ROOT / folder).rglob("*.py"))]
-    return [(str(file.relative_to(ROOT)), file.read_text(encoding="utf-8")) for file in files]
+    return list(texts(*(f"{folder}/**/*.py" for folder in folders)).items())
 
 
 @pytest.mark.parametrize("folder", ["worker/engine/stages", "worker/evidence", "backend/scenes"])

@@ -6,18 +6,18 @@ What else a run's field is for does not count: filters, the page of a run, the t
 from __future__ import annotations
 
 import re
-from functools import cache
 from pathlib import Path
 
 import pytest
 
 from backend.runs.schemas import RunSummary
+from tests.given.source_texts import texts
 
 ROOT = Path(__file__).parents[3]
 TABLE = "frontend/src/runs/columns.tsx"
 LIST = ("backend/runs/schemas.py", "backend/runs/listing.py")
 """The fields of a run as in the list, and where they are read for it."""
-SOURCES = {"backend": "py", "clearance": "py", "frontend/src": "ts*"}
+SOURCES = ("backend/**/*.py", "clearance/**/*.py", "frontend/src/**/*.ts*")
 GENERATED = ("frontend/src/client/", "clearance/client/answers.py")
 TEXT = (ROOT / TABLE).read_text("utf-8")
 ENTRY = re.compile(r"^  (\w+): (\{.*\},\n|\{\n(?:    .*\n)+  \},\n)", re.MULTILINE)
@@ -47,15 +47,11 @@ def parts(key: str) -> set[str]:
     return found
 
 
-@cache
-def texts() -> dict[str, str]:
+def searched() -> dict[str, str]:
     """By path, the text of every file that is searched."""
-    files = {
-        file.relative_to(ROOT).as_posix(): file
-        for folder, ending in SOURCES.items()
-        for file in sorted((ROOT / folder).rglob(f"*.{ending}"))
+    return {
+        path: text for path, text in texts(*SOURCES).items() if not path.startswith(GENERATED) and ".test." not in path
     }
-    return {p: f.read_text("utf-8") for p, f in files.items() if not p.startswith(GENERATED) and ".test." not in p}
 
 
 def knowing(key: str) -> list[str]:
@@ -69,7 +65,7 @@ def knowing(key: str) -> list[str]:
     )
     known = re.compile(rf"^    (?:{field}): |[\"'](?:{field})[\"']|\brow\.(?:{field})\b", re.MULTILINE)
     found = parts(key)
-    for path, text in texts().items():
+    for path, text in searched().items():
         if path not in LIST and key not in text and sort not in text:
             continue  # neither pattern can be in it
         patterns = [order, *([column] if path.startswith("frontend/src/runs/") else [])]

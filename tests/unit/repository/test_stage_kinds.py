@@ -7,16 +7,16 @@ All others read what a kind declares (`campaigns.stages.declared`) and the prope
 from __future__ import annotations
 
 import re
-from functools import cache
 from pathlib import Path
 
 import pytest
 
 from campaigns.rules import RULES
 from campaigns.stages.found import declared
+from tests.given.source_texts import texts
 
 ROOT = Path(__file__).parents[3]
-SOURCES = {"backend": "py", "campaigns": "py", "clearance": "py", "worker": "py", "frontend/src": "ts*"}
+SOURCES = ("backend/**/*.py", "campaigns/**/*.py", "clearance/**/*.py", "worker/**/*.py", "frontend/src/**/*.ts*")
 SKIPPED = (
     "worker/evidence/audit/",  # a second program on purpose: it knows every stage again
     "backend/db/migrations/",  # written for the stages of their time
@@ -27,15 +27,11 @@ OLDER = {"search": 15, "validate": 12}
 Only ever fewer."""
 
 
-@cache
-def texts() -> dict[str, str]:
+def searched() -> dict[str, str]:
     """By path, the text of every file that is searched."""
-    files = {
-        file.relative_to(ROOT).as_posix(): file
-        for folder, ending in SOURCES.items()
-        for file in sorted((ROOT / folder).rglob(f"*.{ending}"))
+    return {
+        path: text for path, text in texts(*SOURCES).items() if not path.startswith(SKIPPED) and ".test." not in path
     }
-    return {p: f.read_text("utf-8") for p, f in files.items() if not p.startswith(SKIPPED) and ".test." not in p}
 
 
 def knowing(kind: str, result: str) -> list[str]:
@@ -46,7 +42,7 @@ def knowing(kind: str, result: str) -> list[str]:
     )
     found = [f"campaigns/rules.py ({kind})"] if any(kind in rule.evidence for rule in RULES) else []
     found += [f"frontend/src/run/stages/{kind}.tsx"] if (ROOT / f"frontend/src/run/stages/{kind}.tsx").exists() else []
-    found += [p for p, text in texts().items() if (kind in text or result in text) and named.search(text)]
+    found += [p for p, text in searched().items() if (kind in text or result in text) and named.search(text)]
     return sorted(set(found))
 
 

@@ -13,8 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.asked.distributions import Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
-from campaigns.checked.uncertainty import matrix
+from campaigns.asked.distributions import (
+    Correlation,
+    Distribution,
+    Normal,
+    Triangular,
+    TruncatedNormal,
+    Uniform,
+    matrix,
+)
 
 Floats = NDArray[np.float64]
 

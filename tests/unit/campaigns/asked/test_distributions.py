@@ -9,8 +9,17 @@ import pytest
 from scipy import stats
 
 from campaigns import CampaignError, check
-from campaigns.asked.distributions import Beta, Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
-from campaigns.checked.uncertainty import matrix, positive_definite
+from campaigns.asked.distributions import (
+    Beta,
+    Correlation,
+    Distribution,
+    Normal,
+    Triangular,
+    TruncatedNormal,
+    Uniform,
+    matrix,
+)
+from campaigns.checked.uncertainty import positive_definite
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign
 from worker.engine.problem.distributions import Distributions, Floats, Range

@@ -51,9 +51,9 @@ def test_a_value_that_is_milder_when_evaluated_again_is_stated_as_in_the_verdict
     calls: list[None] = []
 
     def drifting(a: float, b: float) -> float:
-        """It repeats itself in the first calls, and varies by up to 0.01 later."""
+        """It repeats itself in the first calls; every later one is milder than those before it."""
         calls.append(None)
-        later = 0.0 if len(calls) < 40 else 1e-4 * (len(calls) * 7919 % 100)
+        later = 2e-5 * max(0, len(calls) - 40)
         return 2.0 + (a - 0.3) ** 2 + (b + 0.2) ** 2 + later
 
     found = clearance.search(drifting, {"a": (-1.0, 1.0), "b": (-1.0, 1.0)}, 2.3, unit="m", budget=200, certify=60)

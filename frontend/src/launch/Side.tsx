@@ -110,7 +110,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         {bound && thinned(bound.statement)}
       </p>
       {bound?.warning && (
-        <p className={clsx(cards.note, cards.warn)} role="note">
+        <p className={clsx(cards.note, cards.warn)} role="note" style={{ marginTop: 12 }}>
           <IconAlertTriangle className="i" aria-hidden />
           <span>{thinned(bound.warning)}</span>
         </p>

@@ -25,4 +25,5 @@ it('shows what an earlier run of the same campaign took, and the bound', () => {
   const before = { ...usual, run: 'R-0001' }
   expect(amountOf(before)).toBe('14\u202f515 in R-0001, at most 22\u202f300')
   expect(stageAmountOf({ evaluations: 59, most: 118 }, before.run)).toBe('59, at most 118')
+  for (const run of [null, before.run]) expect(stageAmountOf({ evaluations: 0, most: 0 }, run)).toBe('none')
 })

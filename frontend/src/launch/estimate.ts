@@ -8,9 +8,11 @@ type Amount = Pick<Estimate, 'evaluations' | 'most'>
 export const amountOf = ({ run, evaluations, most }: Amount & Pick<Estimate, 'run'>): string =>
   run === null ? atMost(most) : `${count(evaluations)} in ${run}, ${atMost(most)}`
 
-/** The same of one of its stages, without the name of the earlier run. */
-export const stageAmountOf = ({ evaluations, most }: Amount, run: string | null): string =>
-  run === null ? atMost(most) : `${count(evaluations)}, ${atMost(most)}`
+/** The same of one of its stages, without the name of the earlier run; none of a stage that computes without them. */
+export function stageAmountOf({ evaluations, most }: Amount, run: string | null): string {
+  if (most === 0) return 'none'
+  return run === null ? atMost(most) : `${count(evaluations)}, ${atMost(most)}`
+}
 
 const atMost = (evaluations: number): string => `at most ${count(evaluations)}`
 

@@ -8,15 +8,15 @@ import { OtherCode } from './OtherCode'
 import type { Compared } from './data'
 import { runColumns } from './Picks'
 import { unreadOf } from '../trends/code'
-import { cards, figures } from '../ui/styles'
+import { cards, figures, layout } from '../ui/styles'
 import styles from './compare.module.css'
 
-export function Code({ runs, className }: { runs: Compared[]; className: string | undefined }) {
+export function Code({ runs }: { runs: Compared[] }) {
   const details = runs.map(({ run }) => run)
   const changed = changedFiles(details)
   const missing = runs.filter(({ run }) => !run.identity?.digest)
   return (
-    <Card title="Code and packages" note="As loaded at the start of the first stage" className={className} flush id="code">
+    <Card title="Code and packages" note="As loaded at the start of the first stage" className={layout.c12} flush id="code">
       <OtherCode runs={details} className={clsx(cards.note, cards.warn, styles.within)} more=" This alone may change the results. Rows that differ are marked." />
       {changed.length > 0 && otherCode(details) === null && (
         <p className={figures.fig} data-testid="changed-files">

@@ -100,12 +100,12 @@ function Compared({ comparison, all, onAll }: { comparison: Comparison; all: boo
       <Change runs={runs} />
       <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
         <div className={clsx(layout.stack, layout.c5, layout.wide)}>
-          <Results runs={runs} className="" />
+          <Results runs={runs} />
         </div>
         <div className={clsx(layout.stack, layout.c7, layout.wide)}>
-          <Definition runs={runs} rows={rows} all={all} onAll={onAll} className="" />
-          {found && <WorstParameters runs={runs} className="" />}
-          {found && <FindingMargins runs={runs} className="" />}
+          <Definition runs={runs} rows={rows} all={all} onAll={onAll} />
+          {found && <WorstParameters runs={runs} />}
+          {found && <FindingMargins runs={runs} />}
         </div>
         <Pair
           pieces={[
@@ -125,7 +125,7 @@ function Compared({ comparison, all, onAll }: { comparison: Comparison; all: boo
             unit !== null && rangesIn(runs) > 0 && ((className) => <Ranges runs={runs} className={className} />),
           ]}
         />
-        <Code runs={runs} className={layout.c12} />
+        <Code runs={runs} />
       </div>
     </>
   )

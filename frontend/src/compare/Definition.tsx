@@ -14,10 +14,9 @@ interface DefinitionProps {
   rows: Row[]
   all: boolean
   onAll: (all: boolean) => void
-  className: string | undefined
 }
 
-export function Definition({ runs, rows, all, onAll, className }: DefinitionProps) {
+export function Definition({ runs, rows, all, onAll }: DefinitionProps) {
   const differing = rows.filter((row) => row.differs)
   const shown = all ? rows : differing
   const groups = [...new Set(shown.map((row) => row.group))]
@@ -25,7 +24,6 @@ export function Definition({ runs, rows, all, onAll, className }: DefinitionProp
     <Card
       title="What differs in the definition"
       note={`${differing.length} of ${rows.length} settings; ${differing.length < rows.length ? 'all others are equal' : 'no setting is equal'}`}
-      className={className}
       flush={shown.length > 0}
       id="definition"
       right={

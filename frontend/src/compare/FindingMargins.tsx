@@ -6,7 +6,7 @@ import { type Compared, unitOf } from './data'
 import { APART, type Case, matched } from './matching'
 import { apartColumn, runColumns } from './Picks'
 
-export function FindingMargins({ runs, className }: { runs: Compared[]; className: string | undefined }) {
+export function FindingMargins({ runs }: { runs: Compared[] }) {
   const unit = unitOf(runs)
   const placed = matched(runs)
   const cases = placed ?? ranked(runs)
@@ -19,7 +19,6 @@ export function FindingMargins({ runs, className }: { runs: Compared[]; classNam
     <Card
       title="Margin of each finding"
       note={`${unit ?? 'units differ'}; ${how}`}
-      className={className}
       flush
       id="findings"
     >

@@ -27,10 +27,10 @@ interface Line {
   notes?: string[]
 }
 
-export function Results({ runs, className }: { runs: Compared[]; className: string | undefined }) {
+export function Results({ runs }: { runs: Compared[] }) {
   const two = runs.length === 2 && unitOf(runs) !== null
   return (
-    <Card title="Results" className={className} flush id="results">
+    <Card title="Results" flush id="results">
       <Table
         rows={linesOf(runs).filter(({ values }) => values.some((value) => value !== null))}
         row={({ key }) => ({ 'data-row': key })}

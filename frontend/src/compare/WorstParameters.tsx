@@ -8,11 +8,11 @@ import { Table } from '../ui/Table'
 import { type Compared, parameterOf } from './data'
 import { runColumns } from './Picks'
 
-export function WorstParameters({ runs, className }: { runs: Compared[]; className: string | undefined }) {
+export function WorstParameters({ runs }: { runs: Compared[] }) {
   const paths = [...new Set(runs.flatMap(({ parameters }) => parameters.map((p) => p.path)))]
   const rows = paths.map((path) => ({ path, parameter: parameterOf(runs, path), values: runs.map(({ run, findings }) => findings.find(({ label }) => label === worstOf(run))?.parameters[path] ?? null) }))
   return (
-    <Card title="Worst case of each run" note="Grey tick: nominal of A" className={className} flush id="worst">
+    <Card title="Worst case of each run" note="Grey tick: nominal of A" flush id="worst">
       <Table
         tight
         rows={rows}

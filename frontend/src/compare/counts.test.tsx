@@ -20,7 +20,7 @@ const RUNS = [compared('A', 0, 0), compared('B', 12, 25)]
 
 const text = (html: string) => html.replace(/<[^>]+>/g, '|').replaceAll('\u202f', ' ')
 const row = (name: string, runs = RUNS) => {
-  const found = renderToStaticMarkup(<Results runs={runs} className="" />).match(new RegExp(`<tr data-row="${name}">.*?</tr>`))
+  const found = renderToStaticMarkup(<Results runs={runs} />).match(new RegExp(`<tr data-row="${name}">.*?</tr>`))
   return text(found?.[0] ?? '').split('|').map((part) => part.trim()).filter(Boolean)
 }
 

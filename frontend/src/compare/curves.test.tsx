@@ -123,5 +123,5 @@ it('writes no margin as zero that is not, in the sentence and by finding', () =>
     })
   const runs = [one('A', -4e-7), one('B', 1)]
   expect(text(<Change runs={runs} />)).toContain('the margin goes from −4e−7 to +1.00')
-  expect(text(<FindingMargins runs={runs} className="" />)).toContain('F1 −4e−7 ')
+  expect(text(<FindingMargins runs={runs} />)).toContain('F1 −4e−7 ')
 })

@@ -60,22 +60,21 @@ export function Live({ data }: { data: RunData }) {
       </div>
       <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
         <div className={clsx(layout.stack, styles.filled, layout.c8)}>
-          <Convergence data={data} className="" height={400} />
-          <MethodsTable data={data} className="" />
+          <Convergence data={data} height={400} />
+          <MethodsTable data={data} />
         </div>
         <div className={clsx(layout.stack, styles.pair, layout.c4)}>
           <NominalWorst
             data={data}
-            className=""
             title="Best so far"
             column="Best so far"
             worst={best}
           />
-          <Improvements data={data} className="" />
+          <Improvements data={data} />
         </div>
         {hasSpace(data) && <LiveSpace data={data} />}
         {/* Shown during the run, because failures may be a reason to cancel it. */}
-        {data.evaluations && data.evaluations.failures.length > 0 && <Failures data={data} className={layout.c12} />}
+        {data.evaluations && data.evaluations.failures.length > 0 && <Failures data={data} />}
         <Notes run={run} className={layout.c12} />
       </div>
     </>
@@ -163,10 +162,10 @@ const elapsed = (run: RunDetail, now: number): number | null =>
   run.started === null ? null : Math.max(0, now - run.started)
 
 /** The last improvements of each method, newest first. */
-function Improvements({ data, className }: { data: RunData; className: string | undefined }) {
+function Improvements({ data }: { data: RunData }) {
   const rows = newestOf(data)
   return (
-    <Card title="Improvements" note="Newest first" className={className} flush={rows.length > 0}>
+    <Card title="Improvements" note="Newest first" flush={rows.length > 0}>
       {rows.length > 0 ? (
         <Newest data={data} rows={rows} />
       ) : (

@@ -58,7 +58,7 @@ const OWN: readonly Section[] = [
   section({
     id: 'trace',
     of: ({ flies, drawn }) => !flies && !drawn,
-    card: ({ data, shown, whatIf }) => <Untraced data={data} whatIf={shown ? whatIf : null} className={layout.c12} />,
+    card: ({ data, shown, whatIf }) => <Untraced data={data} whatIf={shown ? whatIf : null} />,
   }),
   section({
     id: 'cases',
@@ -72,14 +72,14 @@ const OWN: readonly Section[] = [
   section({
     id: 'trace',
     of: ({ flies, drawn }) => !flies && drawn,
-    card: ({ data }) => <Untraced data={data} className={layout.c12} />,
+    card: ({ data }) => <Untraced data={data} />,
   }),
   section({
     id: 'findings',
     of: ({ data }) => data.findings.length > 0,
     title: 'Findings',
     count: ({ data }) => data.findings.length,
-    card: ({ data, validation }) => <FindingsCard data={data} gathered={validation?.findings} className={layout.c12} />,
+    card: ({ data, validation }) => <FindingsCard data={data} gathered={validation?.findings} />,
   }),
   section({
     id: 'separation',
@@ -105,7 +105,7 @@ const OWN: readonly Section[] = [
     card: ({ data, cross, view, other, flies, few }) => (
       <div className={few || !flies ? clsx(layout.stack, styles.filled, layout.c12) : clsx(layout.stack, styles.filled, layout.c5, layout.wide)} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
         <OnceCalm>
-          <MotionCard data={data} onCross={cross} standing={view} whatIf={flies ? null : other} className="" />
+          <MotionCard data={data} onCross={cross} standing={view} whatIf={flies ? null : other} />
         </OnceCalm>
       </div>
     ),
@@ -127,7 +127,7 @@ const OWN: readonly Section[] = [
   section({
     id: 'indices',
     of: ({ sensitivity }) => (sensitivity?.morris ?? sensitivity?.sobol ? sensitivity : null),
-    card: ({ data }, result) => <IndicesCard data={data} result={result} className={layout.c12} />,
+    card: ({ data }, result) => <IndicesCard data={data} result={result} />,
   }),
   section({
     id: 'methods',
@@ -147,7 +147,7 @@ const OWN: readonly Section[] = [
     title: 'Sample',
     count: (_, { samples }) => samples,
     pieces: ({ data, grid, blocks, certified }, sample) => [
-      { height: 480, card: <SampleCard key="sample" data={data} sample={sample} grid={grid} blocks={blocks} className="" /> },
+      { height: 480, card: <SampleCard key="sample" data={data} sample={sample} grid={grid} blocks={blocks} /> },
       { height: certified ? heightOf(data) : 90, card: certified ? <ReweightCard key="reweight" data={data} /> : <NotReweighted key="reweight" /> },
     ],
   }),
@@ -158,7 +158,7 @@ const OWN: readonly Section[] = [
     pieces: ({ data }, result) => [
       {
         height: (result.violations ? 300 : 150) + 110 * casesOf(result, data.findings).length,
-        card: <ValidationCard key="validation" data={data} result={result} className="" />,
+        card: <ValidationCard key="validation" data={data} result={result} />,
       },
     ],
   }),
@@ -167,7 +167,7 @@ const OWN: readonly Section[] = [
     of: ({ validation }) => validation?.encounter,
     title: (_, { unseen }) => (unseen ? 'Encounter' : 'Effect'),
     pieces: ({ data }, encounter) => [
-      { height: 210 + 24 * (1 + data.findings.length), card: <EncounterCard key="encounter" data={data} encounter={encounter} className="" /> },
+      { height: 210 + 24 * (1 + data.findings.length), card: <EncounterCard key="encounter" data={data} encounter={encounter} /> },
     ],
   }),
   section({
@@ -176,14 +176,14 @@ const OWN: readonly Section[] = [
     pieces: ({ data }, minima) =>
       minima.map(({ position, search }) => ({
         height: 110 + 38 * rowsOf(search),
-        card: <Minima key={position} data={data} search={search} position={position} className="" />,
+        card: <Minima key={position} data={data} search={search} position={position} />,
       })),
   }),
   section({
     id: 'published',
     // No room next to a sample: its own row is lower than two columns of different height.
     of: ({ sample, published }) => !sample && published,
-    pieces: ({ data }, published) => [{ height: 130 + 44 * published, card: <Published key="published" data={data} className="" /> }],
+    pieces: ({ data }, published) => [{ height: 130 + 44 * published, card: <Published key="published" data={data} /> }],
   }),
   section({
     id: 'published',
@@ -201,7 +201,7 @@ const OWN: readonly Section[] = [
     id: 'front',
     of: ({ front }) => front,
     title: 'Pareto front',
-    card: ({ data }) => <FrontCard data={data} className={layout.c12} />,
+    card: ({ data }) => <FrontCard data={data} />,
   }),
   section({
     id: 'minima',
@@ -214,7 +214,7 @@ const OWN: readonly Section[] = [
     of: ({ data }) => data.evaluations?.failures.length,
     title: 'Without a value',
     count: ({ data }) => data.run.failed_evaluations + data.run.excluded_evaluations,
-    card: ({ data }) => <Failures data={data} className={layout.c12} />,
+    card: ({ data }) => <Failures data={data} />,
   }),
   section({
     id: 'provenance',
@@ -222,12 +222,12 @@ const OWN: readonly Section[] = [
     title: 'Provenance',
     card: ({ data }) => (
       <>
-        <Provenance data={data} className={layout.c12} />
-        <Components run={data.run} className={layout.c12} />
+        <Provenance data={data} />
+        <Components run={data.run} />
       </>
     ),
   }),
-  section({ id: 'signoff', of: ({ data }) => data.run, title: 'Sign-off', card: (_, run) => <SignoffsCard run={run} className={layout.c6} /> }),
+  section({ id: 'signoff', of: ({ data }) => data.run, title: 'Sign-off', card: (_, run) => <SignoffsCard run={run} /> }),
   section({ id: 'notes', of: ({ data }) => data.run, title: 'Notes', card: (_, run) => <Notes run={run} className={layout.c6} /> }),
 ]
 
@@ -242,16 +242,15 @@ function Cases({ data, whatIf, flown, flies, lowest, raised, sensitivity }: Page
   const { finding, chosen } = data
   return (
     <>
-      {(flown || !flies) && <WhatIfCard data={data} state={whatIf} className="" />}
+      {(flown || !flies) && <WhatIfCard data={data} state={whatIf} />}
       <NominalWorst
         data={data}
-        className=""
         title={titleOf(data)}
         note={finding || chosen === NOMINAL ? undefined : 'not validated'}
         column={chosen === NOMINAL ? null : finding ? calledOf(data) : 'Lowest'}
         worst={finding ? { ...finding, cost: finding.granted, method: finderOf(data, finding), atBounds: finding.at_bounds } : lowest}
       />
-      {raised && sensitivity && <Tornado data={data} result={sensitivity} className="" />}
+      {raised && sensitivity && <Tornado data={data} result={sensitivity} />}
     </>
   )
 }

@@ -10,7 +10,7 @@ import { ValidationCard } from './verdict/ValidationCard'
 
 const text = (html: string) => html.replace(/<[^>]+>/g, ' ').replace(/\s+/g, ' ')
 const card = (result: ValidateResult, findings: FindingDetail[]) =>
-  text(renderToStaticMarkup(<ValidationCard data={{ run: run(), stages: [], parameters: [], findings }} result={result} className="" />))
+  text(renderToStaticMarkup(<ValidationCard data={{ run: run(), stages: [], parameters: [], findings }} result={result} />))
 
 const neighbours = { flown: 200, failed: 0, lowest: 0.4, lower_by: 0.1 }
 const WORST = finding('F1', { validation: validation({ name: 'F1', violates: true, neighbours }) })

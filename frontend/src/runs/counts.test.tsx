@@ -77,7 +77,7 @@ it.each(['certify', 'certify_stated', 'search'] as const)('states what a bound r
     figures: figures(of),
     tables: boundOf(outcome),
     charts: String(boundsOf([{ x: 0, run: '', outcome }], { xTitle: '', xText: String }, 200, 's')?.lines[0]?.texts),
-    compare: renderToStaticMarkup(<Results runs={compared as unknown as Compared[]} className="" />),
+    compare: renderToStaticMarkup(<Results runs={compared as unknown as Compared[]} />),
   }
   for (const [place, html] of Object.entries(places)) expect([place, sourcesIn(html)]).toEqual([place, SOURCES[bound_source]])
 })

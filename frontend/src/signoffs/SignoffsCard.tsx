@@ -28,7 +28,7 @@ const sentence = (clause: string) => `${clause.charAt(0).toUpperCase()}${clause.
 const signoffsQuery = (run: string) =>
   queryOptions({ queryKey: ['signoffs', run], queryFn: () => getSignoffs(run), staleTime: 5_000 })
 
-export function SignoffsCard({ run, className }: { run: RunDetail; className: string | undefined }) {
+export function SignoffsCard({ run }: { run: RunDetail }) {
   const { data, error, refetch } = useQuery(signoffsQuery(run.id))
   const barred = data?.barred ? sentence(data.barred) : undefined
   const [signing, setSigning] = useState(false)
@@ -43,7 +43,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
           </>
         )
       }
-      className={className}
+      className={layout.c6}
       id="signoff"
       flush={(data?.items.length ?? 0) > 0}
       footer={

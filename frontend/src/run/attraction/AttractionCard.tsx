@@ -13,7 +13,7 @@ import { useWidth } from '../../ui/useWidth'
 import { outline, type Point } from './outline'
 import { figures } from '../../ui/styles'
 
-export function AttractionCard({ result, className }: { result: AttractionOfResult; className: string | undefined }) {
+export function AttractionCard({ result }: { result: AttractionOfResult }) {
   const { sections, states } = result
   const [chosen, choose] = useState(0)
   const named = (k: number) => states[k]?.symbol ?? ''
@@ -23,7 +23,6 @@ export function AttractionCard({ result, className }: { result: AttractionOfResu
     <Card
       title="Region of attraction about trim"
       note={section ? 'Proved for the polynomial model, not for the loop as flown' : undefined}
-      className={className}
       id="attraction"
       footer={<Spans spans={sentence(result.statement)} />}
     >

@@ -17,7 +17,7 @@ const RESULT: AttractionOfResult = {
     { states: [0, 2], proved: [1, 1, 1, 1], simulated: [1.5, 2] },
   ],
 }
-const html = (more: Partial<AttractionOfResult> = {}) => renderToStaticMarkup(<AttractionCard result={{ ...RESULT, ...more }} className="" />)
+const html = (more: Partial<AttractionOfResult> = {}) => renderToStaticMarkup(<AttractionCard result={{ ...RESULT, ...more }} />)
 
 it('draws the boundary about the trim in the units of the states', () => {
   const [x, y] = [state('u', 0.8, 0.5), state('v', 0, 2)]

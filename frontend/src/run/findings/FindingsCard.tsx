@@ -26,10 +26,9 @@ import styles from './findings.module.css'
 interface FindingsProps {
   data: RunData
   gathered: Gathered | null | undefined
-  className: string | undefined
 }
 
-export function FindingsCard({ data, gathered, className }: FindingsProps) {
+export function FindingsCard({ data, gathered }: FindingsProps) {
   const { run, findings, finding: shown, parameters, chosen } = data
   const [, change] = useAddress(run.id)
   const choose = (name: string) => change({ finding: name === worstOf(run) ? undefined : name })
@@ -44,7 +43,7 @@ export function FindingsCard({ data, gathered, className }: FindingsProps) {
     <Card
       title="Findings"
       note={`Distinct worst cases. The chosen one is shown in ${flown ? 'the flight, the table next to it and the separation' : 'the table above'}`}
-      className={className}
+      className={layout.c12}
       id="findings"
       flush
       footer={

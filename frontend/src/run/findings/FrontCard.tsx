@@ -22,7 +22,7 @@ import runStyles from '../run.module.css'
 
 const ROWS = 12
 
-export function FrontCard({ data, className }: { data: RunData; className: string | undefined }) {
+export function FrontCard({ data }: { data: RunData }) {
   const methodLook = useMethodLook()
   const { run, parameters, stages } = data
   const searches = useMemo(() => resultsWith(stages, 'front'), [stages])
@@ -56,7 +56,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
     <ChartCard
       title="Pareto front"
       note={`${count(points.length)} Pareto-optimal evaluations: no other is worse in every criterion`}
-      className={className}
+      className={layout.c12}
       id="front"
       run={run.id}
       data={table}

@@ -40,7 +40,6 @@ const GAP = 24
 
 interface MotionProps {
   data: RunData
-  className: string | undefined
   /** Called with the time under the pointer [s], which the 3D view shows. */
   onCross: (time: number) => void
   /** The result of the open what-if of a simulator. */
@@ -49,7 +48,7 @@ interface MotionProps {
   standing: Standing
 }
 
-export function MotionCard({ data, className, onCross, standing, whatIf = null }: MotionProps) {
+export function MotionCard({ data, onCross, standing, whatIf = null }: MotionProps) {
   const { run, nominalTrace, findingTrace, chosen } = data
   const [address, change] = useAddress(run.id)
   const [shown] = useShown(run.id)
@@ -77,7 +76,6 @@ export function MotionCard({ data, className, onCross, standing, whatIf = null }
     <ChartCard
       title={flies ? 'Speeds and commands' : 'Trace over time'}
       note={columns.length < all.length ? `${columns.length} of ${all.length}` : undefined}
-      className={className}
       run={run.id}
       data={() => tableOf(columns, flights, flies ? 'speeds-and-commands' : 'trace')}
       footer={flies ? FOOTER : <Called data={data} flights={flights} />}

@@ -6,7 +6,7 @@ import { sceneOf } from './declared'
 import type { WhatIfState } from './useWhatIf'
 import { WhatIfButton } from './WhatIfButton'
 import { at } from '../../format/root'
-import { cards } from '../../ui/styles'
+import { cards, layout } from '../../ui/styles'
 
 /** The reasons why cases have no trace, by name; the nominal one first. */
 export function untracedOf(data: Pick<RunData, 'stages'>): [string, string][] {
@@ -18,16 +18,15 @@ interface Props {
   data: RunData
   /** The what-if, where no other card opens it. */
   whatIf?: Pick<WhatIfState, 'whatIf' | 'toggle'> | null
-  className: string | undefined
 }
 
-export function Untraced({ data, whatIf = null, className }: Props) {
+export function Untraced({ data, whatIf = null }: Props) {
   const reasons = untracedOf(data)
   const { untraced } = data.run // names every reason
   const shown = reasons.filter(([name]) => !untraced && (name === NOMINAL || name === data.chosen))
   const scene = sceneOf(data)
   return (
-    <div className={clsx(cards.note, className)} id="trace">
+    <div className={clsx(cards.note, layout.c12)} id="trace">
       {scene ? (
         `This run evaluates a simulator. The 3D view shows what its trace declares, z ${scene.frame === 'z_up' ? 'up' : 'down'}: positions from its columns, obstacles as stated.`
       ) : (

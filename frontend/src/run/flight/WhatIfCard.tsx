@@ -24,7 +24,7 @@ import styles from './flight.module.css'
 interface Props {
   data: RunData
   state: WhatIfState
-  className: string | undefined
+  className?: string
 }
 
 export function WhatIfCard({ data, state, className }: Props) {

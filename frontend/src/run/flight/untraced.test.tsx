@@ -10,7 +10,7 @@ import { Untraced } from './Untraced'
 
 const stages = (untraced?: Record<string, string>) => [{ kind: 'nominal', result: { stage: 'nominal', cost: 1, untraced } }]
 const data = (more: object) => ({ stages: stages(), traces: [], run: { summary: null, untraced: '' }, chosen: 'F1', ...more }) as unknown as RunData
-const shown = (more: object) => renderToStaticMarkup(<Untraced data={data(more)} className="" />)
+const shown = (more: object) => renderToStaticMarkup(<Untraced data={data(more)} />)
 const column = (name: string, group: string) => ({ name, symbol: name, unit: 'm', group })
 
 it('states why there is no trace only if none is stored', () => {

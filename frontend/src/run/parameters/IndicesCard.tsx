@@ -5,16 +5,16 @@ import { words } from '../../format/spans'
 import { Card } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
+import { layout } from '../../ui/styles'
 import { type Column, Table } from '../../ui/Table'
 import type { RunData, UncertainParameter } from '../data/data'
 
 interface IndicesCardProps {
   data: RunData
   result: SlicesResult
-  className: string | undefined
 }
 
-export function IndicesCard({ data, result, className }: IndicesCardProps) {
+export function IndicesCard({ data, result }: IndicesCardProps) {
   const { run, parameters } = data
   const { morris, sobol } = result
   const effects = (head: string, name: 'mu' | 'mu_star' | 'sigma'): Column<UncertainParameter> => {
@@ -38,7 +38,7 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
       ]
         .filter(Boolean)
         .join('; ')}
-      className={className}
+      className={layout.c12}
       flush={columns.length > 0}
       footer={
         <>

@@ -17,7 +17,7 @@ type Worst = Best & { atBounds?: Record<string, string> }
 
 interface NominalWorstProps {
   data: RunData
-  className: string | undefined
+  className?: string
   title: string
   note?: string
   /** Header of the column of the other flight; null if only the nominal one is shown. */

@@ -21,7 +21,7 @@ interface Bar {
 interface TornadoProps {
   data: RunData
   result: SlicesResult
-  className: string | undefined
+  className?: string
   /** More spacing between rows, next to higher cards. */
   tall?: boolean
 }

@@ -13,7 +13,7 @@ import { cards, layout, lists } from '../../ui/styles'
 
 const Described = later(() => import('./Described'), 'Described')
 
-export function Components({ run, className }: { run: RunDetail; className: string | undefined }) {
+export function Components({ run }: { run: RunDetail }) {
   const [open, setOpen] = useState(false)
   const { data } = useQuery(componentsQuery(run.id))
   if (!data) return null
@@ -21,7 +21,7 @@ export function Components({ run, className }: { run: RunDetail; className: stri
     <Card
       title="Components"
       note={data.digest ? 'Descriptions at the start of the run' : 'As installed now'}
-      className={className}
+      className={layout.c12}
       id="components"
       right={
         <Button small aria-expanded={open} onClick={() => setOpen(!open)}>{open ? 'Hide' : 'Show'}</Button>

@@ -15,10 +15,10 @@ import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { CopyButton, save } from '../../ui/files'
 import type { RunData } from '../data/data'
-import { lists } from '../../ui/styles'
+import { layout, lists } from '../../ui/styles'
 import styles from './provenance.module.css'
 
-export function Provenance({ data, className }: { data: RunData; className: string | undefined }) {
+export function Provenance({ data }: { data: RunData }) {
   const { run } = data
   const origin = originOf(run)
   const download = useMutation({
@@ -39,7 +39,7 @@ export function Provenance({ data, className }: { data: RunData; className: stri
     <Card
       title="Provenance"
       note="What is needed to reproduce the numbers"
-      className={className}
+      className={layout.c12}
       id="provenance"
       right={
         <>

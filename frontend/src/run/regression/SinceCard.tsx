@@ -16,6 +16,7 @@ import { TextButton } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { RunLink } from '../../ui/RunLink'
 import { Spans } from '../../ui/Spans'
+import { layout } from '../../ui/styles'
 import { type Column, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { worstOf } from '../data/chosen'
@@ -38,20 +39,20 @@ const LOOK: Record<Standing, { word: string; tone: string; Icon: typeof IconEqua
 /** The name of a run: a folder of results has no page. */
 const RUN = /^R-\d+$/
 
-export function SinceCard({ data, className }: { data: Pick<RunData, 'run'>; className: string | undefined }) {
+export function SinceCard({ data }: { data: Pick<RunData, 'run'> }) {
   const { run } = data
   const [, change] = useAddress(run.id)
   const regression = run.summary?.regression
   if (!regression && !run.baseline) return null
   if (!regression) {
     const why = run.baseline?.run ? ' The run has no verdict, so nothing was compared.' : ''
-    return <Without reason={`${run.baseline?.sentence ?? ''}${why}`} className={className} />
+    return <Without reason={`${run.baseline?.sentence ?? ''}${why}`} />
   }
   return (
     <Card
       title="Since the baseline"
       note={<>Each finding of either run, matched by basin. Margins are to the threshold of this run</>}
-      className={className}
+      className={layout.c12}
       id="since"
       flush
       right={<Policy regression={regression} />}
@@ -62,9 +63,9 @@ export function SinceCard({ data, className }: { data: Pick<RunData, 'run'>; cla
   )
 }
 
-function Without({ reason, className }: { reason: string; className: string | undefined }) {
+function Without({ reason }: { reason: string }) {
   return (
-    <Card title="Since the baseline" className={className} id="since">
+    <Card title="Since the baseline" className={layout.c12} id="since">
       <p className="sec">{reason}</p>
     </Card>
   )

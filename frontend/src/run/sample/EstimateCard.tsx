@@ -18,17 +18,15 @@ interface EstimateProps {
   result: EstimationResult
   /** Which findings the modes are; null before validation, and in runs of earlier versions. */
   named: NamedModes | null
-  className: string | undefined
 }
 
-export function EstimateCard({ parameters, result, named, className }: EstimateProps) {
+export function EstimateCard({ parameters, result, named }: EstimateProps) {
   const { probability, low, high, alarms, modes, draws } = result
   const interval = probability !== null && low !== null && high !== null && { probability, low, high }
   return (
     <Card
       title="Estimate of P(violation)"
       note={draws > 0 ? `${count(draws)} weighted draws over the modes of the violations found` : undefined}
-      className={className}
       id="estimate"
       footer={
         <>

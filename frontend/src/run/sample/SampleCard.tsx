@@ -26,10 +26,9 @@ interface SampleCardProps {
   /** Simulated by the certify stage in addition to the sample. */
   grid?: GridResult | null
   blocks?: Blocks | null
-  className: string | undefined
 }
 
-export function SampleCard({ data, sample, grid, blocks, className }: SampleCardProps) {
+export function SampleCard({ data, sample, grid, blocks }: SampleCardProps) {
   const { run } = data
   const [shape, setShape] = useState<'bars' | 'curve'>('bars')
   const { distribution, quantile } = sample
@@ -45,7 +44,6 @@ export function SampleCard({ data, sample, grid, blocks, className }: SampleCard
     <ChartCard
       title={sampleTitle(data.stages, sample)}
       note={`${count(sample.samples)} samples from the stated distributions${lostOf(sample)}`}
-      className={className}
       id="sample"
       run={run.id}
       data={table}

@@ -21,7 +21,7 @@ const NAMED: NamedModes = {
   text: 'of P(violation) 74 % from F2', statement: [words('of P(violation) 74 % from F2')],
 }
 const html = (more: Partial<EstimationResult> = {}, named: NamedModes | null = NAMED) =>
-  renderToStaticMarkup(<EstimateCard parameters={parameters} result={{ ...RESULT, ...more }} named={named} className="" />)
+  renderToStaticMarkup(<EstimateCard parameters={parameters} result={{ ...RESULT, ...more }} named={named} />)
 const text = (markup: string) => markup.replace(/<[^>]+>/g, ' ').replace(/\s+/g, ' ').replace(/ \./g, '.')
 
 it('shows the interval, its sentence and the modes with their shares', () => {

@@ -17,7 +17,7 @@ import runStyles from '../run.module.css'
 
 interface ConvergenceProps {
   data: RunData
-  className: string | undefined
+  className?: string
   height: number
 }
 

@@ -15,7 +15,7 @@ import styles from './search.module.css'
 
 const FIRST = 12
 
-export function Failures({ data, className }: { data: RunData; className: string | undefined }) {
+export function Failures({ data }: { data: RunData }) {
   const { run, evaluations } = data
   const [all, setAll] = useState(false)
   const failures = evaluations?.failures ?? []
@@ -26,7 +26,7 @@ export function Failures({ data, className }: { data: RunData; className: string
     <Card
       title="Evaluations without a value"
       note={`${count(total)} of ${count(run.evaluations)}`}
-      className={className}
+      className={layout.c12}
       id="failures"
       flush
       footer={

@@ -15,7 +15,7 @@ import { rateOf, type RunData, type SearchStage, searchesOf } from '../data/data
 import { layout } from '../../ui/styles'
 import styles from './search.module.css'
 
-export function MethodsTable({ data, className, id }: { data: RunData; className: string | undefined; id?: string }) {
+export function MethodsTable({ data, className, id }: { data: RunData; className?: string; id?: string }) {
   const methodLook = useMethodLook()
   const { run } = data
   const searches = searchesOf(data)

@@ -26,7 +26,7 @@ interface MinimaProps {
   search: MinimaResult
   /** The position of its stage. */
   position: number
-  className: string | undefined
+  className?: string
   /** Starts above their ends instead of next to them, for many parameters. */
   tall?: boolean
 }

@@ -10,7 +10,7 @@ export const added: Added = {
     of: ({ data }) => resultWith(data.stages, 'contradicting'),
     title: 'Attraction',
     pieces: (_, result) => [
-      { height: result.sections.length > 0 ? 520 : 150, card: <AttractionCard key="attraction" result={result} className="" /> },
+      { height: result.sections.length > 0 ? 520 : 150, card: <AttractionCard key="attraction" result={result} /> },
     ],
   }),
 }

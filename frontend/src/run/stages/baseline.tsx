@@ -1,7 +1,6 @@
 // The section of the baseline stage: what has become of the findings that it evaluated.
 import { SinceCard } from '../regression/SinceCard'
 import { type Added, section } from '../section'
-import { layout } from '../../ui/styles'
 
 export const added: Added = {
   after: 'findings',
@@ -10,6 +9,6 @@ export const added: Added = {
     of: ({ data }) => data.run.baseline,
     title: 'Since the baseline',
     count: ({ data }) => data.run.summary?.regression?.cases.length,
-    card: ({ data }) => <SinceCard data={data} className={layout.c12} />,
+    card: ({ data }) => <SinceCard data={data} />,
   }),
 }

@@ -12,7 +12,7 @@ export const added: Added = {
     pieces: ({ data, validation }, result) => [
       {
         height: 190 + 34 * result.modes.length,
-        card: <EstimateCard key="estimate" parameters={data.parameters} result={result} named={validation?.modes ?? null} className="" />,
+        card: <EstimateCard key="estimate" parameters={data.parameters} result={result} named={validation?.modes ?? null} />,
       },
     ],
   }),

@@ -18,10 +18,9 @@ const AT: Record<ClosestApproach['at'], string> = {
 interface EncounterProps {
   data: RunData
   encounter: Encounter
-  className: string | undefined
 }
 
-export function EncounterCard({ data, encounter, className }: EncounterProps) {
+export function EncounterCard({ data, encounter }: EncounterProps) {
   const { run, findings, parameters } = data
   const { closest, beyond, moved, unseen, spread, influence } = encounter
   const quantity = <Sign text={run.quantity || 'value'} />
@@ -30,7 +29,6 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
     <Card
       title={unseen ? 'Encounter' : 'Effect of the parameters'}
       note={unseen ? 'Was the avoidance put to the test?' : 'This system models no encounter'}
-      className={className}
       id="encounter"
       right={<HelpLink to="/help/evidence" at="vacuous">Why this is checked</HelpLink>}
     >

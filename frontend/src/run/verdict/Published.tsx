@@ -33,7 +33,7 @@ function Changed({ campaign }: { campaign: Campaign }) {
   )
 }
 
-export function Published({ data, className }: { data: RunData; className: string | undefined }) {
+export function Published({ data, className }: { data: RunData; className?: string }) {
   const { run, campaign } = data
   const rows = (campaign.published ?? []).map((row) => ({ ...row, ours: oursFor(data, row) }))
   if (rows.length === 0) return null

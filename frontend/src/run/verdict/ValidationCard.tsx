@@ -20,13 +20,12 @@ import { Badge } from '../../ui/VerdictBadge'
 interface ValidationCardProps {
   data: Pick<RunData, 'run' | 'stages' | 'findings' | 'parameters'>
   result: ValidateResult
-  className: string | undefined
 }
 
 /** The checks of the verdict on what was evaluated again. */
 const CHECKS: ReadonlySet<string> = new Set(['validation', 'repetition'])
 
-export function ValidationCard({ data, result, className }: ValidationCardProps) {
+export function ValidationCard({ data, result }: ValidationCardProps) {
   const { run } = data
   const cases = casesOf(result, data.findings)
   const neighbours = cases.find((c) => c.neighbours)?.neighbours
@@ -43,7 +42,6 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
     <Card
       title="Validation"
       note={repeated ? 'The same cases evaluated again' : 'The same cases by other means'}
-      className={className}
       id="validation"
       flush={cases.length > 0}
       right={<Badge tone={passed ? 'ok' : 'unk'} Icon={passed ? IconCircleCheck : IconCircleX}>{passed ? 'Passed' : 'Not passed'}</Badge>}
